@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Branch: a family of periodic orbits in one parameter, with its special points and the reason why it ends.
+#pragma once
+
+#include <graze/continuation/special_point.hpp>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace graze {
+
+enum class BranchStop {
+  not_run,
+  reached_bound,    ///< the end of the parameter's range: the usual end
+  parameter_range,  ///< the end of what the model allows for the parameter
+  point_limit,
+  step_too_small,  ///< the corrector fails at the smallest step: see `message`
+  returned,        ///< back at its start, or at its parent branch
+  start_failed,
+  interrupted
+};
+
+std::string_view branch_stop_name(BranchStop reason);
+
+/// A point of a branch: small, but enough to start from again.
+struct BranchPoint {
+  double value = 0.0;  ///< of the continuation parameter
+  double arclength = 0.0;
+  std::vector<Vector> nodes;  ///< shooting nodes; nodes[0] is the state at phase 0
+  double duration = 0.0;
+  FloquetMultipliers multipliers;
+  Signature signature;
+  int impacts = 0;
+  bool stable = false;
+  Admissibility admissible = Admissibility::not_checked;
+  OrbitChecks checks;
+  const Vector& state() const { return nodes.front(); }
+};
+
+/// Where a branch was born: at a special point of another one.
+struct BranchParent {
+  int branch = 0;
+  std::string label;
+};
+
+struct Branch {
+  int id = 0;
+  std::optional<BranchParent> parent;
+  int period = 0;
+  int direction = 0;      ///< in which the parameter first changes: -1 or +1
+  std::string parameter;  ///< name of the continuation parameter
+  Vector parameters;      ///< values of all; the continuation parameter's is that of the start
+  std::vector<BranchPoint> points;
+  std::vector<SpecialPoint> special_points;  ///< in the order met
+  BranchStop stop = BranchStop::not_run;
+  double stop_value = 0.0;                  ///< of the parameter, at the last good point
+  std::string message;                      ///< the reason in a sentence
+  std::optional<BranchPoint> first_failed;  ///< what was tried last, where the branch broke off
+};
+
+}  // namespace graze

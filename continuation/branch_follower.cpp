@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/continuation/branch_follower.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace graze {
+
+namespace {
+
+/// Half of a doubled orbit's nodes minus the other half: zero where it has collapsed onto its parent.
+Vector antisymmetric_part(const Branch& branch, const std::vector<Vector>& nodes) {
+  const std::size_t half = nodes.size() / 2;
+  const Eigen::Index n = nodes.front().size();
+  Vector difference(n * static_cast<Eigen::Index>(half));
+  if (!branch.parent || nodes.size() % 2 != 0) return {};
+  for (std::size_t j = 0; j < half; ++j) difference.segment(static_cast<Eigen::Index>(j) * n, n) = nodes[j] - nodes[j + half];
+  return difference;
+}
+
+/// Number of real multipliers beyond -1 and beyond +1, and of complex ones outside the circle.
+std::array<int, 3> unstable_kinds(const BranchPoint& point) {
+  std::array<int, 3> count{};
+  for (const auto& mu : nontrivial(point.multipliers)) {
+    if (std::abs(mu) <= 1.0) continue;
+    ++count[mu.imag() != 0.0 ? 2 : mu.real() < 0.0 ? 0 : 1];
+  }
+  return count;
+}
+
+}  // namespace
+
+BranchFollower::BranchFollower(const HybridSystem& system, const ContinuationOptions& options, double low, double high,
+                               std::function<std::string(PointType)> label)
+    : system_(system), options_(options), low_(low), high_(high), label_(std::move(label)) {}
+
+Vector BranchFollower::at_value(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after, double value) const {
+  const double a = problem.value(before.u), b = problem.value(after.u);
+  Vector u = before.u + (value - a) / (b - a) * (after.u - before.u);
+  u[u.size() - 1] = value;
+  const NewtonReport report = correct(problem.zero_problem(), problem.parameter_direction(), u, options_.trace);
+  if (!report.converged()) return {};
+  u[u.size() - 1] = value;
+  return u;
+}
+
+void BranchFollower::mark_end(OrbitProblem& problem, const Vector& u, PointType type, Branch& branch) {
+  SpecialPoint point;
+  point.type = type;
+  point.label = label_(type);
+  NewtonReport report;
+  report.status = NewtonStatus::converged;
+  point.orbit = problem.orbit(u, report);
+  point.value = point.interval[0] = point.interval[1] = problem.value(u);
+  point.status = PointStatus::converged;
+  point.after_point = branch.points.empty() ? 0 : branch.points.size() - 1;
+  branch.special_points.push_back(std::move(point));
+}
+
+bool BranchFollower::skipped_something(const TestPoint& before, const TestPoint& after) const {
+  // Two multipliers through the same point within one step leave the test function's sign as it was.
+  const auto a = unstable_kinds(before.branch), b = unstable_kinds(after.branch);
+  return std::abs(a[0] - b[0]) > 1 || std::abs(a[1] - b[1]) > 1 || std::abs(a[2] - b[2]) > 2;
+}
+
+void BranchFollower::user_points(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after, Branch& branch) {
+  const double a = problem.value(before.u), b = problem.value(after.u);
+  std::vector<double> inside;
+  for (const double value : options_.user_values)
+    if ((a < value) != (b < value)) inside.push_back(value);
+  std::sort(inside.begin(), inside.end(), [&](double x, double y) { return a < b ? x < y : x > y; });
+  for (const double value : inside) {
+    const Vector u = at_value(problem, before, after, value);
+    if (u.size() > 0) mark_end(problem, u, PointType::UZ, branch);
+  }
+}
+
+void BranchFollower::locate(OrbitProblem& problem, const TestFunction& test, const TestPoint& before, const TestPoint& after,
+                            Branch& branch) {
+  // Close in on the sign change along the curve (Illinois), until Newton on the extended system has an easy start.
+  const ZeroProblem zero = problem.zero_problem();
+  const double length = after.curve.arclength - before.curve.arclength;
+  double lo = 0.0, hi = 1.0, f_lo = test.value(before), f_hi = test.value(after);
+  double value_lo = problem.value(before.curve.u), value_hi = problem.value(after.curve.u);
+  CurvePoint best = after.curve;
+  BranchPoint best_branch = after.branch;
+  int side = 0;
+  for (int i = 0; i < 8; ++i) {
+    const double s = std::clamp((lo * f_hi - hi * f_lo) / (f_hi - f_lo), lo + 0.01 * (hi - lo), hi - 0.01 * (hi - lo));
+    CurvePoint trial;
+    trial.u = before.curve.u + s * (after.curve.u - before.curve.u);
+    if (!correct(zero, after.curve.u - before.curve.u, trial.u, options_.trace).converged()) break;
+    trial.tangent = tangent_at(zero, trial.u, before.curve.tangent);
+    if (trial.tangent.size() == 0) break;
+    trial.arclength = before.curve.arclength + s * length;
+    const BranchPoint here = problem.branch_point(trial.u, trial.arclength);
+    if (!here.multipliers.valid) break;
+    const double f = test.value({trial, here});
+    best = trial;
+    best_branch = here;
+    if ((f < 0.0) == (f_lo < 0.0)) {
+      lo = s;
+      f_lo = f;
+      value_lo = here.value;
+      if (side == 1) f_hi *= 0.5;
+      side = 1;
+    } else {
+      hi = s;
+      f_hi = f;
+      value_hi = here.value;
+      if (side == -1) f_lo *= 0.5;
+      side = -1;
+    }
+    if (std::abs(f) < 1e-5 || hi - lo < 1e-7) break;
+  }
+  SpecialPoint point;
+  point.type = test.type;
+  point.after_point = branch.points.size() - 1;
+  point.interval[0] = std::min(value_lo, value_hi);
+  point.interval[1] = std::max(value_lo, value_hi);
+  LocatedPoint located = test.locate(problem, best.u, {best, best_branch});
+  // Newton must not have left for another point of the kind: it stays within the step that announced this one.
+  const Vector away = located.u - best.u;
+  const bool near = away.size() > 0 && std::sqrt(zero.weights.dot(away.cwiseAbs2())) <= length;
+  point.newton = located.newton;
+  if (located.newton.converged() && near) {
+    point.status = PointStatus::converged;
+    point.precision = std::max(located.precision, 4e-16 * std::abs(problem.value(located.u)));
+    point.value = problem.value(located.u);
+    point.interval[0] = point.value - point.precision;
+    point.interval[1] = point.value + point.precision;
+    point.orbit = problem.orbit(located.u, located.newton);
+    if (test.describe) test.describe(problem, located, point);
+  } else {
+    point.value = problem.value(best.u);
+    point.precision = 0.5 * (point.interval[1] - point.interval[0]);
+    NewtonReport report;
+    report.status = NewtonStatus::converged;
+    point.orbit = problem.orbit(best.u, report);
+  }
+  point.label = label_(test.type);
+  branch.special_points.push_back(std::move(point));
+}
+
+Verdict BranchFollower::monitor(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch) {
+  if (options_.cancelled && options_.cancelled()) {
+    interrupted_ = true;
+    return Verdict::stop;
+  }
+  // The end of the range: the last point lies on it.
+  Verdict verdict = Verdict::go_on;
+  const double value = problem.value(after.u), last = problem.value(before.u);
+  const double tolerance = 1e-14 * (1.0 + std::abs(high_));
+  if ((value >= high_ - tolerance && last < high_ && value > last) ||
+      (value <= low_ + tolerance && last > low_ && value < last)) {
+    const double bound = value > last ? high_ : low_;
+    const Vector u = at_value(problem, before, after, bound);
+    if (u.size() == 0) return Verdict::reject;
+    const double length = after.arclength - before.arclength;
+    after.arclength = before.arclength + length * std::clamp((bound - last) / (value - last), 0.0, 1.0);
+    after.u = u;
+    after.tangent = tangent_at(problem.zero_problem(), u, before.tangent);
+    if (after.tangent.size() == 0) return Verdict::reject;
+    verdict = Verdict::stop;
+  }
+  BranchPoint point = problem.branch_point(after.u, after.arclength);
+  if (!point.multipliers.valid) return Verdict::reject;
+  const TestPoint a{before, branch.points.back()}, b{after, point};
+  if (skipped_something(a, b)) return Verdict::reject;
+  const Vector difference = antisymmetric_part(branch, branch.points.back().nodes);
+  if (difference.size() > 0 && difference.dot(antisymmetric_part(branch, point.nodes)) < 0.0) {
+    returned_ = true;
+    return Verdict::stop;
+  }
+  for (const TestFunction& test : test_functions()) {
+    const double f_a = test.value(a), f_b = test.value(b);
+    if (std::isfinite(f_a) && std::isfinite(f_b) && (f_a < 0.0) != (f_b < 0.0) && test.confirm(a, b))
+      locate(problem, test, a, b, branch);
+  }
+  user_points(problem, before, after, branch);
+  branch.points.push_back(std::move(point));
+  if (options_.progress) options_.progress(branch);
+  return verdict;
+}
+
+void BranchFollower::follow(OrbitProblem& problem, const Vector& u0, const Vector& orientation, Branch& branch) {
+  interrupted_ = returned_ = false;
+  const ZeroProblem zero = problem.zero_problem();
+  const auto begin = [&](const Vector& u) {
+    branch.points.push_back(problem.branch_point(u, 0.0));
+    mark_end(problem, u, PointType::EP, branch);
+  };
+  const Curve curve = trace(zero, u0, orientation, options_.trace, [&](const CurvePoint& before, CurvePoint& after) {
+    if (branch.points.empty()) begin(before.u);
+    return monitor(problem, before, after, branch);
+  });
+  if (curve.points.empty()) {
+    branch.stop = BranchStop::start_failed;
+    branch.message = "the first point did not converge: " + curve.failure;
+    return;
+  }
+  if (branch.points.empty()) begin(curve.points.front().u);
+  branch.direction = branch.points.size() > 1 && branch.points[1].value < branch.points[0].value ? -1 : 1;
+  const BranchPoint& end = branch.points.back();
+  branch.stop_value = end.value;
+  const auto stop = [&](BranchStop reason, std::string message) {
+    branch.stop = reason;
+    branch.message = std::move(message);
+  };
+  switch (curve.stop) {
+  case TraceStop::monitor:
+    if (interrupted_) {
+      stop(BranchStop::interrupted, "it was interrupted");
+    } else if (returned_) {
+      stop(BranchStop::returned,
+           fmt::format("the doubled orbit has returned to its parent near {} = {:.12g}", branch.parameter, end.value));
+    } else {
+      stop(BranchStop::reached_bound,
+           fmt::format("the end of the range, {} = {:.12g}, was reached", branch.parameter, end.value));
+    }
+    break;
+  case TraceStop::closed:
+    stop(BranchStop::returned, "the branch is closed: it is back at its start");
+    break;
+  case TraceStop::point_limit:
+    stop(BranchStop::point_limit, fmt::format("{} points were computed, the limit", branch.points.size()));
+    break;
+  default: {
+    double slowest = std::numeric_limits<double>::infinity();
+    const PeriodicOrbit last = problem.orbit(problem.pack(end.nodes, end.duration, end.value), {});
+    for (const EventRecord& event : last.events) slowest = std::min(slowest, event.normal_speed);
+    std::string message = fmt::format("no point is found beyond {} = {:.12g} even with the smallest step ({})", branch.parameter,
+                                      end.value, curve.failure);
+    if (slowest < 0.05) message += fmt::format("; the slowest impact there has speed {:.3g}: a grazing is near", slowest);
+    stop(BranchStop::step_too_small, message);
+    if (curve.first_failed) {
+      BranchPoint failed;
+      const Vector& u = *curve.first_failed;
+      failed.value = problem.value(u);
+      for (int j = 0; j < problem.nodes(); ++j) failed.nodes.emplace_back(u.segment(j * problem.states(), problem.states()));
+      failed.duration = end.duration;
+      branch.first_failed = std::move(failed);
+    }
+  }
+  }
+  const PointType type = branch.stop == BranchStop::step_too_small ? PointType::MX : PointType::EP;
+  mark_end(problem, problem.pack(end.nodes, end.duration, end.value), type, branch);
+}
+
+}  // namespace graze

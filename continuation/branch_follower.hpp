@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// BranchFollower: one branch of orbits from its first point to its end: the tracer's monitor that turns curve points into branch
+// points, evaluates the test functions, locates what they announce, and knows the ends of the parameter's range.
+#pragma once
+
+#include <graze/continuation/continuation.hpp>
+#include <graze/continuation/test_functions/test_function.hpp>
+
+namespace graze {
+
+class BranchFollower {
+ public:
+  /// `low`, `high`: the range of the parameter. `label` gives the next label of a type.
+  BranchFollower(const HybridSystem& system, const ContinuationOptions& options, double low, double high,
+                 std::function<std::string(PointType)> label);
+
+  /// Follows the branch through `u0` in the direction of `orientation`, into `branch` (id, parent, period and parameters are
+  /// set).
+  void follow(OrbitProblem& problem, const Vector& u0, const Vector& orientation, Branch& branch);
+
+ private:
+  Verdict monitor(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
+  bool skipped_something(const TestPoint& before, const TestPoint& after) const;
+  void locate(OrbitProblem& problem, const TestFunction& test, const TestPoint& before, const TestPoint& after, Branch& branch);
+  void user_points(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after, Branch& branch);
+  void mark_end(OrbitProblem& problem, const Vector& u, PointType type, Branch& branch);
+  Vector at_value(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after, double value) const;
+
+  const HybridSystem& system_;
+  const ContinuationOptions& options_;
+  double low_, high_;
+  std::function<std::string(PointType)> label_;
+  bool interrupted_ = false, returned_ = false;
+};
+
+}  // namespace graze

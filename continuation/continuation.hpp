@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Following periodic orbits in a parameter: the branch through an orbit, and the branches born on it.
+#pragma once
+
+#include <graze/continuation/branch.hpp>
+#include <graze/continuation/trace.hpp>
+#include <graze/floquet/shooting.hpp>
+
+#include <functional>
+
+namespace graze {
+
+struct ContinuationOptions {
+  std::string parameter = "eta";
+  double to = 0.0;             ///< the branch is followed until the parameter gets here
+  std::optional<double> from;  ///< other end of the range, for branches that turn or are born on the way; empty: the start
+  int switch_generations = 1;  ///< generations of period-doubled branches that are followed
+  int max_branches = 64;
+  bool both_directions = false;  ///< also follow the first branch the other way, as far as the range goes
+  TraceOptions trace;
+  ShootingOptions shooting;
+  std::vector<double> user_values;  ///< parameter values at which a point of type UZ is wanted
+  std::function<bool()> cancelled;
+  /// Called after each point with the branch so far.
+  std::function<void(const Branch&)> progress;
+};
+
+/// The branch through `orbit` and, generation after generation, those born at its period doublings. Branch ids count from 1.
+/// @throws std::invalid_argument for a parameter the system does not have, or a range outside what the model allows.
+std::vector<Branch> continue_orbit(const HybridSystem& system, const PeriodicOrbit& orbit, const ContinuationOptions& options);
+
+/// What locate found, or why not.
+struct LocateResult {
+  std::optional<SpecialPoint> point;
+  std::string message;  ///< where point is empty: what was found instead
+};
+
+/// One special point of the given type on the branch through `orbit`, the one whose parameter value lies nearest to `near`;
+/// the branch is searched both ways within near +- reach.
+LocateResult locate(const HybridSystem& system, const PeriodicOrbit& orbit, PointType type, double near, double reach,
+                    const ContinuationOptions& options);
+
+/// Invariants that every branch must satisfy; one sentence per violation, empty if all hold: points re-satisfy the equations,
+/// arclength grows, stored stability equals recomputed, special points lie in their interval, the unstable count jumps across
+/// them.
+std::vector<std::string> check_branch(const HybridSystem& system, const Branch& branch);
+
+}  // namespace graze

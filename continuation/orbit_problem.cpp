@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/continuation/orbit_problem.hpp>
+
+#include <cmath>
+#include <stdexcept>
+
+namespace graze {
+
+OrbitProblem::OrbitProblem(const HybridSystem& system, const Vector& p, int period, int nodes, std::size_t parameter,
+                           double scale, const FlowOptions& options)
+    : equations_(system, p, period, nodes, parameter, options), p_(p), parameter_(parameter), scale_(scale) {}
+
+Vector OrbitProblem::pack(const std::vector<Vector>& nodes, double duration, double value) const {
+  Vector u(unknowns());
+  const int n = states();
+  for (int j = 0; j < this->nodes(); ++j) u.segment(j * n, n) = nodes[static_cast<std::size_t>(j)];
+  if (equations_.autonomous()) u[n * this->nodes()] = duration;
+  u[u.size() - 1] = value;
+  return u;
+}
+
+Vector OrbitProblem::parameter_direction() const { return Vector::Unit(unknowns(), unknowns() - 1); }
+
+bool OrbitProblem::evaluate(const Vector& u, const TransitionOptions& options) {
+  p_[static_cast<Eigen::Index>(parameter_)] = value(u);
+  try {
+    equations_.set_parameters(p_);
+  } catch (const std::invalid_argument& refused) {
+    failure_ = refused.what();
+    return false;
+  }
+  if (equations_.evaluate(u.head(u.size() - 1), options)) return true;
+  failure_ = termination_text(equations_.failure());
+  return false;
+}
+
+std::string OrbitProblem::failure() const { return failure_; }
+
+bool OrbitProblem::residual(const Vector& u, Vector& residual, Matrix* jacobian) {
+  if (!evaluate(u, {.sensitivity = jacobian ? Sensitivity::state_and_parameters : Sensitivity::none})) return false;
+  equations_.residual(u.head(u.size() - 1), residual);
+  if (jacobian) equations_.jacobian(*jacobian);
+  return residual.allFinite() && (!jacobian || jacobian->allFinite());
+}
+
+ZeroProblem OrbitProblem::zero_problem() {
+  ZeroProblem problem;
+  problem.unknowns = unknowns();
+  problem.evaluate = [this](const Vector& u, Vector& r, Matrix* J) { return residual(u, r, J); };
+  problem.failure = [this] { return failure(); };
+  // Mean over the nodes, so that arclength does not grow with their number.
+  problem.weights = Vector::Constant(unknowns(), 1.0 / nodes());
+  problem.weights[unknowns() - 1] = 1.0 / (scale_ * scale_);
+  return problem;
+}
+
+PeriodicOrbit OrbitProblem::orbit(const Vector& u, NewtonReport report) {
+  p_[static_cast<Eigen::Index>(parameter_)] = value(u);
+  equations_.set_parameters(p_);
+  if (equations_.autonomous()) equations_.set_phase_reference(u.head(states()));
+  return describe_orbit(equations_, u.head(u.size() - 1), std::move(report));
+}
+
+BranchPoint OrbitProblem::branch_point(const Vector& u, double arclength) {
+  NewtonReport accepted;
+  accepted.status = NewtonStatus::converged;
+  return to_branch_point(orbit(u, accepted), value(u), arclength);
+}
+
+BranchPoint to_branch_point(const PeriodicOrbit& orbit, double value, double arclength) {
+  BranchPoint point;
+  point.value = value;
+  point.arclength = arclength;
+  point.nodes = orbit.nodes;
+  point.duration = orbit.duration;
+  point.multipliers = orbit.multipliers;
+  point.signature = orbit.signature;
+  point.impacts = orbit.impacts;
+  point.stable = orbit.stable();
+  point.admissible = orbit.admissible;
+  point.checks = orbit.checks;
+  return point;
+}
+
+Eigen::MatrixXcd OrbitProblem::cyclic(std::complex<double> sigma) const {
+  const int n = states(), N = nodes();
+  Eigen::MatrixXcd K = Eigen::MatrixXcd::Zero(n * N, n * N);
+  for (int j = 0; j < N; ++j) {
+    K.block(j * n, j * n, n, n) += equations_.stretch(j).Phi.cast<std::complex<double>>();
+    const std::complex<double> link = j + 1 < N ? 1.0 : sigma;
+    K.block(j * n, (j + 1) % N * n, n, n).diagonal().array() -= link;
+  }
+  return K;
+}
+
+Eigen::VectorXcd OrbitProblem::cyclic_derivative(const Vector& u, const Eigen::VectorXcd& w, const Eigen::VectorXcd& v) {
+  const int n = states(), N = nodes();
+  Eigen::VectorXcd derivative = Eigen::VectorXcd::Zero(unknowns());
+  const auto form = [&](int j, const Matrix& Phi) -> std::complex<double> {
+    return w.segment(j * n, n).dot(Phi.cast<std::complex<double>>() * v.segment(j * n, n));
+  };
+  const TransitionOptions tangent{.sensitivity = Sensitivity::state};
+  // A node moves one stretch only; the parameter (and the duration) all of them.
+  if (!evaluate(u, tangent)) return derivative;
+  Transition moved;
+  for (int j = 0; j < N; ++j) {
+    const Vector shortened = u.head(u.size() - 1);
+    const double start = equations_.node_time(shortened, j), length = equations_.duration(shortened) / N;
+    for (int k = 0; k < n; ++k) {
+      std::complex<double> side[2];
+      const double h = 1e-5 * (1.0 + std::abs(u[j * n + k]));
+      bool defined = true;
+      for (int s = 0; s < 2; ++s) {
+        Vector x = equations_.node(u, j);
+        x[k] += s == 0 ? h : -h;
+        carry(equations_.propagator(), start, start + length, x, tangent, moved);
+        defined = defined && moved.termination == Termination::time;
+        if (defined) side[s] = form(j, moved.Phi);
+      }
+      if (defined) derivative[j * n + k] = (side[0] - side[1]) / (2.0 * h);
+    }
+  }
+  for (Eigen::Index i = n * N; i < unknowns(); ++i) {
+    std::complex<double> side[2] = {0.0, 0.0};
+    const double h = 1e-6 * (1.0 + std::abs(u[i]));
+    bool defined = true;
+    for (int s = 0; s < 2 && defined; ++s) {
+      Vector shifted = u;
+      shifted[i] += s == 0 ? h : -h;
+      defined = evaluate(shifted, tangent);
+      for (int j = 0; j < N && defined; ++j) side[s] += form(j, equations_.stretch(j).Phi);
+    }
+    if (defined) derivative[i] = (side[0] - side[1]) / (2.0 * h);
+  }
+  evaluate(u, tangent);
+  return derivative;
+}
+
+}  // namespace graze

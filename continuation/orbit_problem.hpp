@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// OrbitProblem: periodic orbits in one parameter as a ZeroProblem. Unknowns u = (x_0, ..., x_{N-1} [, D], value), H the shooting
+// equations. It also knows the linear problem behind every bifurcation of maps: the cyclic matrix
+//     K(sigma) v = (Phi_j v_j - v_{j+1}, j < N - 1;  Phi_{N-1} v_{N-1} - sigma v_0),   singular where sigma is a multiplier.
+#pragma once
+
+#include <graze/continuation/branch.hpp>
+#include <graze/continuation/zero_problem.hpp>
+#include <graze/floquet/shooting.hpp>
+
+#include <complex>
+
+namespace graze {
+
+class OrbitProblem {
+ public:
+  /// `scale`: length by which changes of the parameter are measured in the arclength (usually the range that is followed).
+  OrbitProblem(const HybridSystem& system, const Vector& p, int period, int nodes, std::size_t parameter, double scale,
+               const FlowOptions& options = {});
+
+  Eigen::Index unknowns() const { return equations_.unknowns() + 1; }
+  int period() const { return equations_.period(); }
+  int nodes() const { return equations_.nodes(); }
+  int states() const { return equations_.states(); }
+  ShootingEquations& equations() { return equations_; }
+  const HybridSystem& system() const { return equations_.system(); }
+  std::size_t parameter() const { return parameter_; }
+  double scale() const { return scale_; }
+
+  Vector pack(const std::vector<Vector>& nodes, double duration, double value) const;
+  double value(const Vector& u) const { return u[u.size() - 1]; }
+  /// Direction in which only the parameter changes.
+  Vector parameter_direction() const;
+
+  /// Sets the parameter and evaluates the stretches; false where that is not possible (see failure()).
+  bool evaluate(const Vector& u, const TransitionOptions& options);
+  bool residual(const Vector& u, Vector& residual, Matrix* jacobian);
+  ZeroProblem zero_problem();
+  std::string failure() const;
+
+  /// The orbit at u with everything known of it, and the small record of it that a branch keeps.
+  PeriodicOrbit orbit(const Vector& u, NewtonReport report);
+  BranchPoint branch_point(const Vector& u, double arclength);
+
+  /// K(sigma) from the stretches evaluated last.
+  Eigen::MatrixXcd cyclic(std::complex<double> sigma) const;
+  /// w^H (dK/du_i) v for every unknown u_i (the value last), by central differences of the stretches at u.
+  Eigen::VectorXcd cyclic_derivative(const Vector& u, const Eigen::VectorXcd& w, const Eigen::VectorXcd& v);
+
+ private:
+  ShootingEquations equations_;
+  Vector p_;
+  std::size_t parameter_;
+  double scale_;
+  std::string failure_;
+};
+
+/// The record of an orbit that a branch keeps.
+BranchPoint to_branch_point(const PeriodicOrbit& orbit, double value, double arclength);
+
+}  // namespace graze

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// TestFunction: the door where a new bifurcation enters: a scalar along a branch whose sign change announces a special point, a
+// confirmation, and the extended system by which the point is located.
+//
+// To add one: a file in this folder that makes a TestFunction, and one line in test_functions().
+#pragma once
+
+#include <graze/continuation/branch.hpp>
+#include <graze/continuation/multiplier_condition.hpp>
+#include <graze/continuation/trace.hpp>
+
+#include <vector>
+
+namespace graze {
+
+/// What a test function may look at: a point of the curve with its multipliers.
+struct TestPoint {
+  const CurvePoint& curve;
+  const BranchPoint& branch;
+};
+
+struct TestFunction {
+  PointType type = PointType::MX;
+  const char* summary = "";
+  /// The scalar; its sign change announces the point.
+  double (*value)(const TestPoint& point) = nullptr;
+  /// After a sign change: is it this bifurcation?
+  bool (*confirm)(const TestPoint& before, const TestPoint& after) = nullptr;
+  /// Newton on the extended system from u; `near` is a point close by.
+  LocatedPoint (*locate)(OrbitProblem& problem, const Vector& u, const TestPoint& near) = nullptr;
+  /// Adds details to the located point; may be empty.
+  void (*describe)(OrbitProblem& problem, const LocatedPoint& located, SpecialPoint& point) = nullptr;
+};
+
+TestFunction fold_test();
+TestFunction period_doubling_test();
+TestFunction branch_point_test();
+TestFunction neimark_sacker_test();
+
+/// All test functions, in the order in which they are evaluated.
+const std::vector<TestFunction>& test_functions();
+
+/// Nontrivial multipliers of a point.
+std::vector<std::complex<double>> nontrivial(const FloquetMultipliers& multipliers);
+
+}  // namespace graze

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/continuation/test_functions/test_function.hpp>
+
+namespace graze {
+
+const std::vector<TestFunction>& test_functions() {
+  static const std::vector<TestFunction> list = {fold_test(), period_doubling_test(), branch_point_test(), neimark_sacker_test()};
+  return list;
+}
+
+std::vector<std::complex<double>> nontrivial(const FloquetMultipliers& multipliers) {
+  return {multipliers.values.begin(),
+          multipliers.values.end() - std::min<std::ptrdiff_t>(multipliers.trivial, std::ssize(multipliers.values))};
+}
+
+}  // namespace graze

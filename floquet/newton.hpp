@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How a Newton iteration went: part of every result that comes from one.
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+namespace graze {
+
+enum class NewtonStatus { not_run, converged, iteration_limit, stalled, evaluation_failed, singular };
+
+std::string_view newton_status_text(NewtonStatus status);
+
+struct NewtonReport {
+  NewtonStatus status = NewtonStatus::not_run;
+  std::vector<double> residual_history;  ///< largest residual before each step and after the last, relative to 1 + |x|
+  bool converged() const { return status == NewtonStatus::converged; }
+  int iterations() const { return residual_history.empty() ? 0 : static_cast<int>(residual_history.size()) - 1; }
+  double residual() const { return residual_history.empty() ? -1.0 : residual_history.back(); }
+};
+
+}  // namespace graze

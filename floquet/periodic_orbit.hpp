@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// PeriodicOrbit: one orbit with everything that is known of it.
+#pragma once
+
+#include <graze/floquet/multipliers.hpp>
+#include <graze/floquet/newton.hpp>
+#include <graze/floquet/signature.hpp>
+#include <graze/lib/trajectory.hpp>
+
+#include <optional>
+
+namespace graze {
+
+enum class Admissibility { not_checked, admissible, inadmissible };
+
+/// A finite-difference monodromy matrix beside the variational one; not applicable where a step of useful size leaves the
+/// signature (at a grazing).
+struct FiniteDifferenceCheck {
+  bool applicable = false;
+  double disagreement = 0.0;    ///< max|M - M_fd| / (1 + max|M|)
+  double error_estimate = 0.0;  ///< of the Richardson extrapolation, on the same scale
+};
+
+/// Proofs that come with an orbit; every number is a relative error.
+struct OrbitChecks {
+  double residual = -1.0;   ///< largest mismatch of the shooting stretches / (1 + |x|)
+  double liouville = -1.0;  ///< |sum of ln|det| - Liouville's identity|; -1: not applicable (a factor of deficient rank)
+  std::optional<FiniteDifferenceCheck> finite_difference;  ///< on request
+};
+
+struct PeriodicOrbit {
+  Vector parameters;
+  int period = 0;             ///< n forcing periods; 1 for an autonomous orbit
+  double duration = 0.0;      ///< n T, dimensionless time
+  Vector state;               ///< at forcing phase 0
+  std::vector<Vector> nodes;  ///< shooting nodes, equally spaced in time; nodes[0] = state
+  Signature signature;
+  int impacts = 0;  ///< p of z = p/n
+  NewtonReport newton;
+  Admissibility admissible = Admissibility::not_checked;
+  std::vector<EventRecord> events;  ///< along the orbit; times run on from phase 0 to `duration`
+  MonodromyMatrix monodromy;        ///< factors of M over the orbit
+  FloquetMultipliers multipliers;
+  OrbitChecks checks;
+
+  bool converged() const { return newton.converged(); }
+  bool stable() const { return multipliers.stable(); }
+};
+
+}  // namespace graze

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Global search for all orbits of period n in a box of states at forcing phase 0, unstable ones included.
+//
+// Starts come from a low-discrepancy sequence over the box and from NLopt (multi-level single linkage, MLSL, over
+// |P^n(x) - x|^2); each is polished by Newton. The search ends when `patience` consecutive starts have brought nothing new.
+// Duplicates (an orbit met at another of its n phases) and multiples of shorter orbits are dropped.
+#pragma once
+
+#include <graze/floquet/shooting.hpp>
+
+#include <functional>
+
+namespace graze {
+
+struct SearchOptions {
+  Vector lower, upper;  ///< the box; empty: around the motion from rest, see search_box
+  unsigned seed = 1;
+  int patience = 2000;  ///< starts without a new orbit after which the search ends
+  int max_starts = 40000;
+  std::function<bool()> cancelled;
+  std::function<void(int starts, int orbits)> progress;
+  ShootingOptions shooting;
+};
+
+struct SearchResult {
+  std::vector<PeriodicOrbit>
+      orbits;             ///< by decreasing stability: stable first, then by largest multiplier; inadmissible ones marked
+  int starts = 0;         ///< Newton iterations started
+  int converged = 0;      ///< of them, how many converged to any orbit of the period or a divisor
+  bool complete = false;  ///< ended by patience, not by max_starts or cancellation
+};
+
+/// A box that holds the bounded motions: from a settled run and the size of the forced response.
+std::pair<Vector, Vector> search_box(const HybridSystem& system, const Vector& p, const FlowOptions& options = {});
+
+/// All orbits of least period `period` found in the box. @throws std::invalid_argument for an empty box or an autonomous system.
+SearchResult search_orbits(const HybridSystem& system, const Vector& p, int period, const SearchOptions& options = {});
+
+}  // namespace graze

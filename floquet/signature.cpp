@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/signature.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace graze {
+
+int impacts(const HybridSystem& system, const Signature& signature) {
+  return static_cast<int>(std::count_if(signature.events.begin(), signature.events.end(), [&](std::size_t event) {
+    const EventKind kind = system.events[event].kind;
+    return kind == EventKind::impact || kind == EventKind::enter;
+  }));
+}
+
+std::string label(int impacts, int period) { return fmt::format("{}/{}", impacts, period); }
+
+}  // namespace graze

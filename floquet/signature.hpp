@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Signature: what an orbit meets on its way, in order: the starting mode and the sequence of events. Prints as z = p/n.
+#pragma once
+
+#include <graze/lib/hybrid_system.hpp>
+
+#include <string>
+#include <vector>
+
+namespace graze {
+
+struct Signature {
+  std::size_t mode = 0;             ///< at phase 0
+  std::vector<std::size_t> events;  ///< indices in HybridSystem::events, in order
+  bool operator==(const Signature&) const = default;
+};
+
+/// Number of impacts (hard) or entries into contact (soft).
+int impacts(const HybridSystem& system, const Signature& signature);
+
+/// "p/n".
+std::string label(int impacts, int period);
+
+}  // namespace graze

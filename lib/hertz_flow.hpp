@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// HertzFlow: a passage through Hertz contact in regularising variables. With y = sqrt(x - r) and dt = y ds,
+//     dy/ds = v/2,   dt/ds = y,   dv/ds = y (xi cos(eta t) - 2 b v - x - beta x^3 - k_H y^3 (1 + b_H v)),   x = r + y^2,
+// analytic through entry and exit, which are the simple root y = 0; grazing is the equilibrium (0, 0). The tangent is carried in
+// (x, v) at fixed time, dPhi/ds = y A Phi, dPsi/ds = y (A Psi + f_p), which is regular there. Integrated by RK8(7)13M with the
+// step capped at a fraction of the shortest possible contact, pi sqrt(2/|a|) in s, so that none is stepped over.
+#pragma once
+
+#include <graze/lib/flow.hpp>
+
+namespace graze {
+
+class HertzFlow {
+ public:
+  HertzFlow(const HybridSystem& system, std::size_t mode, std::span<const std::size_t> active, const HertzContact& contact,
+            const FlowOptions& options);
+
+  /// The mode's only event must be leaving through x = r.
+  static bool applies(const HybridSystem& system, std::size_t mode, const HertzContact& contact);
+
+  void carry(const FlowTask& task, const Vector& x0, Segment& out) const;
+  void field(double t, const Vector& x, Vector& out) const;
+
+ private:
+  template <std::size_t Columns> void carry_with(const FlowTask& task, const Vector& x0, bool tangent, Segment& out) const;
+
+  HertzContact contact_;
+  FlowOptions options_;
+  std::size_t leave_ = 0;                           // the event
+  std::vector<std::size_t> coefficient_of_active_;  // HertzContact::count: the field does not depend on it
+};
+
+}  // namespace graze

@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/lib/linear_flow.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace graze {
+
+namespace {
+
+using Matrix2 = Eigen::Matrix2d;
+using Vector2 = Eigen::Vector2d;
+
+/// C = cos(sqrt(q2) s), S = sin(sqrt(q2) s)/sqrt(q2), continued to q2 <= 0.
+struct Circular {
+  double C, S;
+};
+
+Circular circular(double q2, double s) {
+  const double z = q2 * s * s;
+  if (std::abs(z) < 1e-4) {  // series: the next terms are below 1e-18
+    return {1.0 - z / 2 * (1.0 - z / 12 * (1.0 - z / 30)), s * (1.0 - z / 6 * (1.0 - z / 20 * (1.0 - z / 42)))};
+  }
+  const double q = std::sqrt(std::abs(q2));
+  return q2 > 0.0 ? Circular{std::cos(q * s), std::sin(q * s) / q} : Circular{std::cosh(q * s), std::sinh(q * s) / q};
+}
+
+/// dS/d(q2) = (s C - S) / (2 q2), by series where that cancels.
+double dS_dq2(double q2, double s, const Circular& f) {
+  const double z = q2 * s * s;
+  if (std::abs(z) > 0.1) return (s * f.C - f.S) / (2.0 * q2);
+  double term = -s * s * s / 6.0, sum = 0.0;  // d/dq2 of sum_k (-q2)^k s^(2k+1)/(2k+1)!
+  for (int k = 1; k < 12; ++k) {
+    sum += term * k;
+    term *= -z / ((2.0 * k + 2.0) * (2.0 * k + 3.0));
+  }
+  return sum;
+}
+
+/// True if the polynomial with power coefficients a_0 ... a_N in h is <= 0 on all of [0, H] and < 0 at H, shown by its Bernstein
+/// coefficients (it lies in their convex hull).
+template <int N> bool stays_below_zero(const std::array<double, N + 1>& a, double H) {
+  std::array<double, N + 1> scaled{};  // a_k H^k / binomial(N, k)
+  double power = 1.0, binomial = 1.0;
+  for (int k = 0; k <= N; ++k) {
+    scaled[static_cast<std::size_t>(k)] = a[static_cast<std::size_t>(k)] * power / binomial;
+    power *= H;
+    binomial = binomial * (N - k) / (k + 1);
+  }
+  // b_j = sum_{k <= j} binomial(j, k) scaled_k, formed by repeated partial sums.
+  double last = 0.0;
+  for (int j = 0; j <= N; ++j) {
+    double sum = 0.0, c = 1.0;
+    for (int k = 0; k <= j; ++k) {
+      sum += c * scaled[static_cast<std::size_t>(k)];
+      c = c * (j - k) / (k + 1);
+    }
+    if (!(sum <= 0.0)) return false;
+    last = sum;
+  }
+  return last < 0.0;
+}
+
+}  // namespace
+
+struct LinearFlow::Point {
+  double x, v, a, j;
+};
+
+struct LinearFlow::Flight {
+  double t0;
+  double d, e;  // deviation from the particular solution at t0: position and speed
+};
+
+bool LinearFlow::applies(const HybridSystem& system, std::size_t mode, std::span<const std::size_t> active,
+                         const LinearOscillator& oscillator) {
+  if (system.states != 2 || !(oscillator.stiffness > 0.0) || oscillator.damping < 0.0) return false;
+  const double detuning = oscillator.stiffness - oscillator.frequency * oscillator.frequency;
+  const double drag = 2.0 * oscillator.damping * oscillator.frequency;
+  // Near undamped resonance x_p grows without bound and cancels against the transient.
+  if (oscillator.amplitude != 0.0 && detuning * detuning + drag * drag < 1e-6 * oscillator.stiffness * oscillator.stiffness)
+    return false;
+  for (const Event& event : system.events)
+    if (event.from == mode && !(event.guard.level && event.guard.level->coordinate == 0)) return false;
+  return std::none_of(active.begin(), active.end(), [&](std::size_t k) {
+    const auto& list = oscillator.not_differentiable_in;
+    return std::find(list.begin(), list.end(), k) != list.end();
+  });
+}
+
+LinearFlow::LinearFlow(const HybridSystem& system, std::size_t mode, const Vector& p, std::span<const std::size_t> active,
+                       const LinearOscillator& oscillator)
+    : coefficient_(oscillator) {
+  const double b = oscillator.damping, k = oscillator.stiffness, A = oscillator.amplitude, w = oscillator.frequency;
+  q2_ = k - b * b;
+  const double detuning = k - w * w, drag = 2.0 * b * w;
+  const double D = detuning * detuning + drag * drag;
+  const double inverse = D > 0.0 ? 1.0 / D : 0.0;  // D = 0 only without forcing, see applies()
+  const double c_unit = detuning * inverse, s_unit = drag * inverse;
+  cosine_ = A * c_unit;
+  sine_ = A * s_unit;
+  offset_ = oscillator.constant / k;
+  // d(detuning, drag)/d(b, k, w) = (0, 2w), (1, 0), (-2w, 2b); D' = 2 (detuning detuning' + drag drag').
+  const auto add = [&](int column, double detuning_d, double drag_d) {
+    const double D_d = 2.0 * (detuning * detuning_d + drag * drag_d) * inverse;
+    particular_dq_(0, column) = A * inverse * detuning_d - cosine_ * D_d;
+    particular_dq_(1, column) = A * inverse * drag_d - sine_ * D_d;
+  };
+  particular_dq_.setZero();
+  add(0, 0.0, 2.0 * w);
+  add(1, 1.0, 0.0);
+  particular_dq_(2, 1) = -offset_ / k;
+  particular_dq_(0, 2) = c_unit;
+  particular_dq_(1, 2) = s_unit;
+  add(3, -2.0 * w, 2.0 * b);
+  particular_dq_(2, 4) = 1.0 / k;
+  active_dp_ = Matrix::Zero(5, static_cast<Eigen::Index>(active.size()));
+  for (std::size_t i = 0; i < active.size(); ++i)
+    active_dp_.col(static_cast<Eigen::Index>(i)) = oscillator.dp.col(static_cast<Eigen::Index>(active[i]));
+  for (std::size_t i = 0; i < system.events.size(); ++i) {
+    const Event& event = system.events[i];
+    if (event.from == mode)
+      barriers_.push_back({i, event.guard.level->sign, p[static_cast<Eigen::Index>(event.guard.level->level)]});
+  }
+}
+
+void LinearFlow::field(double t, const Vector& x, Vector& out) const {
+  const LinearOscillator& q = coefficient_;
+  out[0] = x[1];
+  out[1] = q.amplitude * std::cos(q.frequency * t) + q.constant - 2.0 * q.damping * x[1] - q.stiffness * x[0];
+}
+
+LinearFlow::Point LinearFlow::at(const Flight& flight, double s) const {
+  const LinearOscillator& q = coefficient_;
+  const Circular f = circular(q2_, s);
+  const double decay = std::exp(-q.damping * s);
+  const double wt = q.frequency * (flight.t0 + s), c = std::cos(wt), sn = std::sin(wt);
+  const double b_S = q.damping * f.S;
+  Point point{};
+  point.x = decay * ((f.C + b_S) * flight.d + f.S * flight.e) + cosine_ * c + sine_ * sn + offset_;
+  point.v = decay * (-q.stiffness * f.S * flight.d + (f.C - b_S) * flight.e) + q.frequency * (sine_ * c - cosine_ * sn);
+  point.a = q.amplitude * c + q.constant - 2.0 * q.damping * point.v - q.stiffness * point.x;
+  point.j = -q.amplitude * q.frequency * sn - 2.0 * q.damping * point.a - q.stiffness * point.v;
+  return point;
+}
+
+std::optional<double> LinearFlow::first_crossing(const Flight& flight, const Barrier& barrier, double s_end,
+                                                 std::size_t& evaluations) const {
+  const LinearOscillator& q = coefficient_;
+  const double w = q.frequency, k = q.stiffness, b = q.damping;
+  const double amplitude = std::hypot(cosine_, sine_);
+  const double forced4 = amplitude * w * w * w * w;
+  const double scale = 1.0 + std::abs(barrier.level);
+  const double longest = 2.0 / std::max(w, std::sqrt(k));  // beyond that the Taylor bound holds nothing useful
+  const auto evaluate = [&](double s) {
+    ++evaluations;
+    return at(flight, s);
+  };
+  const auto gap = [&](const Point& z) { return barrier.sign * (z.x - barrier.level); };
+
+  double s = 0.0;
+  Point z = evaluate(0.0);
+  double g = gap(z), v = barrier.sign * z.v;
+  // A start on the barrier that is not an active guard (Propagator has seen to that) leaves it: rounding must not undo this.
+  bool leaving = std::abs(g) <= 1e-12 * scale;
+  double H = longest;
+  while (s < s_end) {
+    if (leaving) {
+      g = std::min(g, 0.0);
+      v = std::min(v, 0.0);
+      leaving = false;
+    }
+    const double a = barrier.sign * z.a, j = barrier.sign * z.j;
+    // Bound of |x''''|: of the transient by its energy one derivative down, sqrt(x_h''''^2 + k x_h'''^2), which only decays.
+    const double wt = w * (flight.t0 + s), c = std::cos(wt), sn = std::sin(wt);
+    const double j_h = z.j - w * w * w * (cosine_ * sn - sine_ * c);
+    const double a_h = z.a + w * w * (cosine_ * c + sine_ * sn);
+    const double snap_h = -2.0 * b * j_h - k * a_h;
+    const double M4 = std::sqrt(snap_h * snap_h + k * j_h * j_h) + forced4;
+    H = std::min({2.0 * H, longest, s_end - s});
+    const double too_short = 1e-15 * (1.0 + s);
+    for (;; H *= 0.5) {
+      if (stays_below_zero<4>({g, v, a / 2, j / 6, M4 / 24}, H)) break;  // no crossing on [s, s + H]
+      if (stays_below_zero<3>({-v, -a, -j / 2, M4 / 6}, H)) {            // the speed stays positive on it: at most one
+        const Point end = evaluate(s + H);
+        if (gap(end) < 0.0) break;
+        // Unique root: Newton from the side where it overshoots least, kept in the bracket.
+        double lo = s, hi = s + H, root = g < 0.0 ? s + std::min(H, -g / v) : s;
+        for (int i = 0; i < 60; ++i) {
+          if (!(root >= lo && root <= hi)) root = 0.5 * (lo + hi);
+          const Point here = evaluate(root);
+          const double h = gap(here);
+          (h < 0.0 ? lo : hi) = root;
+          const double next = root - h / (barrier.sign * here.v);
+          if (std::abs(next - root) <= 4e-16 * (flight.t0 + root) || lo == hi) {
+            root = next;
+            break;
+          }
+          root = next;
+        }
+        return std::clamp(root, s, s + H);
+      }
+      if (H < too_short || (a < 0.0 && std::abs(g) < 4e-16 * scale && v * v < -a * 1e-14 * scale)) {
+        // At rounding distance below a maximum: look at the maximum itself, once, and go on beyond it.
+        const double to_top = a < 0.0 ? std::max(0.0, -v / a) : 0.0;
+        const Point top = evaluate(s + to_top);
+        if (gap(top) > 0.0 || !(barrier.sign * top.a < 0.0)) return std::min(s + to_top, s_end);
+        s += to_top;
+        z = top;
+        g = gap(top);
+        v = barrier.sign * top.v;
+        leaving = true;
+        break;
+      }
+    }
+    if (leaving) {
+      H = longest;
+      continue;
+    }
+    s += H;
+    if (s >= s_end) break;
+    z = evaluate(s);
+    g = gap(z);
+    v = barrier.sign * z.v;
+    if (g >= 0.0) return s;  // only by rounding: the bound had it below
+  }
+  return std::nullopt;
+}
+
+void LinearFlow::carry(const FlowTask& task, const Vector& x0, Segment& out) const {
+  const LinearOscillator& q = coefficient_;
+  const double wt = q.frequency * task.t0, c = std::cos(wt), s = std::sin(wt);
+  const Flight flight{task.t0, x0[0] - (cosine_ * c + sine_ * s + offset_), x0[1] - q.frequency * (sine_ * c - cosine_ * s)};
+  double duration = task.t_end - task.t0;
+  out.t0 = task.t0;
+  out.x0 = x0;
+  out.end = FlowEnd::time;
+  out.evaluations = 0;
+  double level = 0.0;
+  for (const Barrier& barrier : barriers_) {
+    const std::optional<double> root = first_crossing(flight, barrier, duration, out.evaluations);
+    if (root && (*root < duration || out.end == FlowEnd::time)) {
+      duration = *root;
+      out.end = FlowEnd::event;
+      out.event = barrier.event;
+      level = barrier.level;
+    }
+  }
+  const Point end = at(flight, duration);
+  out.t1 = out.end == FlowEnd::time ? task.t_end : task.t0 + duration;
+  out.x1.resize(2);
+  out.x1 << (out.end == FlowEnd::event ? level : end.x), end.v;
+  if (task.sensitivity != Sensitivity::none)
+    sensitivities(task.t0, out.t1, x0, task.sensitivity == Sensitivity::state_and_parameters, out);
+}
+
+void LinearFlow::sensitivities(double t0, double t1, const Vector& x0, bool with_parameters, Segment& out) const {
+  const double b = coefficient_.damping, k = coefficient_.stiffness, w = coefficient_.frequency, s = t1 - t0;
+  const Circular f = circular(q2_, s);
+  const double decay = std::exp(-b * s);
+  Matrix2 shape, Phi;
+  shape << f.C + b * f.S, f.S, -k * f.S, f.C - b * f.S;
+  Phi = decay * shape;
+  out.Phi = Phi;
+  out.divergence = -2.0 * b * s;
+  if (!with_parameters) return;
+  out.Psi.resize(2, active_dp_.cols());
+  if (active_dp_.cols() == 0) return;
+  const double C_q = -s * f.S / 2.0, S_q = dS_dq2(q2_, s, f);
+  Matrix2 Phi_b, Phi_k;
+  Phi_b << C_q * -2.0 * b + f.S + b * S_q * -2.0 * b, S_q * -2.0 * b, -k * S_q * -2.0 * b,
+      C_q * -2.0 * b - f.S - b * S_q * -2.0 * b;
+  Phi_b = decay * Phi_b - s * Phi;
+  Phi_k << C_q + b * S_q, S_q, -f.S - k * S_q, C_q - b * S_q;
+  Phi_k *= decay;
+  // z_p(t) = B(t) (cosine, sine, offset) and its derivatives in the five coefficients.
+  const auto particular = [&](double t, Eigen::Matrix<double, 2, 5>& dq) {
+    const double c = std::cos(w * t), sn = std::sin(w * t);
+    Eigen::Matrix<double, 2, 3> B;
+    B << c, sn, 1.0, -w * sn, w * c, 0.0;
+    dq = B * particular_dq_;
+    dq(0, 3) += t * (sine_ * c - cosine_ * sn);
+    dq(1, 3) += (sine_ * c - cosine_ * sn) - w * t * (cosine_ * c + sine_ * sn);
+    return Vector2(B * Eigen::Vector3d(cosine_, sine_, offset_));
+  };
+  Eigen::Matrix<double, 2, 5> start_dq, end_dq;
+  const Vector2 deviation = x0 - particular(t0, start_dq);
+  particular(t1, end_dq);
+  Eigen::Matrix<double, 2, 5> z_dq = end_dq - Phi * start_dq;
+  z_dq.col(0) += Phi_b * deviation;
+  z_dq.col(1) += Phi_k * deviation;
+  out.Psi.noalias() = z_dq * active_dp_;
+}
+
+}  // namespace graze

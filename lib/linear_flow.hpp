@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// LinearFlow: x'' + 2 b x' + k x = A cos(w t) + c in closed form,
+//     z(t) = z_p(t) + Phi(t - t0) (z(t0) - z_p(t0)),   z = (x, x'),
+//     Phi(s) = e^{-b s} [[C + b S, S], [-k S, C - b S]],   C = cos(q s), S = sin(q s)/q, q^2 = k - b^2 (any sign),
+// with its derivatives in b, k, A, w, c. Free of discretisation; only the instant of an event needs a root.
+//
+// No crossing is ever missed: from the current instant, sign (x - level) is bounded from above by its cubic Taylor polynomial
+// plus M4 h^4/24, where M4 >= |x''''| over the rest of the flight follows from the energy of the transient (which only decays)
+// and the forced amplitude. The polynomial's Bernstein coefficients show how far one may go without a crossing; once a speed of
+// constant sign is certain on a stretch, the root in it is unique and Newton's.
+#pragma once
+
+#include <graze/lib/flow.hpp>
+
+namespace graze {
+
+class LinearFlow {
+ public:
+  LinearFlow(const HybridSystem& system, std::size_t mode, const Vector& p, std::span<const std::size_t> active,
+             const LinearOscillator& oscillator);
+
+  /// Whether the closed form holds: stiffness > 0, away from undamped resonance, all guards of the mode are levels of x, and the
+  /// active parameters are covered.
+  static bool applies(const HybridSystem& system, std::size_t mode, std::span<const std::size_t> active,
+                      const LinearOscillator& oscillator);
+
+  void carry(const FlowTask& task, const Vector& x0, Segment& out) const;
+  void field(double t, const Vector& x, Vector& out) const;
+
+ private:
+  struct Point;   // x and its first three derivatives at an instant
+  struct Flight;  // the transient of one segment
+  struct Barrier {
+    std::size_t event;
+    double sign, level;
+  };
+  Point at(const Flight& flight, double s) const;
+  std::optional<double> first_crossing(const Flight& flight, const Barrier& barrier, double s_end,
+                                       std::size_t& evaluations) const;
+  void sensitivities(double t0, double t1, const Vector& x0, bool with_parameters, Segment& out) const;
+
+  LinearOscillator coefficient_;
+  double q2_ = 0.0, cosine_ = 0.0, sine_ = 0.0, offset_ = 0.0;  // x_p = cosine cos(w t) + sine sin(w t) + offset
+  Eigen::Matrix<double, 3, 5> particular_dq_;                   // d(cosine, sine, offset)/d(b, k, A, w, c)
+  Matrix active_dp_;                                            // 5 x active
+  std::vector<Barrier> barriers_;
+};
+
+}  // namespace graze

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/lib/propagator.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace graze {
+
+namespace {
+
+/// |h| below which a start counts as lying on a guard, relative to 1 + |x|: a hundred times the rounding of an event's instant.
+constexpr double on_guard = 1e-12;
+
+}  // namespace
+
+Propagator::Propagator(const HybridSystem& system, const Vector& p, std::vector<std::size_t> active, const FlowOptions& options)
+    : system_(&system), active_(std::move(active)), options_(options), events_of_mode_(system.modes.size()) {
+  const auto n = static_cast<Eigen::Index>(system.states);
+  for (std::size_t i = 0; i < system.events.size(); ++i) events_of_mode_[system.events[i].from].push_back(i);
+  for (Vector* v : {&f_minus_, &f_plus_, &gradient_, &f_dt_}) v->resize(n);
+  f_dx_.resize(n, n);
+  set_parameters(p);
+}
+
+void Propagator::set_parameters(const Vector& p) {
+  check_parameters(system_->parameters, p);
+  p_ = p;
+  flows_.clear();
+  for (std::size_t mode = 0; mode < system_->modes.size(); ++mode)
+    flows_.push_back(make_flow(*system_, mode, p_, active_, options_));
+}
+
+HybridState Propagator::start(double t, const Vector& x) const { return {t, x, initial_mode(*system_, t, x, p_)}; }
+
+double Propagator::guard_acceleration(const Guard& guard, std::size_t mode, double t, const Vector& x, const Vector& f) {
+  // d2h/dt2 = D_x h (f_x f + f_t); curvature of the guard itself is left out (barriers are flat or at rest).
+  const Mode& description = system_->modes[mode];
+  description.field_dx(t, x, p_, f_dx_);
+  if (description.field_dt) {
+    description.field_dt(t, x, p_, f_dt_);
+  } else {
+    f_dt_.setZero();
+  }
+  f_dt_.noalias() += f_dx_ * f;
+  guard.dx(t, x, p_, gradient_);
+  return gradient_.dot(f_dt_);
+}
+
+bool Propagator::active_at_start(const HybridState& state, std::size_t index) {
+  const Guard& guard = system_->events[index].guard;
+  const double h = guard.value(state.t, state.x, p_);
+  const double tolerance = on_guard * (1.0 + state.x.lpNorm<Eigen::Infinity>());
+  if (h < -tolerance) return false;
+  if (h > tolerance) return true;
+  flows_[state.mode].field(state.t, state.x, f_minus_);
+  const double speed = transversality(guard, state.t, state.x, f_minus_, p_);
+  if (speed != 0.0) return speed > 0.0;
+  return guard_acceleration(guard, state.mode, state.t, state.x, f_minus_) > 0.0;
+}
+
+StepEnd Propagator::step(HybridState& state, double t_end, Sensitivity sensitivity) {
+  for (const std::size_t event : events_of_mode_[state.mode]) {
+    if (!active_at_start(state, event)) continue;
+    const auto n = static_cast<Eigen::Index>(system_->states);
+    segment_.mode = state.mode;
+    segment_.t0 = segment_.t1 = state.t;
+    segment_.x0 = segment_.x1 = state.x;
+    segment_.end = FlowEnd::event;
+    segment_.event = event;
+    segment_.evaluations = 0;
+    segment_.divergence = 0.0;
+    if (sensitivity != Sensitivity::none) {
+      segment_.Phi.setIdentity(n, n);
+      segment_.Psi.setZero(n, sensitivity == Sensitivity::state ? 0 : static_cast<Eigen::Index>(active_.size()));
+    }
+    cross(state, event, sensitivity);
+    return StepEnd::event;
+  }
+  if (state.t >= t_end) t_end = state.t;
+  flows_[state.mode].carry({state.t, t_end, sensitivity}, state.x, segment_);
+  if (segment_.end == FlowEnd::failed) return StepEnd::failed;
+  state.t = segment_.t1;
+  state.x = segment_.x1;
+  if (segment_.end == FlowEnd::time) return StepEnd::time;
+  cross(state, segment_.event, sensitivity);
+  return StepEnd::event;
+}
+
+void Propagator::cross(HybridState& state, std::size_t index, Sensitivity sensitivity) {
+  const Event& event = system_->events[index];
+  record_.event = index;
+  record_.kind = event.kind;
+  record_.t = state.t;
+  record_.x_minus = state.x;
+  flows_[event.from].field(state.t, state.x, f_minus_);
+  if (event.reset.map) event.reset.map(state.t, record_.x_minus, p_, state.x);
+  state.mode = event.to;
+  record_.x_plus = state.x;
+  record_.mode_plus = event.to;
+  record_.normal_speed = transversality(event.guard, state.t, record_.x_minus, f_minus_, p_);
+  flows_[event.to].field(state.t, state.x, f_plus_);
+  record_.exit_speed = -transversality(event.guard, state.t, state.x, f_plus_, p_);
+  if (event.accumulation && accumulate(state, event, sensitivity)) return;
+  if (sensitivity == Sensitivity::none) return;
+  const std::span<const std::size_t> active =
+      sensitivity == Sensitivity::state ? std::span<const std::size_t>{} : std::span<const std::size_t>(active_);
+  record_.saltation = saltation(event, {state.t, record_.x_minus, record_.x_plus, f_minus_, f_plus_}, p_, active);
+}
+
+bool Propagator::accumulate(HybridState& state, const Event& event, Sensitivity sensitivity) {
+  const double before = record_.normal_speed;
+  const double after = std::max(0.0, record_.exit_speed);
+  if (after >= before && before > 0.0) return false;  // no loss: a series of equal flights does not end
+  const double ratio = before > 0.0 ? after / before : 0.0;
+  const double pressing = guard_acceleration(event.guard, event.to, state.t, state.x, f_plus_);
+  if (!(pressing > 0.0)) return false;
+  const double remaining = 2.0 * after / (pressing * (1.0 - ratio));
+  if (!(remaining < options_.accumulation_window)) return false;
+  const Accumulation& rest = *event.accumulation;
+  const Vector here = state.x;
+  state.t += remaining;
+  state.x += remaining * f_plus_;
+  rest.reset.map(state.t, Vector(state.x), p_, state.x);
+  state.mode = rest.sticking_mode;
+  // Held only if something presses at the accumulation point too.
+  for (const std::size_t other : events_of_mode_[state.mode]) {
+    if (active_at_start(state, other)) {
+      state.t -= remaining;
+      state.x = here;
+      state.mode = event.to;
+      return false;
+    }
+  }
+  record_.kind = EventKind::stick;
+  record_.exit_speed = 0.0;
+  record_.x_plus = state.x;
+  record_.mode_plus = state.mode;
+  if (sensitivity == Sensitivity::none) return true;
+  // The accumulation point does not depend on how it was reached, to first order: what the reset forgets is forgotten.
+  const auto n = static_cast<Eigen::Index>(system_->states);
+  const auto m = sensitivity == Sensitivity::state ? 0 : static_cast<Eigen::Index>(active_.size());
+  SaltationMatrix& saltation = record_.saltation;
+  saltation.regular = true;
+  saltation.transversality = before;
+  saltation.S.resize(n, n);
+  rest.reset.dx(state.t, here, p_, saltation.S);
+  saltation.Sp.setZero(n, m);
+  if (rest.reset.dp && m > 0) {
+    Matrix dp = Matrix::Zero(n, p_.size());
+    rest.reset.dp(state.t, here, p_, dp);
+    for (Eigen::Index k = 0; k < m; ++k)
+      saltation.Sp.col(k) = dp.col(static_cast<Eigen::Index>(active_[static_cast<std::size_t>(k)]));
+  }
+  return true;
+}
+
+}  // namespace graze
