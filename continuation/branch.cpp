@@ -13,6 +13,8 @@ std::string_view branch_stop_name(BranchStop reason) {
     return "parameter_range";
   case BranchStop::point_limit:
     return "point_limit";
+  case BranchStop::grazing:
+    return "grazing";
   case BranchStop::step_too_small:
     return "step_too_small";
   case BranchStop::returned:

@@ -15,6 +15,7 @@ enum class BranchStop {
   reached_bound,    ///< the end of the parameter's range: the usual end
   parameter_range,  ///< the end of what the model allows for the parameter
   point_limit,
+  grazing,         ///< it ends where a hard contact grazes: its last special point of type GR
   step_too_small,  ///< the corrector fails at the smallest step: see `message`
   returned,        ///< back at its start, or at its parent branch
   start_failed,
@@ -27,7 +28,9 @@ std::string_view branch_stop_name(BranchStop reason);
 struct BranchPoint {
   double value = 0.0;  ///< of the continuation parameter
   double arclength = 0.0;
-  std::vector<Vector> nodes;  ///< shooting nodes; nodes[0] is the state at phase 0
+  std::vector<Vector> states;  ///< at forcing phase 0 after 0 ... n - 1 periods
+  std::vector<Vector> nodes;   ///< shooting nodes, from section_phase on
+  double section_phase = 0.0;
   double duration = 0.0;
   FloquetMultipliers multipliers;
   Signature signature;
@@ -35,7 +38,7 @@ struct BranchPoint {
   bool stable = false;
   Admissibility admissible = Admissibility::not_checked;
   OrbitChecks checks;
-  const Vector& state() const { return nodes.front(); }
+  const Vector& state() const { return states.front(); }
 };
 
 /// Where a branch was born: at a special point of another one.

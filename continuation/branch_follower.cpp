@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace graze {
 
@@ -144,6 +145,77 @@ void BranchFollower::locate(OrbitProblem& problem, const TestFunction& test, con
   branch.special_points.push_back(std::move(point));
 }
 
+void BranchFollower::add_grazing(const OrbitProblem& problem, const LocatedGrazing& located, int impacts_before,
+                                 int impacts_after, Branch& branch) {
+  SpecialPoint point;
+  point.type = PointType::GR;
+  point.label = label_(PointType::GR);
+  point.after_point = branch.points.size() - 1;
+  point.status = PointStatus::converged;
+  point.newton = located.newton;
+  point.value = problem.value(located.u);
+  point.precision = std::max(located.precision, 4e-16 * std::abs(point.value));
+  point.interval[0] = point.value - point.precision;
+  point.interval[1] = point.value + point.precision;
+  point.orbit = located.orbit;
+  point.orbit.impacts = impacts_before;
+  point.orbit.admissible = branch.points.back().admissible;
+  point.details["kind"] = impacts_after < impacts_before ? "lost" : "gained";
+  point.details["impacts"] = std::vector<double>{static_cast<double>(impacts_before), static_cast<double>(impacts_after)};
+  point.details["scenario"] = std::string(grazing_scenario_name(located.scenario));
+  point.details["time"] = located.t;
+  if (system_.forcing_frequency) {
+    const double T = forcing_period(system_, point.orbit.parameters);
+    point.details["phase"] = 2.0 * std::numbers::pi * std::fmod(located.t / T, 1.0);
+  }
+  branch.special_points.push_back(std::move(point));
+}
+
+void BranchFollower::locate_impact_change(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after,
+                                          const BranchPoint& reached, Branch& branch) {
+  const BranchPoint& last = branch.points.back();
+  const bool lost = reached.impacts < last.impacts;
+  const Vector& with_impact = lost ? before.u : after.u;
+  const double low = std::min(last.value, reached.value), high = std::max(last.value, reached.value), width = high - low;
+  if (const std::optional<GrazingGuess> guess = weakest_contact(problem, with_impact)) {
+    const LocatedGrazing located = locate_grazing(problem, with_impact, *guess);
+    const double value = located.newton.converged() ? problem.value(located.u) : 0.0;
+    if (located.newton.converged() && value >= low - 0.01 * width && value <= high + 0.01 * width)
+      return add_grazing(problem, located, last.impacts, reached.impacts, branch);
+  }
+  SpecialPoint point;
+  point.type = PointType::GR;
+  point.label = label_(PointType::GR);
+  point.after_point = branch.points.size() - 1;
+  point.value = 0.5 * (low + high);
+  point.precision = 0.5 * width;
+  point.interval[0] = low;
+  point.interval[1] = high;
+  point.orbit = problem.orbit(with_impact, {});
+  point.details["kind"] = lost ? "lost" : "gained";
+  point.details["impacts"] = std::vector<double>{static_cast<double>(last.impacts), static_cast<double>(reached.impacts)};
+  branch.special_points.push_back(std::move(point));
+}
+
+std::optional<GrazingEnd> BranchFollower::broken_off_at_grazing(OrbitProblem& problem, Branch& branch) {
+  const BranchPoint& end = branch.points.back();
+  const Vector u = problem.pack(end.nodes, end.duration, end.value);
+  const ZeroProblem zero = problem.zero_problem();
+  // The impact about to be lost, or else the maximum about to become one: whichever grazing lies right beyond the last point.
+  constexpr double near = 0.02;
+  for (const bool lost : {true, false}) {
+    const std::optional<GrazingGuess> guess = lost ? weakest_contact(problem, u) : nearest_miss(problem, u);
+    if (!guess) continue;
+    LocatedGrazing located = locate_grazing(problem, u, *guess);
+    if (!located.newton.converged() || located.scenario == GrazingScenario::smooth) continue;
+    const Vector away = located.u - u;
+    if (std::sqrt(zero.weights.dot(away.cwiseAbs2())) > near) continue;
+    add_grazing(problem, located, end.impacts, end.impacts + (lost ? -1 : 1), branch);
+    return GrazingEnd{std::move(located), lost};
+  }
+  return std::nullopt;
+}
+
 Verdict BranchFollower::monitor(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch) {
   if (options_.cancelled && options_.cancelled()) {
     interrupted_ = true;
@@ -165,10 +237,13 @@ Verdict BranchFollower::monitor(OrbitProblem& problem, const CurvePoint& before,
     if (after.tangent.size() == 0) return Verdict::reject;
     verdict = Verdict::stop;
   }
-  BranchPoint point = problem.branch_point(after.u, after.arclength);
+  BranchPoint point = problem.branch_point(after.u, branch.points.back().arclength + after.arclength - before.arclength);
   if (!point.multipliers.valid) return Verdict::reject;
   const TestPoint a{before, branch.points.back()}, b{after, point};
   if (skipped_something(a, b)) return Verdict::reject;
+  // One grazing at a time: a step across several is halved, down to where they cannot be told apart.
+  const int change = std::abs(point.impacts - branch.points.back().impacts);
+  if (change > 1 && after.arclength - before.arclength > 1e-7) return Verdict::reject;
   const Vector difference = antisymmetric_part(branch, branch.points.back().nodes);
   if (difference.size() > 0 && difference.dot(antisymmetric_part(branch, point.nodes)) < 0.0) {
     returned_ = true;
@@ -179,27 +254,97 @@ Verdict BranchFollower::monitor(OrbitProblem& problem, const CurvePoint& before,
     if (std::isfinite(f_a) && std::isfinite(f_b) && (f_a < 0.0) != (f_b < 0.0) && test.confirm(a, b))
       locate(problem, test, a, b, branch);
   }
+  if (change == 1) locate_impact_change(problem, before, after, point, branch);
   user_points(problem, before, after, branch);
+  const auto in_this_step =
+      std::find_if(branch.special_points.begin(), branch.special_points.end(), [&](const SpecialPoint& special) {
+        return special.after_point + 1 == branch.points.size() && special.type != PointType::EP;
+      });
+  std::stable_sort(in_this_step, branch.special_points.end(), [&](const SpecialPoint& x, const SpecialPoint& y) {
+    return value > last ? x.value < y.value : x.value > y.value;
+  });
   branch.points.push_back(std::move(point));
   if (options_.progress) options_.progress(branch);
+  if (verdict == Verdict::go_on && better_section(problem, after.u) != problem.equations().section_phase()) {
+    section_blocked_ = true;
+    return Verdict::stop;
+  }
   return verdict;
 }
 
-void BranchFollower::follow(OrbitProblem& problem, const Vector& u0, const Vector& orientation, Branch& branch) {
+double BranchFollower::better_section(OrbitProblem& problem, const Vector& u) const {
+  const double current = problem.equations().section_phase();
+  const bool jumps =
+      std::any_of(system_.events.begin(), system_.events.end(), [](const Event& event) { return !event.continuous; });
+  if (!jumps || problem.equations().autonomous() || !problem.evaluate(u, {.sensitivity = Sensitivity::none, .keep_events = true}))
+    return current;
+  // Places of the events within a stretch, as fractions of it, from its start.
+  const Vector shortened = u.head(u.size() - 1);
+  const double length = problem.equations().duration(shortened) / problem.nodes();
+  std::vector<double> places;
+  for (int j = 0; j < problem.nodes(); ++j)
+    for (const EventRecord& event : problem.equations().stretch(j).events)
+      places.push_back((event.t - problem.equations().node_time(shortened, j)) / length);
+  if (places.empty()) return current;
+  std::sort(places.begin(), places.end());
+  const double room = std::min(places.front(), 1.0 - places.back());
+  constexpr double too_close = 0.02;
+  if (room > too_close) return current;
+  double widest = 1.0 - places.back() + places.front(), middle = 0.5 * (places.back() + 1.0 + places.front());
+  for (std::size_t i = 0; i + 1 < places.size(); ++i) {
+    if (places[i + 1] - places[i] <= widest) continue;
+    widest = places[i + 1] - places[i];
+    middle = 0.5 * (places[i] + places[i + 1]);
+  }
+  if (0.5 * widest < 2.0 * room) return current;
+  // One stretch is period / nodes forcing periods.
+  return std::fmod(current + middle * problem.period() / problem.nodes(), 1.0);
+}
+
+std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const Vector& u0, const Vector& orientation,
+                                                 Branch& branch) {
   interrupted_ = returned_ = false;
-  const ZeroProblem zero = problem.zero_problem();
+  Vector start = u0, direction = orientation;
+  // Moves start and direction to a section clear of impacts, if need be.
+  const auto clear_section = [&] {
+    const double section = better_section(problem, start);
+    if (section == problem.equations().section_phase()) return;
+    OrbitProblem moved = problem.with_section(section);
+    const double small = 1e-6 / std::max(1e-300, direction.lpNorm<Eigen::Infinity>());
+    const auto here = problem.to_section(moved, start), before = problem.to_section(moved, start - small * direction);
+    if (!here) return;
+    direction =
+        before ? Vector((*here - *before) / small) : Vector(direction[direction.size() - 1] * moved.parameter_direction());
+    start = *here;
+    problem = std::move(moved);
+  };
+  clear_section();
+  Curve curve;
+  for (;;) {
+    section_blocked_ = false;
+    const ZeroProblem zero = problem.zero_problem();
+    curve = trace(zero, start, direction, options_.trace, [&](const CurvePoint& before, CurvePoint& after) {
+      if (branch.points.empty()) {
+        branch.points.push_back(problem.branch_point(before.u, 0.0));
+        mark_end(problem, before.u, PointType::EP, branch);
+      }
+      return monitor(problem, before, after, branch);
+    });
+    if (curve.stop != TraceStop::monitor || !section_blocked_) break;
+    start = curve.points.back().u;
+    direction = curve.points.back().tangent;
+    const double arclength = branch.points.back().arclength;
+    clear_section();
+    branch.points.back() = problem.branch_point(start, arclength);
+  }
   const auto begin = [&](const Vector& u) {
     branch.points.push_back(problem.branch_point(u, 0.0));
     mark_end(problem, u, PointType::EP, branch);
   };
-  const Curve curve = trace(zero, u0, orientation, options_.trace, [&](const CurvePoint& before, CurvePoint& after) {
-    if (branch.points.empty()) begin(before.u);
-    return monitor(problem, before, after, branch);
-  });
   if (curve.points.empty()) {
     branch.stop = BranchStop::start_failed;
     branch.message = "the first point did not converge: " + curve.failure;
-    return;
+    return std::nullopt;
   }
   if (branch.points.empty()) begin(curve.points.front().u);
   branch.direction = branch.points.size() > 1 && branch.points[1].value < branch.points[0].value ? -1 : 1;
@@ -209,6 +354,7 @@ void BranchFollower::follow(OrbitProblem& problem, const Vector& u0, const Vecto
     branch.stop = reason;
     branch.message = std::move(message);
   };
+  std::optional<GrazingEnd> grazing;
   switch (curve.stop) {
   case TraceStop::monitor:
     if (interrupted_) {
@@ -228,13 +374,17 @@ void BranchFollower::follow(OrbitProblem& problem, const Vector& u0, const Vecto
     stop(BranchStop::point_limit, fmt::format("{} points were computed, the limit", branch.points.size()));
     break;
   default: {
-    double slowest = std::numeric_limits<double>::infinity();
-    const PeriodicOrbit last = problem.orbit(problem.pack(end.nodes, end.duration, end.value), {});
-    for (const EventRecord& event : last.events) slowest = std::min(slowest, event.normal_speed);
-    std::string message = fmt::format("no point is found beyond {} = {:.12g} even with the smallest step ({})", branch.parameter,
-                                      end.value, curve.failure);
-    if (slowest < 0.05) message += fmt::format("; the slowest impact there has speed {:.3g}: a grazing is near", slowest);
-    stop(BranchStop::step_too_small, message);
+    grazing = broken_off_at_grazing(problem, branch);
+    if (grazing) {
+      const SpecialPoint& point = branch.special_points.back();
+      branch.stop_value = point.value;
+      stop(BranchStop::grazing,
+           fmt::format("{} at {} = {:.12g}: an impact is {} ({})", point.label, branch.parameter, point.value,
+                       grazing->lost ? "lost" : "gained", grazing_scenario_name(grazing->grazing.scenario)));
+      break;
+    }
+    stop(BranchStop::step_too_small, fmt::format("no point is found beyond {} = {:.12g} even with the smallest step ({})",
+                                                 branch.parameter, end.value, curve.failure));
     if (curve.first_failed) {
       BranchPoint failed;
       const Vector& u = *curve.first_failed;
@@ -245,8 +395,10 @@ void BranchFollower::follow(OrbitProblem& problem, const Vector& u0, const Vecto
     }
   }
   }
+  if (grazing) return grazing;
   const PointType type = branch.stop == BranchStop::step_too_small ? PointType::MX : PointType::EP;
   mark_end(problem, problem.pack(end.nodes, end.duration, end.value), type, branch);
+  return std::nullopt;
 }
 
 }  // namespace graze

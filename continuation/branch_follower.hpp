@@ -4,9 +4,16 @@
 #pragma once
 
 #include <graze/continuation/continuation.hpp>
+#include <graze/continuation/grazing.hpp>
 #include <graze/continuation/test_functions/test_function.hpp>
 
 namespace graze {
+
+/// The grazing of a hard contact on which a branch has ended, for whoever goes on from there.
+struct GrazingEnd {
+  LocatedGrazing grazing;
+  bool lost = false;  ///< the branch had the impact; otherwise the orbits beyond gain it
+};
 
 class BranchFollower {
  public:
@@ -16,14 +23,21 @@ class BranchFollower {
 
   /// Follows the branch through `u0` in the direction of `orientation`, into `branch` (id, parent, period and parameters are
   /// set).
-  void follow(OrbitProblem& problem, const Vector& u0, const Vector& orientation, Branch& branch);
+  /// Returns the grazing on which it ended, if so.
+  std::optional<GrazingEnd> follow(OrbitProblem& problem, const Vector& u0, const Vector& orientation, Branch& branch);
 
  private:
   Verdict monitor(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
   bool skipped_something(const TestPoint& before, const TestPoint& after) const;
   void locate(OrbitProblem& problem, const TestFunction& test, const TestPoint& before, const TestPoint& after, Branch& branch);
+  void locate_impact_change(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after, const BranchPoint& reached,
+                            Branch& branch);
+  std::optional<GrazingEnd> broken_off_at_grazing(OrbitProblem& problem, Branch& branch);
+  void add_grazing(const OrbitProblem& problem, const LocatedGrazing& located, int impacts_before, int impacts_after,
+                   Branch& branch);
   void user_points(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after, Branch& branch);
   void mark_end(OrbitProblem& problem, const Vector& u, PointType type, Branch& branch);
+  double better_section(OrbitProblem& problem, const Vector& u) const;
   Vector at_value(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after, double value) const;
 
   const HybridSystem& system_;
@@ -31,6 +45,7 @@ class BranchFollower {
   double low_, high_;
   std::function<std::string(PointType)> label_;
   bool interrupted_ = false, returned_ = false;
+  bool section_blocked_ = false;  ///< an impact has come too close to a node
 };
 
 }  // namespace graze

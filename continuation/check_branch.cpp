@@ -14,10 +14,14 @@ std::vector<std::string> check_branch(const HybridSystem& system, const Branch& 
   const auto violated = [&](std::string sentence) { violations.push_back(fmt::format("branch {}: {}", branch.id, sentence)); };
   if (branch.points.empty()) return violations;
   const std::size_t parameter = parameter_index(system.parameters, branch.parameter);
-  OrbitProblem problem(system, branch.parameters, branch.period, static_cast<int>(branch.points.front().nodes.size()), parameter,
-                       1.0);
+  const auto problem_of = [&](const BranchPoint& point) {
+    return OrbitProblem(system, branch.parameters, branch.period, static_cast<int>(point.nodes.size()), parameter, 1.0, {},
+                        point.section_phase);
+  };
+  OrbitProblem problem = problem_of(branch.points.front());
   for (std::size_t k = 0; k < branch.points.size(); ++k) {
     const BranchPoint& point = branch.points[k];
+    if (point.section_phase != problem.equations().section_phase()) problem = problem_of(point);
     const BranchPoint again = problem.branch_point(problem.pack(point.nodes, point.duration, point.value), point.arclength);
     if (!(again.checks.residual >= 0.0 && again.checks.residual < 1e-11))
       violated(fmt::format("point {} leaves a residual of {:.3g}", k, again.checks.residual));

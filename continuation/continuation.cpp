@@ -2,6 +2,7 @@
 #include <graze/continuation/continuation.hpp>
 
 #include <graze/continuation/branch_follower.hpp>
+#include <graze/continuation/branch_switching.hpp>
 
 #include <fmt/format.h>
 
@@ -37,38 +38,6 @@ Range range_of(const HybridSystem& system, std::size_t parameter, double from, d
   return {std::min(from, to), std::max(from, to)};
 }
 
-/// The first point of the branch that is born at a period doubling: the orbit run through twice, pushed apart along the
-/// eigenvector of -1. The corrector's arclength condition keeps the push, so that it cannot fall back onto the parent.
-struct DoubledStart {
-  Vector u, orientation;
-};
-
-std::optional<DoubledStart> doubled_start(const HybridSystem& system, const SpecialPoint& pd, OrbitProblem& parent,
-                                          OrbitProblem& doubled, const TraceOptions& options) {
-  const double value = pd.value;
-  std::vector<Vector> twice = pd.orbit.nodes;
-  twice.insert(twice.end(), pd.orbit.nodes.begin(), pd.orbit.nodes.end());
-  const Vector at_birth = doubled.pack(twice, 2.0 * pd.orbit.duration, value);
-  const LocatedPoint located =
-      locate_multiplier(parent, parent.pack(pd.orbit.nodes, pd.orbit.duration, value), {.theta = std::numbers::pi});
-  if (located.v.size() == 0) return std::nullopt;
-  const Vector v = located.v.real();
-  Vector direction = Vector::Zero(at_birth.size());
-  direction.head(v.size()) = v;
-  direction.segment(v.size(), v.size()) = -v;
-  const ZeroProblem zero = doubled.zero_problem();
-  direction /= std::sqrt(zero.weights.dot(direction.cwiseAbs2()));
-  static_cast<void>(system);
-  for (double push = 2e-3; push > 1e-6; push *= 0.5) {
-    DoubledStart start{at_birth + push * direction, {}};
-    if (!correct(zero, direction, start.u, options).converged()) continue;
-    start.orientation = start.u - at_birth;
-    const double length = std::sqrt(zero.weights.dot(start.orientation.cwiseAbs2()));
-    if (length < 1.5 * push) return start;  // a correction as long as the push has found something else
-  }
-  return std::nullopt;
-}
-
 /// Compares the side on which the doubled branch starts with the normal form's prediction.
 void confirm_criticality(const Branch& child, SpecialPoint& pd, const Branch& parent) {
   if (child.points.empty()) return;
@@ -90,6 +59,19 @@ void confirm_criticality(const Branch& child, SpecialPoint& pd, const Branch& pa
       agrees ? "normal form, confirmed by the branch" : "normal form; the branch starts on the other side";
 }
 
+/// A grazing as it looks to someone who decreases the parameter: what is gained one way is lost the other.
+SpecialPoint with_parameter_decreasing(SpecialPoint point, const Branch& branch) {
+  const std::size_t k = point.after_point;
+  const bool inside = k + 1 < branch.points.size();
+  const double ahead = inside ? branch.points[k + 1].value : point.value;
+  if (point.type != PointType::GR || k >= branch.points.size() || ahead < branch.points[k].value) return point;
+  auto& impacts = std::get<std::vector<double>>(point.details["impacts"]);
+  std::swap(impacts.front(), impacts.back());
+  point.details["kind"] = impacts.back() < impacts.front() ? "lost" : "gained";
+  point.orbit.impacts = static_cast<int>(impacts.front());
+  return point;
+}
+
 class Run {
  public:
   Run(const HybridSystem& system, const ContinuationOptions& options, std::size_t parameter, Range range)
@@ -105,30 +87,33 @@ class Run {
     for (const double direction : {sign, -sign}) {
       if (direction != sign && !options_.both_directions) break;
       Branch branch = new_branch(orbit, orbit.period);
-      follower_.follow(problem, u0, direction * problem.parameter_direction(), branch);
-      branches_.push_back(std::move(branch));
+      add(std::move(branch), 0, problem, u0, direction * problem.parameter_direction());
     }
-    // Breadth first: a generation is complete before the next begins.
-    const std::size_t first_generation = branches_.size();
-    std::vector<int> generation(first_generation, 0);
+    // Breadth first: a generation is complete before the next begins. Beyond a grazing the generation stays the same.
     for (std::size_t k = 0; k < branches_.size(); ++k) {
-      if (generation[k] >= options_.switch_generations) continue;
-      for (std::size_t s = 0; s < branches_[k].special_points.size(); ++s) {
-        if (branches_[k].special_points[s].type != PointType::PD || cancelled()) continue;
-        if (static_cast<int>(branches_.size()) >= options_.max_branches) break;
-        if (follow_doubled(k, s)) generation.push_back(generation[k] + 1);
-      }
+      if (ends_[k] && room()) follow_beyond_grazing(k);
+      if (generation_[k] >= options_.switch_generations) continue;
+      for (std::size_t s = 0; s < branches_[k].special_points.size(); ++s)
+        if (branches_[k].special_points[s].type == PointType::PD && room()) follow_doubled(k, s);
     }
     return std::move(branches_);
   }
 
  private:
-  bool cancelled() const { return options_.cancelled && options_.cancelled(); }
+  bool room() const {
+    return static_cast<int>(branches_.size()) < options_.max_branches && !(options_.cancelled && options_.cancelled());
+  }
+
+  void add(Branch branch, int generation, OrbitProblem& problem, const Vector& u0, const Vector& orientation) {
+    ends_.push_back(follower_.follow(problem, u0, orientation, branch));
+    generation_.push_back(generation);
+    branches_.push_back(std::move(branch));
+  }
 
   OrbitProblem problem_at(const PeriodicOrbit& orbit, int copies = 1) const {
     const double scale = std::max(range_.high - range_.low, 1e-6 * (1.0 + std::abs(range_.high)));
-    return {system_, orbit.parameters,      copies * orbit.period, copies * static_cast<int>(orbit.nodes.size()), parameter_,
-            scale,   options_.shooting.flow};
+    return {system_, orbit.parameters,       copies * orbit.period, copies * static_cast<int>(orbit.nodes.size()), parameter_,
+            scale,   options_.shooting.flow, orbit.section_phase};
   }
 
   Branch new_branch(const PeriodicOrbit& orbit, int period) {
@@ -140,24 +125,60 @@ class Run {
     return branch;
   }
 
-  bool follow_doubled(std::size_t parent_index, std::size_t special_index) {
+  void follow_doubled(std::size_t parent_index, std::size_t special_index) {
     SpecialPoint& pd = branches_[parent_index].special_points[special_index];
     PeriodicOrbit at_pd = pd.orbit;
     at_pd.parameters[static_cast<Eigen::Index>(parameter_)] = pd.value;
     OrbitProblem parent = problem_at(at_pd), doubled = problem_at(at_pd, 2);
-    const std::optional<DoubledStart> start = doubled_start(system_, pd, parent, doubled, options_.trace);
+    const std::optional<BranchStart> start = doubled_start(pd, parent, doubled, options_.trace);
     Branch branch = new_branch(at_pd, 2 * at_pd.period);
     branch.parent = BranchParent{branches_[parent_index].id, pd.label};
     if (start) {
-      follower_.follow(doubled, start->u, start->orientation, branch);
-      confirm_criticality(branch, pd, branches_[parent_index]);
-    } else {
-      branch.stop = BranchStop::start_failed;
-      branch.stop_value = pd.value;
-      branch.message = fmt::format("no doubled orbit was found beside {}", pd.label);
+      add(std::move(branch), generation_[parent_index] + 1, doubled, start->u, start->orientation);
+      confirm_criticality(branches_.back(), branches_[parent_index].special_points[special_index], branches_[parent_index]);
+      return;
     }
+    branch.stop = BranchStop::start_failed;
+    branch.stop_value = pd.value;
+    branch.message = fmt::format("no doubled orbit was found beside {}", pd.label);
+    ends_.emplace_back();
+    generation_.push_back(generation_[parent_index] + 1);
     branches_.push_back(std::move(branch));
-    return true;
+  }
+
+  /// The orbits with the impact removed (or added) from the grazing on: they exist on one side of it only.
+  void follow_beyond_grazing(std::size_t parent_index) {
+    GrazingEnd end = *ends_[parent_index];
+    const SpecialPoint point = branches_[parent_index].special_points.back();
+    PeriodicOrbit at_grazing = point.orbit;
+    if (end.lost) to_least_period(at_grazing, end.grazing);
+    OrbitProblem problem = problem_at(at_grazing);
+    const std::optional<BranchStart> start = partner_start(problem, end.grazing, end.lost, options_.trace);
+    if (!start || problem.value(start->u) < range_.low || problem.value(start->u) > range_.high) return;
+    Branch branch = new_branch(at_grazing, at_grazing.period);
+    branch.parent = BranchParent{branches_[parent_index].id, point.label};
+    add(std::move(branch), generation_[parent_index], problem, start->u, start->orientation);
+  }
+
+  /// Without its weak impact the orbit may close after a divisor of its period: then that shorter orbit is the partner.
+  static void to_least_period(PeriodicOrbit& orbit, LocatedGrazing& grazing) {
+    const auto nodes = static_cast<Eigen::Index>(orbit.nodes.size()), n = orbit.state.size();
+    for (int period = 1; period <= orbit.period / 2; ++period) {
+      const Eigen::Index shift = nodes * period / orbit.period * n;
+      if (orbit.period % period != 0 || nodes * period % orbit.period != 0) continue;
+      const Vector u = grazing.u.head(nodes * n);
+      if ((u.tail(nodes * n - shift) - u.head(nodes * n - shift)).lpNorm<Eigen::Infinity>() > 1e-10) continue;
+      const auto shorten = [&](Vector& v) {
+        Vector kept(shift + 1);
+        kept << v.head(shift), v[v.size() - 1];
+        v = kept;
+      };
+      shorten(grazing.u);
+      shorten(grazing.family_dp);
+      orbit.period = period;
+      orbit.nodes.resize(static_cast<std::size_t>(shift / n));
+      return;
+    }
   }
 
   const HybridSystem& system_;
@@ -167,6 +188,8 @@ class Run {
   Labels labels_;
   BranchFollower follower_;
   std::vector<Branch> branches_;
+  std::vector<int> generation_;
+  std::vector<std::optional<GrazingEnd>> ends_;
 };
 
 }  // namespace
@@ -203,7 +226,7 @@ LocateResult locate(const HybridSystem& system, const PeriodicOrbit& orbit, Poin
     for (const SpecialPoint& point : branch.special_points) {
       if (point.type == type) {
         const bool nearer = !result.point || std::abs(point.value - near) < std::abs(result.point->value - near);
-        if (nearer) result.point = point;
+        if (nearer) result.point = with_parameter_decreasing(point, branch);
       } else if (point.type != PointType::EP) {
         met += fmt::format("{}{} at {:.9g}", met.empty() ? "" : ", ", point_type_name(point.type), point.value);
       }

@@ -6,9 +6,45 @@
 
 namespace graze {
 
+namespace {
+
+/// Step of the central differences of transition matrices, relative: they only steer Newton, and near a weak impact of a hard
+/// contact the matrices change over lengths of the square of its speed.
+constexpr double difference_step = 1e-7;
+
+}  // namespace
+
 OrbitProblem::OrbitProblem(const HybridSystem& system, const Vector& p, int period, int nodes, std::size_t parameter,
-                           double scale, const FlowOptions& options)
-    : equations_(system, p, period, nodes, parameter, options), p_(p), parameter_(parameter), scale_(scale) {}
+                           double scale, const FlowOptions& options, double section_phase)
+    : equations_(system, p, period, nodes, parameter, options, section_phase), p_(p), parameter_(parameter), scale_(scale) {}
+
+OrbitProblem OrbitProblem::with_section(double section_phase) const {
+  return {system(), p_, period(), nodes(), parameter_, scale_, equations_.options(), section_phase};
+}
+
+std::optional<Vector> OrbitProblem::to_section(OrbitProblem& other, const Vector& u) {
+  const int n = states(), N = nodes();
+  if (!evaluate(u, {.sensitivity = Sensitivity::none})) return std::nullopt;
+  const Vector shortened = u.head(u.size() - 1);
+  const double length = equations_.duration(shortened) / N;
+  // Each new node lies on the stretch that begins at one of the old ones.
+  const double T = equations_.duration(shortened) / period();
+  double ahead = std::fmod((other.equations_.section_phase() - equations_.section_phase()) * T, length);
+  if (ahead < 0.0) ahead += length;
+  const auto shift =
+      static_cast<int>(std::lround((equations_.section_phase() * T + ahead - other.equations_.section_phase() * T) / length));
+  Vector moved = u;
+  Transition transition;
+  for (int j = 0; j < N; ++j) {
+    const double start = equations_.node_time(shortened, j);
+    carry(equations_.propagator(), start, start + ahead, equations_.node(shortened, j), {.sensitivity = Sensitivity::none},
+          transition);
+    if (transition.termination != Termination::time) return std::nullopt;
+    const int target = ((j + shift) % N + N) % N;
+    moved.segment(target * n, n) = transition.x1;
+  }
+  return moved;
+}
 
 Vector OrbitProblem::pack(const std::vector<Vector>& nodes, double duration, double value) const {
   Vector u(unknowns());
@@ -71,7 +107,9 @@ BranchPoint to_branch_point(const PeriodicOrbit& orbit, double value, double arc
   BranchPoint point;
   point.value = value;
   point.arclength = arclength;
+  point.states = orbit.states;
   point.nodes = orbit.nodes;
+  point.section_phase = orbit.section_phase;
   point.duration = orbit.duration;
   point.multipliers = orbit.multipliers;
   point.signature = orbit.signature;
@@ -108,7 +146,7 @@ Eigen::VectorXcd OrbitProblem::cyclic_derivative(const Vector& u, const Eigen::V
     const double start = equations_.node_time(shortened, j), length = equations_.duration(shortened) / N;
     for (int k = 0; k < n; ++k) {
       std::complex<double> side[2];
-      const double h = 1e-5 * (1.0 + std::abs(u[j * n + k]));
+      const double h = difference_step * (1.0 + std::abs(u[j * n + k]));
       bool defined = true;
       for (int s = 0; s < 2; ++s) {
         Vector x = equations_.node(u, j);
@@ -122,7 +160,7 @@ Eigen::VectorXcd OrbitProblem::cyclic_derivative(const Vector& u, const Eigen::V
   }
   for (Eigen::Index i = n * N; i < unknowns(); ++i) {
     std::complex<double> side[2] = {0.0, 0.0};
-    const double h = 1e-6 * (1.0 + std::abs(u[i]));
+    const double h = difference_step * (1.0 + std::abs(u[i]));
     bool defined = true;
     for (int s = 0; s < 2 && defined; ++s) {
       Vector shifted = u;

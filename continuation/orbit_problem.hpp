@@ -9,6 +9,7 @@
 #include <graze/floquet/shooting.hpp>
 
 #include <complex>
+#include <optional>
 
 namespace graze {
 
@@ -16,7 +17,11 @@ class OrbitProblem {
  public:
   /// `scale`: length by which changes of the parameter are measured in the arclength (usually the range that is followed).
   OrbitProblem(const HybridSystem& system, const Vector& p, int period, int nodes, std::size_t parameter, double scale,
-               const FlowOptions& options = {});
+               const FlowOptions& options = {}, double section_phase = 0.0);
+
+  /// The same problem with its nodes at another forcing phase, and an orbit of this one in the nodes of the other.
+  OrbitProblem with_section(double section_phase) const;
+  std::optional<Vector> to_section(OrbitProblem& other, const Vector& u);
 
   Eigen::Index unknowns() const { return equations_.unknowns() + 1; }
   int period() const { return equations_.period(); }

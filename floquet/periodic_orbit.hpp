@@ -30,10 +30,12 @@ struct OrbitChecks {
 
 struct PeriodicOrbit {
   Vector parameters;
-  int period = 0;             ///< n forcing periods; 1 for an autonomous orbit
-  double duration = 0.0;      ///< n T, dimensionless time
-  Vector state;               ///< at forcing phase 0
-  std::vector<Vector> nodes;  ///< shooting nodes, equally spaced in time; nodes[0] = state
+  int period = 0;              ///< n forcing periods; 1 for an autonomous orbit
+  double duration = 0.0;       ///< n T, dimensionless time
+  Vector state;                ///< at forcing phase 0
+  std::vector<Vector> states;  ///< at forcing phase 0 after 0 ... n - 1 periods; states[0] = state
+  std::vector<Vector> nodes;   ///< shooting nodes, equally spaced in time from section_phase on
+  double section_phase = 0.0;  ///< of nodes[0], forcing phase over 2 pi; also that of the monodromy matrix
   Signature signature;
   int impacts = 0;  ///< p of z = p/n
   NewtonReport newton;

@@ -92,15 +92,40 @@ Vector nodes_from(ShootingEquations& equations, const std::vector<Vector>& guess
   return u;
 }
 
-/// Free re-simulation over the whole orbit: the same events in the same order.
-Admissibility resimulate(ShootingEquations& equations, const Vector& u, const Signature& signature, double growth) {
+/// Free re-simulation over the whole orbit from the first node: the same events in the same order.
+Admissibility resimulate(ShootingEquations& equations, const Vector& u, const std::vector<std::size_t>& sequence, double growth) {
   Transition whole;
-  carry(equations.propagator(), 0.0, equations.duration(u), equations.node(u, 0), {.sensitivity = Sensitivity::none}, whole);
-  if (whole.termination == Termination::time && whole.event_sequence == signature.events) return Admissibility::admissible;
+  const double start = equations.node_time(u, 0);
+  carry(equations.propagator(), start, start + equations.duration(u), equations.node(u, 0), {.sensitivity = Sensitivity::none},
+        whole);
+  if (whole.termination == Termination::time && whole.event_sequence == sequence) return Admissibility::admissible;
   // An orbit so unstable that rounding grows to the size of the motion cannot be run through in one piece; its stretches, each of
   // them a free run, have shown the same already.
   const bool beyond_reach = growth * 1e-15 > 1e-6;
   return beyond_reach ? Admissibility::admissible : Admissibility::inadmissible;
+}
+
+/// States at forcing phase 0 of the periods 0 ... n - 1, each carried on from the node before it; also the mode at the first.
+void add_stroboscopic_states(ShootingEquations& equations, const Vector& u, PeriodicOrbit& orbit) {
+  const int n = orbit.period, count = equations.nodes();
+  const double T = orbit.duration / n;
+  Transition transition;
+  for (int k = 0; k < n; ++k) {
+    // Nodes lie at (s + j n / N) T; before the first of them stands the last one, a whole orbit earlier.
+    const double place = (k - equations.section_phase()) * count / n + 1e-12;
+    const bool before_first = place < 0.0;
+    const int j = static_cast<int>(std::floor(before_first ? place + count : place));
+    const double ahead = (before_first ? k + n : k) * T - equations.orbit_time(u, j), start = equations.node_time(u, j);
+    Vector state = equations.node(u, j);
+    std::size_t mode = equations.stretch(j).mode0;
+    if (ahead > 1e-12 * T) {
+      carry(equations.propagator(), start, start + ahead, state, {.sensitivity = Sensitivity::none}, transition);
+      if (transition.termination == Termination::time) state = transition.x1;
+      mode = transition.mode1;
+    }
+    if (k == 0) orbit.signature.mode = mode;
+    orbit.states.push_back(std::move(state));
+  }
 }
 
 }  // namespace
@@ -110,6 +135,7 @@ PeriodicOrbit describe_orbit(ShootingEquations& equations, const Vector& u, Newt
   orbit.parameters = equations.parameters();
   orbit.period = equations.period();
   orbit.duration = equations.duration(u);
+  orbit.section_phase = equations.section_phase();
   orbit.newton = std::move(report);
   for (int j = 0; j < equations.nodes(); ++j) orbit.nodes.push_back(equations.node(u, j));
   orbit.state = orbit.nodes.front();
@@ -121,29 +147,37 @@ PeriodicOrbit describe_orbit(ShootingEquations& equations, const Vector& u, Newt
   Vector residual;
   equations.residual(u, residual);
   orbit.checks.residual = relative(residual, u);
-  orbit.signature.mode = equations.stretch(0).mode0;
   double log_det = 0.0, liouville = 0.0;
+  std::vector<std::size_t> sequence;
   for (int j = 0; j < equations.nodes(); ++j) {
     const Transition& stretch = equations.stretch(j);
-    const double offset = orbit.duration * j / equations.nodes() - equations.node_time(u, j);
+    const double offset = equations.orbit_time(u, j) - equations.node_time(u, j);
     for (EventRecord event : stretch.events) {
       event.t += offset;
       orbit.events.push_back(std::move(event));
     }
-    orbit.signature.events.insert(orbit.signature.events.end(), stretch.event_sequence.begin(), stretch.event_sequence.end());
+    sequence.insert(sequence.end(), stretch.event_sequence.begin(), stretch.event_sequence.end());
     orbit.monodromy.factors.insert(orbit.monodromy.factors.end(), stretch.factors.begin(), stretch.factors.end());
     log_det += stretch.log_det;
     liouville += stretch.liouville;
   }
-  orbit.impacts = impacts(equations.system(), orbit.signature);
   if (equations.autonomous()) {
     orbit.monodromy.section = Section::autonomous;
     orbit.monodromy.trivial_direction.resize(equations.states());
-    equations.propagator().field(orbit.signature.mode, 0.0, orbit.state, orbit.monodromy.trivial_direction);
+    equations.propagator().field(equations.stretch(0).mode0, 0.0, orbit.state, orbit.monodromy.trivial_direction);
   }
   orbit.multipliers = multipliers(orbit.monodromy, orbit.duration);
   if (std::isfinite(log_det) && std::isfinite(liouville)) orbit.checks.liouville = std::abs(log_det - liouville);
-  orbit.admissible = resimulate(equations, u, orbit.signature, orbit.monodromy.product().cwiseAbs().maxCoeff());
+  orbit.admissible = resimulate(equations, u, sequence, orbit.monodromy.product().cwiseAbs().maxCoeff());
+  // Events and signature begin at phase 0, wherever the nodes lie.
+  const auto wrapped =
+      std::find_if(orbit.events.begin(), orbit.events.end(), [&](const EventRecord& event) { return event.t > orbit.duration; });
+  for (auto event = wrapped; event != orbit.events.end(); ++event) event->t -= orbit.duration;
+  std::rotate(orbit.events.begin(), wrapped, orbit.events.end());
+  for (const EventRecord& event : orbit.events) orbit.signature.events.push_back(event.event);
+  orbit.impacts = impacts(equations.system(), orbit.signature);
+  add_stroboscopic_states(equations, u, orbit);
+  orbit.state = orbit.states.front();
   return orbit;
 }
 
@@ -159,11 +193,10 @@ PeriodicOrbit shoot(const HybridSystem& system, const Vector& p, const std::vect
   NewtonReport report = newton(equations, u, options);
   PeriodicOrbit orbit = describe_orbit(equations, u, std::move(report));
   if (orbit.converged() && options.reduce_period && period > 1) {
-    const std::vector<Vector> states = stroboscopic_states(system, orbit, options.flow);
     for (int divisor = 1; divisor <= period / 2; ++divisor) {
       if (period % divisor != 0) continue;
       const double scale = 1.0 + orbit.state.lpNorm<Eigen::Infinity>();
-      const Vector& later = states[static_cast<std::size_t>(divisor)];
+      const Vector& later = orbit.states[static_cast<std::size_t>(divisor)];
       // Near a period doubling the doubled orbit passes its own start closely without closing there: only Newton decides.
       if ((later - orbit.state).lpNorm<Eigen::Infinity>() > 1e-5 * scale) continue;
       ShootingOptions shorter = options;
@@ -177,29 +210,10 @@ PeriodicOrbit shoot(const HybridSystem& system, const Vector& p, const std::vect
   return orbit;
 }
 
-std::vector<Vector> stroboscopic_states(const HybridSystem& system, const PeriodicOrbit& orbit, const FlowOptions& options) {
-  std::vector<Vector> states;
-  const auto nodes = static_cast<int>(orbit.nodes.size());
-  if (nodes % orbit.period == 0) {
-    for (int k = 0; k < orbit.period; ++k) states.push_back(orbit.nodes[static_cast<std::size_t>(k * (nodes / orbit.period))]);
-    return states;
-  }
-  Propagator propagator(system, orbit.parameters, {}, options);
-  const double T = forcing_period(system, orbit.parameters);
-  Transition transition;
-  states.push_back(orbit.state);
-  while (static_cast<int>(states.size()) < orbit.period) {
-    carry(propagator, 0.0, T, states.back(), {.sensitivity = Sensitivity::none}, transition);
-    states.push_back(transition.x1);
-  }
-  return states;
-}
-
-bool same_orbit(const HybridSystem& system, const PeriodicOrbit& a, const PeriodicOrbit& b, double tolerance) {
+bool same_orbit(const PeriodicOrbit& a, const PeriodicOrbit& b, double tolerance) {
   if (a.period != b.period) return false;
   const double scale = 1.0 + a.state.lpNorm<Eigen::Infinity>();
-  const std::vector<Vector> states = stroboscopic_states(system, b);
-  return std::any_of(states.begin(), states.end(),
+  return std::any_of(b.states.begin(), b.states.end(),
                      [&](const Vector& x) { return (x - a.state).lpNorm<Eigen::Infinity>() < tolerance * scale; });
 }
 

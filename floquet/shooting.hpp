@@ -39,9 +39,6 @@ FiniteDifferenceCheck finite_difference_check(const HybridSystem& system, const 
 
 /// True if a and b are the same orbit: same period, and a state of b at some forcing phase 0 equals a's within tolerance (1 +
 /// |x|).
-bool same_orbit(const HybridSystem& system, const PeriodicOrbit& a, const PeriodicOrbit& b, double tolerance = 1e-8);
-
-/// States at forcing phase 0 after each of the periods 0 ... n - 1.
-std::vector<Vector> stroboscopic_states(const HybridSystem& system, const PeriodicOrbit& orbit, const FlowOptions& options = {});
+bool same_orbit(const PeriodicOrbit& a, const PeriodicOrbit& b, double tolerance = 1e-8);
 
 }  // namespace graze

@@ -17,9 +17,9 @@ std::vector<std::size_t> as_list(std::optional<std::size_t> parameter) {
 }  // namespace
 
 ShootingEquations::ShootingEquations(const HybridSystem& system, const Vector& p, int period, int nodes,
-                                     std::optional<std::size_t> active, const FlowOptions& options)
+                                     std::optional<std::size_t> active, const FlowOptions& options, double section_phase)
     : propagator_(system, p, as_list(active), options), n_(static_cast<int>(system.states)), nodes_(nodes > 0 ? nodes : period),
-      period_(period), active_(active) {
+      period_(period), section_phase_(section_phase), active_(active) {
   if (period < 1) throw std::invalid_argument(fmt::format("period n is {}; allowed is a whole number from 1", period));
   if (nodes_ % period != 0 && period % nodes_ != 0)
     throw std::invalid_argument(
@@ -35,9 +35,12 @@ double ShootingEquations::duration(const Vector& u) const {
 }
 
 double ShootingEquations::node_time(const Vector& u, int j) const {
+  return autonomous() ? orbit_time(u, j) : node_fraction(j) * forcing_period(system(), parameters());
+}
+
+double ShootingEquations::orbit_time(const Vector& u, int j) const {
   if (autonomous()) return duration(u) * j / nodes_;
-  // j n / N forcing periods after phase 0: the whole ones are left out.
-  return static_cast<double>(j * period_ % nodes_) / nodes_ * forcing_period(system(), parameters());
+  return (section_phase_ + static_cast<double>(j * period_) / nodes_) * forcing_period(system(), parameters());
 }
 
 bool ShootingEquations::evaluate(const Vector& u, const TransitionOptions& options) {
@@ -51,7 +54,9 @@ bool ShootingEquations::evaluate(const Vector& u, const TransitionOptions& optio
     const double start = node_time(u, j);
     const Vector x0 = node(u, j);
     Transition& transition = stretches_[index];
-    carry(propagator_, start, start + length, x0, options, transition);
+    TransitionOptions own = options;
+    if (j == left_out_stretch_) own.left_out = left_out_;
+    carry(propagator_, start, start + length, x0, own, transition);
     ++evaluations_;
     failure_ = transition.termination;
     if (failure_ != Termination::time) return false;
@@ -67,16 +72,18 @@ void ShootingEquations::residual(const Vector& u, Vector& out) const {
   if (autonomous()) out[n_ * nodes_] = phase_normal_.dot(u.head(n_) - phase_reference_);
 }
 
-Vector ShootingEquations::stretch_dp(int j) const {
-  const auto index = static_cast<std::size_t>(j);
-  const Transition& transition = stretches_[index];
-  Vector dp = transition.Psi.col(0);
-  if (autonomous()) return dp;
-  // The stretch runs from theta T to (theta + n/N) T, and T depends on the forcing frequency.
+Vector ShootingEquations::fixed_time_dp(int j, const Matrix& Phi, const Matrix& Psi) const {
+  if (autonomous()) return Psi.col(0);
+  // The stretch starts at a fixed fraction of T, which depends on the forcing frequency.
   const double period_dp = forcing_period_dp(system(), parameters())[static_cast<Eigen::Index>(*active_)];
-  const double theta = static_cast<double>(j * period_ % nodes_) / nodes_, length = static_cast<double>(period_) / nodes_;
-  dp += end_fields_[index] * ((theta + length) * period_dp) - transition.Phi * start_fields_[index] * (theta * period_dp);
-  return dp;
+  return Psi.col(0) - Phi * start_field(j) * (node_fraction(j) * period_dp);
+}
+
+Vector ShootingEquations::stretch_dp(int j) const {
+  Vector dp = fixed_time_dp(j, stretch(j).Phi, stretch(j).Psi);
+  if (autonomous()) return dp;
+  const double period_dp = forcing_period_dp(system(), parameters())[static_cast<Eigen::Index>(*active_)];
+  return dp + end_field(j) * ((node_fraction(j) + static_cast<double>(period_) / nodes_) * period_dp);
 }
 
 void ShootingEquations::jacobian(Matrix& out) const {

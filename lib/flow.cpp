@@ -5,9 +5,22 @@
 #include <graze/lib/hertz_flow.hpp>
 #include <graze/lib/linear_flow.hpp>
 
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stdexcept>
 #include <variant>
 
 namespace graze {
+
+void validate(const FlowOptions& options) {
+  const auto require = [](bool good, const char* name, double value, const char* allowed) {
+    if (!good) throw std::invalid_argument(fmt::format("flow option {} is {}; allowed is {}", name, value, allowed));
+  };
+  require(options.tolerance > 0.0 && std::isfinite(options.tolerance), "tolerance", options.tolerance, "> 0");
+  require(options.max_step >= 0.0, "max_step", options.max_step, ">= 0");
+  require(options.accumulation_window >= 0.0, "accumulation_window", options.accumulation_window, ">= 0");
+}
 
 struct Flow::Kind {
   std::size_t mode;

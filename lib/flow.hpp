@@ -28,6 +28,9 @@ struct FlowOptions {
   double accumulation_window = 1e-6;
 };
 
+/// @throws std::invalid_argument naming the option, its value and what is allowed.
+void validate(const FlowOptions& options);
+
 enum class FlowEnd { failed, time, event };
 
 /// One stretch of motion in one mode.
@@ -48,6 +51,7 @@ struct FlowTask {
   double t0 = 0.0;
   double t_end = 0.0;
   Sensitivity sensitivity = Sensitivity::none;
+  bool watch_events = true;  ///< false: the mode's field is followed through its guards
 };
 
 class LinearFlow;

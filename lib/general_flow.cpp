@@ -242,7 +242,7 @@ void GeneralFlow::carry(const FlowTask& task, const Vector& x0, Segment& out) {
     }
     I.step_start = t;
     std::optional<double> crossing;
-    for (const std::size_t event : I.events) {
+    for (const std::size_t event : task.watch_events ? std::span<const std::size_t>(I.events) : std::span<const std::size_t>()) {
       const Guard& guard = I.system.events[event].guard;
       Integrator::Node a = I.node_at(guard, 0.0, I.y.data());
       if (first && std::abs(a.g) <= 1e-12 * (1.0 + x0.lpNorm<Eigen::Infinity>())) {

@@ -8,10 +8,11 @@
 //     h- <  0, h+ >= 0                       fires
 //     h  = 0 at the start, dh/dt >  0        fires at once (initially active guard)
 //     h  = 0 at the start, dh/dt <  0        does not fire (this is how a reset leaves the barrier)
-//     h  = 0 at the start, dh/dt =  0        fires at once if d2h/dt2 > 0, else does not
+//     h  = 0 at the start, dh/dt =  0        fires at once if h rises right after (dh/dt > 0 a millionth later), else does not
 //     h touches 0 from below and turns back  does not fire (tangency)
 // Events that fall on the same instant fire one after the other in the order in which they are declared.
-// An event exactly at the end time of a run fires.
+// An event exactly at the end time of a run fires. "h = 0" and "dh/dt = 0" are meant up to rounding: guard_tolerance and
+// rest_tolerance. An event must leave its guard (by its reset or by its target mode): nothing stays beyond a guard in its mode.
 //
 // The system knows no solver. It has any number of states, modes and events; forced systems name the parameter that is
 // their forcing frequency (period T = 2 pi / frequency), autonomous ones name none.
@@ -27,6 +28,11 @@
 #include <vector>
 
 namespace graze {
+
+/// A state lies on a guard if |h| <= guard_tolerance (1 + |x|): a hundred times the rounding of an event's instant.
+inline constexpr double guard_tolerance = 1e-12;
+/// It rests there if |dh/dt| <= rest_tolerance (1 + |f|); what h does this much time later then decides.
+inline constexpr double rest_tolerance = 1e-15, rest_glance = 1e-6;
 
 /// out = function of (t, x, p); `out` has its size already.
 using VectorFunction = std::function<void(double t, const Vector& x, const Vector& p, Vector& out)>;

@@ -11,22 +11,27 @@ namespace {
 using Matrix2 = Eigen::Matrix2d;
 using Vector2 = Eigen::Vector2d;
 
-/// C = cos(sqrt(q2) s), S = sin(sqrt(q2) s)/sqrt(q2), continued to q2 <= 0.
-struct Circular {
-  double C, S;
+/// exp(-b s) times C = cos(sqrt(q2) s) and S = sin(sqrt(q2) s)/sqrt(q2), continued to q2 <= 0; k = q2 + b^2 > 0. Formed as one
+/// product each: of an overdamped oscillator cosh overflows where exp(-b s) vanishes.
+struct Damped {
+  double C, S, decay;
 };
 
-Circular circular(double q2, double s) {
+Damped damped(double q2, double b, double k, double s) {
   const double z = q2 * s * s;
+  const double decay = std::exp(-b * s);
   if (std::abs(z) < 1e-4) {  // series: the next terms are below 1e-18
-    return {1.0 - z / 2 * (1.0 - z / 12 * (1.0 - z / 30)), s * (1.0 - z / 6 * (1.0 - z / 20 * (1.0 - z / 42)))};
+    return {decay * (1.0 - z / 2 * (1.0 - z / 12 * (1.0 - z / 30))),
+            decay * s * (1.0 - z / 6 * (1.0 - z / 20 * (1.0 - z / 42))), decay};
   }
   const double q = std::sqrt(std::abs(q2));
-  return q2 > 0.0 ? Circular{std::cos(q * s), std::sin(q * s) / q} : Circular{std::cosh(q * s), std::sinh(q * s) / q};
+  if (q2 > 0.0) return {decay * std::cos(q * s), decay * std::sin(q * s) / q, decay};
+  const double slow = std::exp(-k / (b + q) * s), lost = -std::expm1(-2.0 * q * s);  // k/(b + q) = b - q
+  return {slow * (1.0 - 0.5 * lost), slow * lost / (2.0 * q), decay};
 }
 
-/// dS/d(q2) = (s C - S) / (2 q2), by series where that cancels.
-double dS_dq2(double q2, double s, const Circular& f) {
+/// exp(-b s) dS/d(q2) = (s C - S) / (2 q2), by series where that cancels.
+double dS_dq2(double q2, double s, const Damped& f) {
   const double z = q2 * s * s;
   if (std::abs(z) > 0.1) return (s * f.C - f.S) / (2.0 * q2);
   double term = -s * s * s / 6.0, sum = 0.0;  // d/dq2 of sum_k (-q2)^k s^(2k+1)/(2k+1)!
@@ -34,7 +39,7 @@ double dS_dq2(double q2, double s, const Circular& f) {
     sum += term * k;
     term *= -z / ((2.0 * k + 2.0) * (2.0 * k + 3.0));
   }
-  return sum;
+  return f.decay * sum;
 }
 
 /// True if the polynomial with power coefficients a_0 ... a_N in h is <= 0 on all of [0, H] and < 0 at H, shown by its Bernstein
@@ -132,13 +137,12 @@ void LinearFlow::field(double t, const Vector& x, Vector& out) const {
 
 LinearFlow::Point LinearFlow::at(const Flight& flight, double s) const {
   const LinearOscillator& q = coefficient_;
-  const Circular f = circular(q2_, s);
-  const double decay = std::exp(-q.damping * s);
+  const Damped f = damped(q2_, q.damping, q.stiffness, s);
   const double wt = q.frequency * (flight.t0 + s), c = std::cos(wt), sn = std::sin(wt);
   const double b_S = q.damping * f.S;
   Point point{};
-  point.x = decay * ((f.C + b_S) * flight.d + f.S * flight.e) + cosine_ * c + sine_ * sn + offset_;
-  point.v = decay * (-q.stiffness * f.S * flight.d + (f.C - b_S) * flight.e) + q.frequency * (sine_ * c - cosine_ * sn);
+  point.x = (f.C + b_S) * flight.d + f.S * flight.e + cosine_ * c + sine_ * sn + offset_;
+  point.v = -q.stiffness * f.S * flight.d + (f.C - b_S) * flight.e + q.frequency * (sine_ * c - cosine_ * sn);
   point.a = q.amplitude * c + q.constant - 2.0 * q.damping * point.v - q.stiffness * point.x;
   point.j = -q.amplitude * q.frequency * sn - 2.0 * q.damping * point.a - q.stiffness * point.v;
   return point;
@@ -162,15 +166,18 @@ std::optional<double> LinearFlow::first_crossing(const Flight& flight, const Bar
   Point z = evaluate(0.0);
   double g = gap(z), v = barrier.sign * z.v;
   // A start on the barrier that is not an active guard (Propagator has seen to that) leaves it: rounding must not undo this.
-  bool leaving = std::abs(g) <= 1e-12 * scale;
+  bool leaving = std::abs(g) <= guard_tolerance * scale;
+  const bool resting = leaving && std::abs(v) <= rest_tolerance * (1.0 + std::abs(z.a));
   double H = longest;
   while (s < s_end) {
+    // Once a maximum at rounding distance has been looked at, the motion is taken to leave it.
+    const bool from_barrier = leaving;
     if (leaving) {
       g = std::min(g, 0.0);
       v = std::min(v, 0.0);
       leaving = false;
     }
-    const double a = barrier.sign * z.a, j = barrier.sign * z.j;
+    const double a = resting && s == 0.0 ? std::min(barrier.sign * z.a, 0.0) : barrier.sign * z.a, j = barrier.sign * z.j;
     // Bound of |x''''|: of the transient by its energy one derivative down, sqrt(x_h''''^2 + k x_h'''^2), which only decays.
     const double wt = w * (flight.t0 + s), c = std::cos(wt), sn = std::sin(wt);
     const double j_h = z.j - w * w * w * (cosine_ * sn - sine_ * c);
@@ -182,6 +189,7 @@ std::optional<double> LinearFlow::first_crossing(const Flight& flight, const Bar
     for (;; H *= 0.5) {
       if (stays_below_zero<4>({g, v, a / 2, j / 6, M4 / 24}, H)) break;  // no crossing on [s, s + H]
       if (stays_below_zero<3>({-v, -a, -j / 2, M4 / 6}, H)) {            // the speed stays positive on it: at most one
+        if (g >= 0.0) return s;
         const Point end = evaluate(s + H);
         if (gap(end) < 0.0) break;
         // Unique root: Newton from the side where it overshoots least, kept in the bracket.
@@ -200,7 +208,7 @@ std::optional<double> LinearFlow::first_crossing(const Flight& flight, const Bar
         }
         return std::clamp(root, s, s + H);
       }
-      if (H < too_short || (a < 0.0 && std::abs(g) < 4e-16 * scale && v * v < -a * 1e-14 * scale)) {
+      if (H < too_short || (!from_barrier && a < 0.0 && std::abs(g) < 4e-16 * scale && v * v < -a * 1e-14 * scale)) {
         // At rounding distance below a maximum: look at the maximum itself, once, and go on beyond it.
         const double to_top = a < 0.0 ? std::max(0.0, -v / a) : 0.0;
         const Point top = evaluate(s + to_top);
@@ -237,7 +245,7 @@ void LinearFlow::carry(const FlowTask& task, const Vector& x0, Segment& out) con
   out.end = FlowEnd::time;
   out.evaluations = 0;
   double level = 0.0;
-  for (const Barrier& barrier : barriers_) {
+  for (const Barrier& barrier : task.watch_events ? std::span<const Barrier>(barriers_) : std::span<const Barrier>()) {
     const std::optional<double> root = first_crossing(flight, barrier, duration, out.evaluations);
     if (root && (*root < duration || out.end == FlowEnd::time)) {
       duration = *root;
@@ -246,21 +254,24 @@ void LinearFlow::carry(const FlowTask& task, const Vector& x0, Segment& out) con
       level = barrier.level;
     }
   }
-  const Point end = at(flight, duration);
   out.t1 = out.end == FlowEnd::time ? task.t_end : task.t0 + duration;
-  out.x1.resize(2);
-  out.x1 << (out.end == FlowEnd::event ? level : end.x), end.v;
+  if (duration > 0.0) {
+    const Point end = at(flight, duration);
+    out.x1.resize(2);
+    out.x1 << end.x, end.v;
+  } else {
+    out.x1 = x0;
+  }
+  if (out.end == FlowEnd::event) out.x1[0] = level;
   if (task.sensitivity != Sensitivity::none)
     sensitivities(task.t0, out.t1, x0, task.sensitivity == Sensitivity::state_and_parameters, out);
 }
 
 void LinearFlow::sensitivities(double t0, double t1, const Vector& x0, bool with_parameters, Segment& out) const {
   const double b = coefficient_.damping, k = coefficient_.stiffness, w = coefficient_.frequency, s = t1 - t0;
-  const Circular f = circular(q2_, s);
-  const double decay = std::exp(-b * s);
-  Matrix2 shape, Phi;
-  shape << f.C + b * f.S, f.S, -k * f.S, f.C - b * f.S;
-  Phi = decay * shape;
+  const Damped f = damped(q2_, b, k, s);
+  Matrix2 Phi;
+  Phi << f.C + b * f.S, f.S, -k * f.S, f.C - b * f.S;
   out.Phi = Phi;
   out.divergence = -2.0 * b * s;
   if (!with_parameters) return;
@@ -270,9 +281,8 @@ void LinearFlow::sensitivities(double t0, double t1, const Vector& x0, bool with
   Matrix2 Phi_b, Phi_k;
   Phi_b << C_q * -2.0 * b + f.S + b * S_q * -2.0 * b, S_q * -2.0 * b, -k * S_q * -2.0 * b,
       C_q * -2.0 * b - f.S - b * S_q * -2.0 * b;
-  Phi_b = decay * Phi_b - s * Phi;
+  Phi_b -= s * Phi;
   Phi_k << C_q + b * S_q, S_q, -f.S - k * S_q, C_q - b * S_q;
-  Phi_k *= decay;
   // z_p(t) = B(t) (cosine, sine, offset) and its derivatives in the five coefficients.
   const auto particular = [&](double t, Eigen::Matrix<double, 2, 5>& dq) {
     const double c = std::cos(w * t), sn = std::sin(w * t);

@@ -1,23 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/lib/propagator.hpp>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 namespace graze {
 
-namespace {
-
-/// |h| below which a start counts as lying on a guard, relative to 1 + |x|: a hundred times the rounding of an event's instant.
-constexpr double on_guard = 1e-12;
-
-}  // namespace
-
 Propagator::Propagator(const HybridSystem& system, const Vector& p, std::vector<std::size_t> active, const FlowOptions& options)
     : system_(&system), active_(std::move(active)), options_(options), events_of_mode_(system.modes.size()) {
+  validate(system);
+  validate(options);
+  for (const std::size_t parameter : active_)
+    if (parameter >= system.parameters.size())
+      throw std::invalid_argument(fmt::format("sensitivity in parameter number {} was asked for; system {} has {} (counted from 0)",
+                                              parameter, system.name, system.parameters.size()));
   const auto n = static_cast<Eigen::Index>(system.states);
   for (std::size_t i = 0; i < system.events.size(); ++i) events_of_mode_[system.events[i].from].push_back(i);
-  for (Vector* v : {&f_minus_, &f_plus_, &gradient_, &f_dt_}) v->resize(n);
+  for (Vector* v : {&f_minus_, &f_plus_, &gradient_, &f_dt_, &glance_}) v->resize(n);
   f_dx_.resize(n, n);
   set_parameters(p);
 }
@@ -49,18 +51,31 @@ double Propagator::guard_acceleration(const Guard& guard, std::size_t mode, doub
 bool Propagator::active_at_start(const HybridState& state, std::size_t index) {
   const Guard& guard = system_->events[index].guard;
   const double h = guard.value(state.t, state.x, p_);
-  const double tolerance = on_guard * (1.0 + state.x.lpNorm<Eigen::Infinity>());
+  const double tolerance = guard_tolerance * (1.0 + state.x.lpNorm<Eigen::Infinity>());
   if (h < -tolerance) return false;
   if (h > tolerance) return true;
-  flows_[state.mode].field(state.t, state.x, f_minus_);
+  const Flow& flow = flows_[state.mode];
+  flow.field(state.t, state.x, f_minus_);
   const double speed = transversality(guard, state.t, state.x, f_minus_, p_);
-  if (speed != 0.0) return speed > 0.0;
-  return guard_acceleration(guard, state.mode, state.t, state.x, f_minus_) > 0.0;
+  if (std::abs(speed) > rest_tolerance * (1.0 + f_minus_.lpNorm<Eigen::Infinity>())) return speed > 0.0;
+  // At rest on the guard: by its speed a glance later, from a midpoint step.
+  constexpr double half = 0.5 * rest_glance;
+  glance_ = state.x + half * f_minus_;
+  flow.field(state.t + half, glance_, f_minus_);
+  glance_ = state.x + rest_glance * f_minus_;
+  flow.field(state.t + rest_glance, glance_, f_minus_);
+  return transversality(guard, state.t + rest_glance, glance_, f_minus_, p_) > 0.0;
+}
+
+void Propagator::snap_to_guard(HybridState& state, std::size_t index) const {
+  if (const auto& level = system_->events[index].guard.level)
+    state.x[static_cast<Eigen::Index>(level->coordinate)] = p_[static_cast<Eigen::Index>(level->level)];
 }
 
 StepEnd Propagator::step(HybridState& state, double t_end, Sensitivity sensitivity) {
   for (const std::size_t event : events_of_mode_[state.mode]) {
     if (!active_at_start(state, event)) continue;
+    snap_to_guard(state, event);
     const auto n = static_cast<Eigen::Index>(system_->states);
     segment_.mode = state.mode;
     segment_.t0 = segment_.t1 = state.t;
@@ -73,7 +88,7 @@ StepEnd Propagator::step(HybridState& state, double t_end, Sensitivity sensitivi
       segment_.Phi.setIdentity(n, n);
       segment_.Psi.setZero(n, sensitivity == Sensitivity::state ? 0 : static_cast<Eigen::Index>(active_.size()));
     }
-    cross(state, event, sensitivity);
+    cross(state, event, t_end, sensitivity);
     return StepEnd::event;
   }
   if (state.t >= t_end) t_end = state.t;
@@ -81,12 +96,30 @@ StepEnd Propagator::step(HybridState& state, double t_end, Sensitivity sensitivi
   if (segment_.end == FlowEnd::failed) return StepEnd::failed;
   state.t = segment_.t1;
   state.x = segment_.x1;
+  // Exactly at the end, or at the same instant as an event declared before it: what rounding hides from the flow.
+  for (const std::size_t event : events_of_mode_[segment_.mode]) {
+    if (segment_.end == FlowEnd::event && event >= segment_.event) break;
+    if (!active_at_start(state, event)) continue;
+    segment_.end = FlowEnd::event;
+    segment_.event = event;
+    snap_to_guard(state, event);
+    segment_.x1 = state.x;
+    break;
+  }
   if (segment_.end == FlowEnd::time) return StepEnd::time;
-  cross(state, segment_.event, sensitivity);
+  cross(state, segment_.event, t_end, sensitivity);
   return StepEnd::event;
 }
 
-void Propagator::cross(HybridState& state, std::size_t index, Sensitivity sensitivity) {
+bool Propagator::coast(HybridState& state, double t_end, Sensitivity sensitivity) {
+  flows_[state.mode].carry({state.t, t_end, sensitivity, false}, state.x, segment_);
+  if (segment_.end != FlowEnd::time) return false;
+  state.t = segment_.t1;
+  state.x = segment_.x1;
+  return true;
+}
+
+void Propagator::cross(HybridState& state, std::size_t index, double t_end, Sensitivity sensitivity) {
   const Event& event = system_->events[index];
   record_.event = index;
   record_.kind = event.kind;
@@ -100,22 +133,34 @@ void Propagator::cross(HybridState& state, std::size_t index, Sensitivity sensit
   record_.normal_speed = transversality(event.guard, state.t, record_.x_minus, f_minus_, p_);
   flows_[event.to].field(state.t, state.x, f_plus_);
   record_.exit_speed = -transversality(event.guard, state.t, state.x, f_plus_, p_);
-  if (event.accumulation && accumulate(state, event, sensitivity)) return;
+  if (event.accumulation && accumulate(state, event, t_end, sensitivity)) return;
   if (sensitivity == Sensitivity::none) return;
   const std::span<const std::size_t> active =
       sensitivity == Sensitivity::state ? std::span<const std::size_t>{} : std::span<const std::size_t>(active_);
   record_.saltation = saltation(event, {state.t, record_.x_minus, record_.x_plus, f_minus_, f_plus_}, p_, active);
 }
 
-bool Propagator::accumulate(HybridState& state, const Event& event, Sensitivity sensitivity) {
+bool Propagator::accumulate(HybridState& state, const Event& event, double t_end, Sensitivity sensitivity) {
   const double before = record_.normal_speed;
   const double after = std::max(0.0, record_.exit_speed);
-  if (after >= before && before > 0.0) return false;  // no loss: a series of equal flights does not end
-  const double ratio = before > 0.0 ? after / before : 0.0;
   const double pressing = guard_acceleration(event.guard, event.to, state.t, state.x, f_plus_);
-  if (!(pressing > 0.0)) return false;
-  const double remaining = 2.0 * after / (pressing * (1.0 - ratio));
-  if (!(remaining < options_.accumulation_window)) return false;
+  const double instant = 1e-14 * (1.0 + std::abs(state.t));  // what cannot be told from no time at all
+  double remaining = 0.0;
+  if (before > rest_tolerance * (1.0 + f_minus_.lpNorm<Eigen::Infinity>())) {
+    if (!(pressing > 0.0)) return false;
+    const double flight = 2.0 * after / pressing;
+    if (flight > instant) {
+      if (after >= before) return false;  // no loss: a series of equal flights does not end
+      remaining = flight / (1.0 - after / before);
+      if (!(remaining < options_.accumulation_window)) return false;
+    }
+  } else if (!(pressing > -guard_tolerance)) {
+    return false;  // at rest and pulled away (in balance, the guards of the sticking mode decide)
+  }
+  if (remaining > t_end - state.t) {  // the run ends amid the series
+    if (remaining > instant) return false;
+    remaining = std::max(0.0, t_end - state.t);
+  }
   const Accumulation& rest = *event.accumulation;
   const Vector here = state.x;
   state.t += remaining;
@@ -132,6 +177,7 @@ bool Propagator::accumulate(HybridState& state, const Event& event, Sensitivity 
     }
   }
   record_.kind = EventKind::stick;
+  record_.t = state.t;
   record_.exit_speed = 0.0;
   record_.x_plus = state.x;
   record_.mode_plus = state.mode;

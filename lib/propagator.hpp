@@ -5,7 +5,9 @@
 //
 // Infinitely many impacts in finite time (chattering): when the remaining time of the geometric series of flights,
 // 2 u+ / (a (1 - e)) with u+ the speed after the impact, e = u+/u-, a the pressing acceleration, falls below
-// FlowOptions::accumulation_window, the run jumps to the accumulation point and goes on in the sticking mode.
+// FlowOptions::accumulation_window, the run jumps to the accumulation point and goes on in the sticking mode. The event is then
+// recorded as EventKind::stick, with t and x_plus those of the accumulation point and x_minus that of the last impact before it.
+// A mass at rest at its stop (whatever e is) sticks too. A run never jumps past its end time.
 #pragma once
 
 #include <graze/lib/trajectory.hpp>
@@ -41,6 +43,9 @@ class Propagator {
   /// what happened. An event that is active at the start gives a segment of zero length.
   StepEnd step(HybridState& state, double t_end, Sensitivity sensitivity = Sensitivity::none);
 
+  /// Follows the mode's field to t_end through its guards (an orbit with one of its impacts left out). False: it failed.
+  bool coast(HybridState& state, double t_end, Sensitivity sensitivity = Sensitivity::none);
+
   const Segment& segment() const { return segment_; }
   const EventRecord& record() const { return record_; }
   /// f(t, x) of a mode.
@@ -48,8 +53,9 @@ class Propagator {
 
  private:
   bool active_at_start(const HybridState& state, std::size_t index);
-  void cross(HybridState& state, std::size_t index, Sensitivity sensitivity);
-  bool accumulate(HybridState& state, const Event& event, Sensitivity sensitivity);
+  void snap_to_guard(HybridState& state, std::size_t index) const;
+  void cross(HybridState& state, std::size_t index, double t_end, Sensitivity sensitivity);
+  bool accumulate(HybridState& state, const Event& event, double t_end, Sensitivity sensitivity);
   double guard_acceleration(const Guard& guard, std::size_t mode, double t, const Vector& x, const Vector& f);
 
   const HybridSystem* system_;
@@ -60,7 +66,7 @@ class Propagator {
   std::vector<std::vector<std::size_t>> events_of_mode_;
   Segment segment_;
   EventRecord record_;
-  Vector f_minus_, f_plus_, gradient_, f_dt_;
+  Vector f_minus_, f_plus_, gradient_, f_dt_, glance_;
   Matrix f_dx_;
 };
 

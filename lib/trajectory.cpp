@@ -3,8 +3,11 @@
 
 #include <graze/lib/propagator.hpp>
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 namespace graze {
 
@@ -30,6 +33,8 @@ std::string_view termination_text(Termination reason) {
 
 Trajectory simulate(const HybridSystem& system, const Vector& p, double t0, const Vector& x0, const Until& until,
                     const FlowOptions& options) {
+  if (!std::isfinite(t0) || !std::isfinite(until.t_end))
+    throw std::invalid_argument(fmt::format("a run from t = {} to {}; both must be finite numbers", t0, until.t_end));
   Propagator propagator(system, p, {}, options);
   HybridState state = propagator.start(t0, x0);
   Trajectory trajectory;

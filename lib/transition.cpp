@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/lib/transition.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace graze {
 
@@ -12,79 +14,121 @@ double log_abs_det(const Matrix& matrix) {
   return std::log(std::abs(det));
 }
 
+/// One run of carry(): the state on its way, and the map composed so far.
+class Composer {
+ public:
+  Composer(Propagator& propagator, const TransitionOptions& options, Transition& out)
+      : propagator_(propagator), options_(options), out_(out), tangent_(options.sensitivity != Sensitivity::none),
+        parameters_(options.sensitivity == Sensitivity::state_and_parameters
+                        ? static_cast<Eigen::Index>(propagator.active().size())
+                        : 0) {
+    const auto n = static_cast<Eigen::Index>(propagator.system().states);
+    out.termination = Termination::failed;
+    out.factors.clear();
+    out.events.clear();
+    out.event_sequence.clear();
+    out.log_det = out.liouville = 0.0;
+    if (!tangent_) return;
+    out.Phi.setIdentity(n, n);
+    out.Psi.setZero(n, parameters_);
+  }
+
+  bool start(double t0, const Vector& x0) {
+    state_ = {t0, x0, 0};
+    const auto& choose = propagator_.system().initial_mode;
+    const std::optional<std::size_t> mode = !x0.allFinite() ? std::nullopt
+                                            : choose        ? choose(t0, x0, propagator_.parameters())
+                                                            : std::optional<std::size_t>(0);
+    if (!mode) return fail(Termination::inadmissible_start);
+    out_.mode0 = state_.mode = *mode;
+    return true;
+  }
+
+  /// To t_end through all events, or through `max_events` of them.
+  bool run(double t_end, std::size_t max_events) {
+    while (out_.event_sequence.size() < max_events) {
+      const StepEnd end = propagator_.step(state_, t_end, options_.sensitivity);
+      if (end == StepEnd::failed) return fail(Termination::integration_failed);
+      compose_segment();
+      if (end == StepEnd::time) return true;
+      if (!compose_event()) return fail(Termination::grazing);
+      if (out_.event_sequence.size() >= options_.max_events) return fail(Termination::event_limit);
+    }
+    return true;
+  }
+
+  /// To t_end through the guards.
+  bool coast(double t_end) {
+    if (t_end <= state_.t) return true;
+    if (!propagator_.coast(state_, t_end, options_.sensitivity)) return fail(Termination::integration_failed);
+    compose_segment();
+    return true;
+  }
+
+  void record_touch() { out_.touch = {state_.t, state_.x, state_.mode, out_.Phi, out_.Psi}; }
+
+  void finish() {
+    out_.x1 = state_.x;
+    out_.mode1 = state_.mode;
+    out_.termination = Termination::time;
+  }
+
+ private:
+  bool fail(Termination reason) {
+    out_.termination = reason;
+    return false;
+  }
+
+  void compose_segment() {
+    if (!tangent_) return;
+    const Segment& segment = propagator_.segment();
+    out_.Phi = segment.Phi * out_.Phi;
+    if (parameters_ > 0) out_.Psi = segment.Phi * out_.Psi + segment.Psi;
+    out_.log_det += log_abs_det(segment.Phi);
+    out_.liouville += segment.divergence;
+    if (options_.keep_factors) out_.factors.push_back(segment.Phi);
+  }
+
+  bool compose_event() {
+    const EventRecord& record = propagator_.record();
+    const Event& event = propagator_.system().events[record.event];
+    out_.event_sequence.push_back(record.event);
+    if (options_.keep_events) out_.events.push_back(record);
+    if (!tangent_) return true;
+    const SaltationMatrix& saltation = record.saltation;
+    if (!saltation.regular) return false;
+    if (event.continuous) return true;  // S is the identity
+    out_.Phi = saltation.S * out_.Phi;
+    if (parameters_ > 0) out_.Psi = saltation.S * out_.Psi + saltation.Sp;
+    const double volume = log_abs_det(saltation.S);
+    out_.log_det += volume;
+    const bool known = event.log_volume_change && record.kind != EventKind::stick;
+    out_.liouville += known ? event.log_volume_change(propagator_.parameters()) : volume;
+    if (options_.keep_factors) out_.factors.push_back(saltation.S);
+    return true;
+  }
+
+  Propagator& propagator_;
+  const TransitionOptions& options_;
+  Transition& out_;
+  bool tangent_;
+  Eigen::Index parameters_;
+  HybridState state_;
+};
+
 }  // namespace
 
 void carry(Propagator& propagator, double t0, double t1, const Vector& x0, const TransitionOptions& options, Transition& out) {
-  const HybridSystem& system = propagator.system();
-  const auto n = static_cast<Eigen::Index>(system.states);
-  const bool tangent = options.sensitivity != Sensitivity::none;
-  const Eigen::Index m =
-      options.sensitivity == Sensitivity::state_and_parameters ? static_cast<Eigen::Index>(propagator.active().size()) : 0;
-  out.termination = Termination::failed;
-  out.factors.clear();
-  out.events.clear();
-  out.event_sequence.clear();
-  out.log_det = out.liouville = 0.0;
-  if (tangent) {
-    out.Phi.setIdentity(n, n);
-    out.Psi.setZero(n, m);
+  constexpr auto all = std::numeric_limits<std::size_t>::max();
+  Composer composer(propagator, options, out);
+  if (!composer.start(t0, x0)) return;
+  if (options.left_out) {
+    const LeftOutContact& gap = *options.left_out;
+    if (!composer.run(t1, gap.events_before) || !composer.coast(std::min(gap.t_touch, t1))) return;
+    composer.record_touch();
+    if (!composer.coast(std::min(gap.t_resume, t1))) return;
   }
-  HybridState state{t0, x0, 0};
-  if (!x0.allFinite()) {
-    out.termination = Termination::inadmissible_start;
-    return;
-  }
-  if (system.initial_mode) {
-    const std::optional<std::size_t> mode = system.initial_mode(t0, x0, propagator.parameters());
-    if (!mode) {
-      out.termination = Termination::inadmissible_start;
-      return;
-    }
-    state.mode = *mode;
-  }
-  out.mode0 = state.mode;
-  for (;;) {
-    const StepEnd end = propagator.step(state, t1, options.sensitivity);
-    if (end == StepEnd::failed) {
-      out.termination = Termination::integration_failed;
-      return;
-    }
-    const Segment& segment = propagator.segment();
-    if (tangent) {
-      out.Phi = segment.Phi * out.Phi;
-      if (m > 0) out.Psi = segment.Phi * out.Psi + segment.Psi;
-      out.log_det += log_abs_det(segment.Phi);
-      out.liouville += segment.divergence;
-      if (options.keep_factors) out.factors.push_back(segment.Phi);
-    }
-    if (end == StepEnd::time) break;
-    const EventRecord& record = propagator.record();
-    out.event_sequence.push_back(record.event);
-    if (options.keep_events) out.events.push_back(record);
-    if (tangent) {
-      const SaltationMatrix& saltation = record.saltation;
-      if (!saltation.regular) {
-        out.termination = Termination::grazing;
-        return;
-      }
-      out.Phi = saltation.S * out.Phi;
-      if (m > 0) out.Psi = saltation.S * out.Psi + saltation.Sp;
-      if (!system.events[record.event].continuous) {
-        const double volume = log_abs_det(saltation.S);
-        out.log_det += volume;
-        const auto& known = system.events[record.event].log_volume_change;
-        out.liouville += known && record.kind != EventKind::stick ? known(propagator.parameters()) : volume;
-        if (options.keep_factors) out.factors.push_back(saltation.S);
-      }
-    }
-    if (out.event_sequence.size() >= options.max_events) {
-      out.termination = Termination::event_limit;
-      return;
-    }
-  }
-  out.x1 = state.x;
-  out.mode1 = state.mode;
-  out.termination = Termination::time;
+  if (composer.run(t1, all)) composer.finish();
 }
 
 }  // namespace graze

@@ -9,6 +9,22 @@
 
 namespace graze {
 
+/// A contact that is to be left out: from its `events_before`-th event on the motion is followed through the guards, past t_touch
+/// (where it is recorded) to t_resume. This is the smooth continuation of a motion that just touches a barrier.
+struct LeftOutContact {
+  std::size_t events_before = 0;
+  double t_touch = 0.0;
+  double t_resume = 0.0;
+};
+
+/// State and first-order map at LeftOutContact::t_touch.
+struct Touch {
+  double t = 0.0;
+  Vector x;
+  std::size_t mode = 0;
+  Matrix Phi, Psi;
+};
+
 struct Transition {
   Termination termination = Termination::failed;  ///< time: all is well
   Vector x1;
@@ -18,6 +34,7 @@ struct Transition {
   std::vector<Matrix> factors;              ///< Phi = factors.back() ... factors.front(); if TransitionOptions::keep_factors
   std::vector<EventRecord> events;          ///< if TransitionOptions::keep_events
   std::vector<std::size_t> event_sequence;  ///< indices of the events, always
+  Touch touch;                              ///< if TransitionOptions::left_out
   double log_det = 0.0;                     ///< sum of ln|det| of the factors, taken from the factors
   double liouville = 0.0;                   ///< the same from Liouville's identity: divergence and the laws' volume changes
 };
@@ -27,6 +44,7 @@ struct TransitionOptions {
   bool keep_factors = false;
   bool keep_events = false;
   std::size_t max_events = 10000;
+  std::optional<LeftOutContact> left_out = {};
 };
 
 /// Carries x0 from t0 to t1. A start that is not admissible is a termination, not an exception.

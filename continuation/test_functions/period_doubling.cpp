@@ -24,11 +24,12 @@ std::optional<NormalForm> normal_form(OrbitProblem& problem, const LocatedPoint&
   const int n = problem.states();
   ShootingEquations& equations = problem.equations();
   const double duration = equations.duration(located.u.head(located.u.size() - 1));
+  const double start = equations.node_time(located.u.head(located.u.size() - 1), 0);
   const Vector x0 = located.u.head(n);
   Transition transition;
   std::vector<std::size_t> sequence;
   const auto jacobian = [&](const Vector& x) -> std::optional<Matrix> {
-    carry(equations.propagator(), 0.0, duration, x, {.sensitivity = Sensitivity::state}, transition);
+    carry(equations.propagator(), start, start + duration, x, {.sensitivity = Sensitivity::state}, transition);
     if (transition.termination != Termination::time) return std::nullopt;
     if (sequence.empty()) sequence = transition.event_sequence;
     if (transition.event_sequence != sequence) return std::nullopt;
@@ -83,7 +84,9 @@ TestFunction period_doubling_test() {
     if (const auto form = normal_form(problem, located)) {
       point.details["normal_form"] = form->c;
       point.details["normal_form_error"] = form->error;
-      if (std::abs(form->c) > form->error) point.details["criticality"] = form->c > 0.0 ? "supercritical" : "subcritical";
+      if (std::abs(form->c) <= form->error) return;
+      point.details["criticality"] = form->c > 0.0 ? "supercritical" : "subcritical";
+      point.details["criticality_from"] = "normal form";
     }
   };
   return test;

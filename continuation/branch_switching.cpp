@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/continuation/branch_switching.hpp>
+
+#include <graze/continuation/multiplier_condition.hpp>
+
+#include <cmath>
+#include <numbers>
+
+namespace graze {
+
+std::optional<BranchStart> doubled_start(const SpecialPoint& pd, OrbitProblem& parent, OrbitProblem& doubled,
+                                         const TraceOptions& options) {
+  const double value = pd.value;
+  std::vector<Vector> twice = pd.orbit.nodes;
+  twice.insert(twice.end(), pd.orbit.nodes.begin(), pd.orbit.nodes.end());
+  const Vector at_birth = doubled.pack(twice, 2.0 * pd.orbit.duration, value);
+  const LocatedPoint located =
+      locate_multiplier(parent, parent.pack(pd.orbit.nodes, pd.orbit.duration, value), {.theta = std::numbers::pi});
+  if (located.v.size() == 0) return std::nullopt;
+  const Vector v = located.v.real();
+  Vector direction = Vector::Zero(at_birth.size());
+  direction.head(v.size()) = v;
+  direction.segment(v.size(), v.size()) = -v;
+  const ZeroProblem zero = doubled.zero_problem();
+  direction /= std::sqrt(zero.weights.dot(direction.cwiseAbs2()));
+  for (double push = 2e-3; push > 1e-6; push *= 0.5) {
+    BranchStart start{at_birth + push * direction, {}};
+    if (!correct(zero, direction, start.u, options).converged()) continue;
+    start.orientation = start.u - at_birth;
+    const double length = std::sqrt(zero.weights.dot(start.orientation.cwiseAbs2()));
+    if (length < 1.5 * push) return start;  // a correction as long as the push has found something else
+  }
+  return std::nullopt;
+}
+
+std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGrazing& grazing, bool lost,
+                                         const TraceOptions& options) {
+  if (grazing.top_dp == 0.0 || !std::isfinite(grazing.top_dp)) return std::nullopt;
+  const ZeroProblem zero = problem.zero_problem();
+  if (lost) {
+    // Without the impact: where the free maximum stays short of the barrier.
+    const double side = grazing.top_dp > 0.0 ? -1.0 : 1.0;
+    for (double distance = 1e-7; distance < 1e-3; distance *= 10.0) {
+      BranchStart start{grazing.u + side * distance * grazing.family_dp, side * grazing.family_dp};
+      if (correct(zero, problem.parameter_direction(), start.u, options).converged()) return start;
+    }
+    return std::nullopt;
+  }
+  // With it: first order in its speed (LocatedGrazing::response).
+  for (const double speed : {1e-3, 3e-3, 3e-4, 1e-2, 3e-2}) {
+    const double change = grazing.response * speed / grazing.top_dp;
+    BranchStart start{grazing.u + change * grazing.family_dp + speed * grazing.impulse, {}};
+    if (!correct(zero, problem.parameter_direction(), start.u, options).converged()) continue;
+    start.orientation = start.u - grazing.u;
+    if (problem.orbit(start.u, {}).impacts == grazing.orbit.impacts + 1) return start;
+  }
+  return std::nullopt;
+}
+
+}  // namespace graze
