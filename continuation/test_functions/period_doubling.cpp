@@ -42,13 +42,14 @@ std::optional<NormalForm> normal_form(OrbitProblem& problem, const LocatedPoint&
   const Vector q = svd.matrixV().col(n - 1);
   Vector p = svd.matrixU().col(n - 1);
   p /= p.dot(q);
+  const Eigen::PartialPivLU<Matrix> second_order(Matrix::Identity(n, n) - *M);
   const auto coefficient = [&](double h) -> std::optional<double> {
     const auto ahead = jacobian(x0 + h * q), behind = jacobian(x0 - h * q);
     if (!ahead || !behind) return std::nullopt;
     const Matrix along = (*ahead - *behind) / (2.0 * h);
-    const Vector B = along * q, C = (*ahead - 2.0 * *M + *behind) * q / (h * h);
-    const Vector h2 = (Matrix::Identity(n, n) - *M).partialPivLu().solve(B);
-    return p.dot(C + 3.0 * along * h2) / 6.0;
+    const Matrix second = (*ahead - 2.0 * *M + *behind) / (h * h);
+    const Vector h2 = second_order.solve(along * q);
+    return (p.dot(second * q) + 3.0 * p.dot(along * h2)) / 6.0;
   };
   // The step must stay within the orbit's signature, and be large against the rounding of second differences.
   for (double h = 4e-3; h > 1e-5; h *= 0.5) {
@@ -85,8 +86,8 @@ TestFunction period_doubling_test() {
       point.details["normal_form"] = form->c;
       point.details["normal_form_error"] = form->error;
       if (std::abs(form->c) <= form->error) return;
-      point.details["criticality"] = form->c > 0.0 ? "supercritical" : "subcritical";
-      point.details["criticality_from"] = "normal form";
+      point.details.emplace("criticality", std::string(form->c > 0.0 ? "supercritical" : "subcritical"));
+      point.details.emplace("criticality_from", std::string("normal form"));
     }
   };
   return test;
