@@ -310,7 +310,8 @@ std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const Ve
     const double section = better_section(problem, start);
     if (section == problem.equations().section_phase()) return;
     OrbitProblem moved = problem.with_section(section);
-    const double small = 1e-6 / std::max(1e-300, direction.lpNorm<Eigen::Infinity>());
+    // Small against the square of the speed of a weak impact, which lives within that distance of the barrier.
+    const double small = 1e-8 / std::max(1e-300, direction.lpNorm<Eigen::Infinity>());
     const auto here = problem.to_section(moved, start), before = problem.to_section(moved, start - small * direction);
     if (!here) return;
     direction =
@@ -330,6 +331,11 @@ std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const Ve
       }
       return monitor(problem, before, after, branch);
     });
+    const Vector plain = std::copysign(1.0, direction[direction.size() - 1]) * problem.parameter_direction();
+    if (curve.stop == TraceStop::start_failed && branch.points.empty() && direction != plain) {
+      direction = plain;
+      continue;
+    }
     if (curve.stop != TraceStop::monitor || !section_blocked_) break;
     start = curve.points.back().u;
     direction = curve.points.back().tangent;

@@ -106,6 +106,9 @@ class Run {
 
   void add(Branch branch, int generation, OrbitProblem& problem, const Vector& u0, const Vector& orientation) {
     ends_.push_back(follower_.follow(problem, u0, orientation, branch));
+    if (ends_.back())
+      edges_.push_back(
+          edge(branch.special_points.back().orbit, branch.special_points.back().value, branch.points.back().impacts));
     generation_.push_back(generation);
     branches_.push_back(std::move(branch));
   }
@@ -151,7 +154,11 @@ class Run {
     GrazingEnd end = *ends_[parent_index];
     const SpecialPoint point = branches_[parent_index].special_points.back();
     PeriodicOrbit at_grazing = point.orbit;
-    if (end.lost) to_least_period(at_grazing, end.grazing);
+    int impacts = end.grazing.orbit.impacts + (end.lost ? 0 : 1);
+    if (end.lost) impacts = impacts * to_least_period(at_grazing, end.grazing) / point.orbit.period;
+    const GrazingEdge partner = edge(at_grazing, point.value, impacts);
+    if (std::any_of(edges_.begin(), edges_.end(), [&](const GrazingEdge& known) { return same_edge(known, partner); })) return;
+    edges_.push_back(partner);
     OrbitProblem problem = problem_at(at_grazing);
     const std::optional<BranchStart> start = partner_start(problem, end.grazing, end.lost, options_.trace);
     if (!start || problem.value(start->u) < range_.low || problem.value(start->u) > range_.high) return;
@@ -160,8 +167,26 @@ class Run {
     add(std::move(branch), generation_[parent_index], problem, start->u, start->orientation);
   }
 
-  /// Without its weak impact the orbit may close after a divisor of its period: then that shorter orbit is the partner.
-  static void to_least_period(PeriodicOrbit& orbit, LocatedGrazing& grazing) {
+  /// The end of a family of orbits at a grazing: families that share one are the same.
+  struct GrazingEdge {
+    double value;
+    int period, impacts;
+    std::vector<Vector> states;
+  };
+  static GrazingEdge edge(const PeriodicOrbit& orbit, double value, int impacts) {
+    return {value, orbit.period, impacts, orbit.states};
+  }
+  static bool same_edge(const GrazingEdge& a, const GrazingEdge& b) {
+    const auto near = [](const Vector& x, const Vector& y) {
+      return (x - y).lpNorm<Eigen::Infinity>() < 1e-9 * (1.0 + x.lpNorm<Eigen::Infinity>());
+    };
+    return a.period == b.period && a.impacts == b.impacts && std::abs(a.value - b.value) < 1e-9 * (1.0 + std::abs(a.value)) &&
+           std::any_of(b.states.begin(), b.states.end(), [&](const Vector& x) { return near(x, a.states.front()); });
+  }
+
+  /// Without its weak impact the orbit may close after a divisor of its period: then that shorter orbit is the partner. Returns
+  /// its period.
+  static int to_least_period(PeriodicOrbit& orbit, LocatedGrazing& grazing) {
     const auto nodes = static_cast<Eigen::Index>(orbit.nodes.size()), n = orbit.state.size();
     for (int period = 1; period <= orbit.period / 2; ++period) {
       const Eigen::Index shift = nodes * period / orbit.period * n;
@@ -177,8 +202,10 @@ class Run {
       shorten(grazing.family_dp);
       orbit.period = period;
       orbit.nodes.resize(static_cast<std::size_t>(shift / n));
-      return;
+      orbit.states.resize(static_cast<std::size_t>(period));
+      return period;
     }
+    return orbit.period;
   }
 
   const HybridSystem& system_;
@@ -190,6 +217,7 @@ class Run {
   std::vector<Branch> branches_;
   std::vector<int> generation_;
   std::vector<std::optional<GrazingEnd>> ends_;
+  std::vector<GrazingEdge> edges_;
 };
 
 }  // namespace
