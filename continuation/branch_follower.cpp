@@ -397,6 +397,8 @@ std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const Ve
       failed.value = problem.value(u);
       for (int j = 0; j < problem.nodes(); ++j) failed.nodes.emplace_back(u.segment(j * problem.states(), problem.states()));
       failed.duration = end.duration;
+      failed.section_phase = problem.equations().section_phase();
+      if (failed.section_phase == 0.0) failed.states = {failed.nodes.front()};
       branch.first_failed = std::move(failed);
     }
   }

@@ -13,16 +13,16 @@ namespace graze {
 struct ContinuationOptions {
   std::string parameter = "eta";
   double to = 0.0;             ///< the branch is followed until the parameter gets here
-  std::optional<double> from;  ///< other end of the range, for branches that turn or are born on the way; empty: the start
+  std::optional<double> from = {};  ///< other end of the range, for branches that turn or are born on the way; empty: the start
   int switch_generations = 1;  ///< generations of period-doubled branches that are followed
   int max_branches = 64;
   bool both_directions = false;  ///< also follow the first branch the other way, as far as the range goes
-  TraceOptions trace;
-  ShootingOptions shooting;
-  std::vector<double> user_values;  ///< parameter values at which a point of type UZ is wanted
-  std::function<bool()> cancelled;
+  TraceOptions trace = {};
+  ShootingOptions shooting = {};
+  std::vector<double> user_values = {};  ///< parameter values at which a point of type UZ is wanted
+  std::function<bool()> cancelled = {};
   /// Called after each point with the branch so far.
-  std::function<void(const Branch&)> progress;
+  std::function<void(const Branch&)> progress = {};
 };
 
 /// The branch through `orbit` and, generation after generation, those born at its period doublings. Branch ids count from 1.

@@ -336,7 +336,7 @@ SearchResult search_orbits(const HybridSystem& system, const Vector& p, int peri
   Search search(system, p, period, lower, upper, options);
   std::mt19937_64 random(options.seed);
   from_recurrences(search, forcing_period(system, p), period, random, lower, upper);
-  from_nlopt(search, lower, upper, options.seed, options.cancelled);
+  if (!search.finished()) from_nlopt(search, lower, upper, options.seed, options.cancelled);
   search.forget_patience();
   LowDiscrepancy sequence(n, random);
   for (int k = 0; !search.finished(); ++k) {

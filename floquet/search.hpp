@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Global search for all orbits of period n in a box of states at forcing phase 0, unstable ones included.
 //
-// Starts come from a low-discrepancy sequence over the box and from NLopt (multi-level single linkage, MLSL, over
-// |P^n(x) - x|^2); each is polished by Newton. The search ends when `patience` consecutive starts have brought nothing new.
-// Duplicates (an orbit met at another of its n phases) and multiples of shorter orbits are dropped.
+// Starts come from near returns of settled runs, from NLopt (multi-level single linkage, MLSL, over |P^n(x) - x|^2), from a
+// low-discrepancy sequence over the box, and from beside the orbits found so far (orbits are born in pairs). Newton scouts from
+// each, in single and in multiple shooting, with loose tolerances and no patience with hopeless starts; what is new is found
+// again by shoot(). The search ends when `patience` consecutive starts have brought nothing new. Duplicates (an orbit met at
+// another of its n phases) and multiples of shorter orbits are dropped. The same seed gives the same result.
 #pragma once
 
 #include <graze/floquet/shooting.hpp>

@@ -60,7 +60,7 @@ Flow make_flow(const HybridSystem& system, std::size_t mode, const Vector& p, st
     if (const auto* linear = std::get_if<LinearOscillator>(&structure);
         linear && LinearFlow::applies(system, mode, active, *linear))
       return Flow(std::make_unique<Flow::Kind>(Flow::Kind{mode, LinearFlow(system, mode, p, active, *linear)}));
-    if (const auto* hertz = std::get_if<HertzContact>(&structure); hertz && HertzFlow::applies(system, mode, *hertz))
+    if (const auto* hertz = std::get_if<HertzContact>(&structure); hertz && HertzFlow::applies(system, mode, active, *hertz))
       return Flow(std::make_unique<Flow::Kind>(Flow::Kind{mode, HertzFlow(system, mode, active, *hertz, options)}));
   }
   return Flow(std::make_unique<Flow::Kind>(Flow::Kind{mode, GeneralFlow(system, mode, p, active, options)}));

@@ -58,6 +58,8 @@ struct GeneralFlow::Integrator {
   FlowOptions options;
   std::vector<std::size_t> events;  // of this mode
   Eigen::Index n, m;
+  Vector origin;  // start of the segment: the state is integrated as its deviation from it, so that a short
+                  // flight off a barrier does not drown in the rounding of x
   Vector x, f;
   Matrix A, f_p;
   StepPointer state_step, tangent_step, full_step;
@@ -99,7 +101,7 @@ struct GeneralFlow::Integrator {
   /// Field of x | Phi | divergence | Psi; how much of it there is follows from `size`.
   void equations(double t, const double* in, double* out, Eigen::Index total) {
     ++evaluations;
-    x = Eigen::Map<const Vector>(in, n);
+    x = origin + Eigen::Map<const Vector>(in, n);
     mode.field(t, x, p, f);
     Eigen::Map<Vector>(out, n) = f;
     if (total == n) return;
@@ -122,7 +124,7 @@ struct GeneralFlow::Integrator {
   static int callback(double t, const double in[], double out[], void* bound) {
     const auto* b = static_cast<Bound*>(bound);
     b->self->equations(t, in, out, b->total);
-    return std::isfinite(out[0]) ? GSL_SUCCESS : GSL_EBADFUNC;
+    return std::isfinite(Eigen::Map<const Vector>(out, b->self->n).sum()) ? GSL_SUCCESS : GSL_EBADFUNC;
   }
 
   /// One guard at an instant of the current step.
@@ -132,11 +134,18 @@ struct GeneralFlow::Integrator {
   double step_start = 0.0;  // of the step under inspection; y and slope hold its start
 
   Node node_at(const Guard& guard, double s, const double* state) {
-    x = Eigen::Map<const Vector>(state, n);
+    x = origin + Eigen::Map<const Vector>(state, n);
     const double t = step_start + s;
     mode.field(t, x, p, f);
     const Vector here = x, field_here = f;
-    return {s, guard.value(t, here, p), transversality(guard, t, here, field_here, p)};
+    return {s, guard_value(guard, t, here, state), transversality(guard, t, here, field_here, p)};
+  }
+  double guard_value(const Guard& guard, double t, const Vector& here, const double* deviation) const {
+    if (!guard.level) return guard.value(t, here, p);
+    const auto coordinate = static_cast<Eigen::Index>(guard.level->coordinate);
+    double start = origin[coordinate] - p[static_cast<Eigen::Index>(guard.level->level)];
+    if (std::abs(start) <= guard_tolerance * (1.0 + origin.lpNorm<Eigen::Infinity>())) start = 0.0;
+    return guard.level->sign * (start + deviation[coordinate]);
   }
   Node node_inside(const Guard& guard, double s) {
     std::copy_n(y.begin(), n, y_state.begin());
@@ -150,23 +159,26 @@ struct GeneralFlow::Integrator {
   std::optional<double> first_crossing(const Guard& guard, const Node& a, const Node& b, int depth) {
     const double H = b.s - a.s;
     const double c1 = a.g + a.g_dot * H / 3.0, c2 = b.g - b.g_dot * H / 3.0;
+    const bool beyond = a.g < 0.0 ? b.g >= 0.0 : b.g > 0.0;  // to stay on a guard from the start is not to cross it
     const auto [low, high] = std::minmax({a.g, c1, c2, b.g});
     const double spread = high - low;
     if (high < -0.25 * spread) return std::nullopt;
-    if (H < 1e-15 * (1.0 + std::abs(step_start)) || depth > 60) return b.g >= 0.0 ? std::optional(b.s) : std::nullopt;
+    if (H < 1e-15 * (1.0 + std::abs(step_start)) || depth > 60) return beyond ? std::optional(b.s) : std::nullopt;
     const Node mid = node_inside(guard, 0.5 * (a.s + b.s));
     const auto halves = [&]() -> std::optional<double> {
       if (const auto left = first_crossing(guard, a, mid, depth + 1)) return left;
-      return mid.g >= 0.0 ? std::nullopt : first_crossing(guard, mid, b, depth + 1);
+      return mid.g > 0.0 ? std::nullopt : first_crossing(guard, mid, b, depth + 1);
     };
     const double misfit = std::abs(mid.g - (a.g + 3.0 * c1 + 3.0 * c2 + b.g) / 8.0);
     if (misfit > 1e-3 * spread + 1e-15) return halves();
     if (high < -20.0 * misfit - 1e-15) return std::nullopt;
     const auto value = [&](double s) { return node_inside(guard, s).g; };
-    if (b.g >= 0.0) {
-      if (a.g < 0.0 && a.g_dot > 0.0 && b.g_dot > 0.0) return brent(value, a.s, b.s);
+    if (beyond) {
+      if (a.g < 0.0 && a.g_dot > 0.0 && b.g_dot > 0.0 && c2 >= c1) return brent(value, a.s, b.s);  // it rises throughout
       return halves();
     }
+    // A maximum and a minimum inside, where it rises (or falls) at both ends: part them.
+    if ((a.g_dot > 0.0) == (b.g_dot > 0.0) && std::max(c1, c2) > std::max(a.g, b.g)) return halves();
     if (a.g_dot > 0.0 && b.g_dot < 0.0) {  // a maximum inside: does it reach the barrier?
       const double top = brent([&](double s) { return node_inside(guard, s).g_dot; }, a.s, b.s);
       if (value(top) > 0.0) return a.g < 0.0 ? brent(value, a.s, top) : a.s;
@@ -196,14 +208,14 @@ void GeneralFlow::carry(const FlowTask& task, const Vector& x0, Segment& out) {
   out.end = FlowEnd::failed;
   I.evaluations = 0;
   std::fill(I.y.begin(), I.y.end(), 0.0);
-  Eigen::Map<Vector>(I.y.data(), n) = x0;
+  I.origin = x0;
   if (total > n) Eigen::Map<Matrix>(I.y.data() + n, n, n).setIdentity();
   I.equations(task.t0, I.y.data(), I.slope.data(), total);
 
   const auto finish = [&](FlowEnd end, double t1, const double* last) {
     out.end = end;
     out.t1 = t1;
-    out.x1 = Eigen::Map<const Vector>(last, n);
+    out.x1 = I.origin + Eigen::Map<const Vector>(last, n);
     out.evaluations = I.evaluations;
     if (end == FlowEnd::event) {
       const auto& level = I.system.events[out.event].guard.level;
@@ -213,6 +225,17 @@ void GeneralFlow::carry(const FlowTask& task, const Vector& x0, Segment& out) {
     out.Phi = Eigen::Map<const Matrix>(last + n, n, n);
     out.divergence = last[n + n * n];
     out.Psi = Eigen::Map<const Matrix>(last + n + n * n + 1, n, task.sensitivity == Sensitivity::state_and_parameters ? I.m : 0);
+  };
+
+  const auto relative_error = [&] {  // largest local error of the last step, infinite if any is not a number
+    double worst = 0.0, sum = 0.0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const double start = i < I.system.states ? x0[static_cast<Eigen::Index>(i)] : 0.0;
+      const double relative = std::abs(I.error[i]) / (1.0 + std::abs(start + I.y_next[i]));
+      worst = std::max(worst, relative);
+      sum += relative;
+    }
+    return std::isfinite(sum) ? worst : std::numeric_limits<double>::infinity();
   };
 
   double t = task.t0, h = std::min(I.max_step, 0.01 * (task.t_end - task.t0) + 1e-6);
@@ -229,23 +252,22 @@ void GeneralFlow::carry(const FlowTask& task, const Vector& x0, Segment& out) {
     };
     if (apply(h) != GSL_SUCCESS) {
       h *= 0.25;
-      if (h < 1e-14) return;
+      if (h < 1e-14) break;
       continue;
     }
-    double worst = 0.0;
-    for (std::size_t i = 0; i < count; ++i) worst = std::max(worst, std::abs(I.error[i]) / (1.0 + std::abs(I.y_next[i])));
-    if (!std::isfinite(worst)) return;
+    const double worst = relative_error();
     const double factor = 0.9 * std::pow(I.options.tolerance / std::max(worst, 1e-30), 1.0 / 8.0);
     if (worst > I.options.tolerance && h > 1e-10) {
       h *= std::clamp(factor, 0.1, 0.9);
       continue;
     }
+    if (!std::isfinite(worst)) break;
     I.step_start = t;
     std::optional<double> crossing;
     for (const std::size_t event : task.watch_events ? std::span<const std::size_t>(I.events) : std::span<const std::size_t>()) {
       const Guard& guard = I.system.events[event].guard;
       Integrator::Node a = I.node_at(guard, 0.0, I.y.data());
-      if (first && std::abs(a.g) <= 1e-12 * (1.0 + x0.lpNorm<Eigen::Infinity>())) {
+      if (first && std::abs(a.g) <= guard_tolerance * (1.0 + x0.lpNorm<Eigen::Infinity>())) {
         // A start on the guard that is not active (Propagator has seen to that) leaves it: rounding must not undo this.
         a.g = std::min(a.g, 0.0);
         a.g_dot = std::min(a.g_dot, 0.0);
@@ -257,16 +279,23 @@ void GeneralFlow::carry(const FlowTask& task, const Vector& x0, Segment& out) {
         out.event = event;
       }
     }
-    first = false;
     if (crossing) {
-      if (*crossing < h && apply(*crossing) != GSL_SUCCESS) return;
+      if (*crossing < h) {
+        if (apply(*crossing) != GSL_SUCCESS) break;
+        if (relative_error() > I.options.tolerance && *crossing > 1e-10) {  // the whole step was better by chance: go in two
+          h = 0.5 * *crossing;
+          continue;
+        }
+      }
       return finish(FlowEnd::event, std::min(t + *crossing, task.t_end), I.y_next.data());
     }
+    first = false;
     std::swap(I.y, I.y_next);
     std::swap(I.slope, I.slope_next);
     t = last_step ? task.t_end : t + h;
     h = std::min(I.max_step, h * std::clamp(factor, 0.5, 4.0));
   }
+  finish(FlowEnd::failed, t, I.y.data());
 }
 
 }  // namespace graze

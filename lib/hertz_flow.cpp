@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace graze {
@@ -105,17 +106,19 @@ template <class Value> double root_in_step(const Value& value, double h) {
   for (int i = 0; i < 60; ++i) {
     const auto [g, slope] = value(s);
     (g < 0.0 ? lo : hi) = s;
-    double next = s - g / slope;
-    if (!(next > lo && next < hi)) next = 0.5 * (lo + hi);
-    if (std::abs(next - s) <= 1e-15 * h) return next;
-    s = next;
+    const double next = s - g / slope;
+    const bool inside = next >= lo && next <= hi;
+    if (inside && std::abs(next - s) <= 1e-9 * h) return next;  // it converges quadratically: what is left is below rounding
+    s = inside ? next : 0.5 * (lo + hi);
   }
   return s;
 }
 
 }  // namespace
 
-bool HertzFlow::applies(const HybridSystem& system, std::size_t mode, const HertzContact& contact) {
+bool HertzFlow::applies(const HybridSystem& system, std::size_t mode, std::span<const std::size_t> active,
+                        const HertzContact& contact) {
+  if (active.size() > C::count) return false;
   int events = 0;
   for (const Event& event : system.events) {
     if (event.from != mode) continue;
@@ -187,19 +190,24 @@ void HertzFlow::carry_with(const FlowTask& task, const Vector& x0, bool tangent,
     }
   };
 
-  // Shortest contact in s: half a turn about the equilibrium (0, 0), pi sqrt(2/|a|), for the largest |a| met at the barrier.
-  const double largest =
-      std::abs(q[C::amplitude]) + std::abs(r) * (1.0 + q[C::beta] * r * r) + 2.0 * q[C::damping] * std::abs(x0[1]);
-  const double longest_step = 0.3 * std::numbers::pi * std::sqrt(2.0 / std::max(largest, 1e-6));
+  // Shortest contact in s: half a turn about the equilibrium (0, 0), pi sqrt(2/|a|), a being the acceleration at the barrier:
+  // of all accelerations met there within dt after t at speeds up to v.
+  const auto longest_step = [&](double t, double v, double dt) {
+    const double a = std::abs(q[C::amplitude] * std::cos(q[C::frequency] * t) - r * (1.0 + q[C::beta] * r * r)) +
+                     2.0 * q[C::damping] * std::abs(v) + std::abs(q[C::amplitude]) * q[C::frequency] * dt;
+    return 0.3 * std::numbers::pi * std::sqrt(2.0 / std::max(a, 1e-12));
+  };
 
-  if (z[0] == 0.0 && z[1] <= 0.0) {
-    const double a = q[C::amplitude] * std::cos(q[C::frequency] * task.t0) - r - q[C::beta] * r * r * r;
-    if (z[1] < 0.0 || !(a > 0.0)) return finish(FlowEnd::event, task.t0, z);
+  if (z[0] == 0.0 && z[1] <= rest_tolerance) {
+    const double c = std::cos(q[C::frequency] * task.t0), s = std::sin(q[C::frequency] * task.t0), v = z[1];
+    const double a = q[C::amplitude] * c - 2.0 * q[C::damping] * v - r - q[C::beta] * r * r * r;
+    if (v < -rest_tolerance * (1.0 + std::abs(a))) return finish(FlowEnd::event, task.t0, z);
     // From rest on the barrier the motion is analytic in t, not in s: its series over a first short while (terms left out: t^4).
     const double dt = std::min(1e-5, task.t_end - task.t0);
-    const double jerk = -q[C::amplitude] * q[C::frequency] * std::sin(q[C::frequency] * task.t0) - 2.0 * q[C::damping] * a;
-    z[0] = dt * std::sqrt(std::max(0.0, a / 2 + jerk * dt / 6));
-    z[1] = dt * (a + jerk * dt / 2);
+    const double jerk = -q[C::amplitude] * q[C::frequency] * s - 2.0 * q[C::damping] * a;
+    const auto root_depth = [&](double t) { return std::sqrt(std::max(0.0, t * (v + t * (a / 2 + jerk * t / 6)))); };
+    z[0] = root_depth(dt);
+    z[1] = v + dt * (a + jerk * dt / 2);
     z[2] += dt;
     z[3] = -2.0 * q[C::damping] * dt;
     if constexpr (Columns >= 2) {
@@ -207,15 +215,22 @@ void HertzFlow::carry_with(const FlowTask& task, const Vector& x0, bool tangent,
       Eigen::Matrix2d A;
       A << 0.0, 1.0, -1.0 - 3.0 * q[C::beta] * r * r, -2.0 * q[C::damping];
       Eigen::Map<Eigen::Matrix2d>(z.data() + base) += A * dt + A * A * (dt * dt / 2);
-      const double c = std::cos(q[C::frequency] * task.t0), s = std::sin(q[C::frequency] * task.t0);
+      // What the contact's own stiffness, 1.5 k_H y, adds up to.
+      const double stiffness = 1.5 * q[C::stiffness] * (4.0 * root_depth(dt / 2) + z[0]) * dt / 6;
+      z[base + 1] -= stiffness;
+      double middle_c, middle_s;
+      at_start.cosine(task.t0 + dt / 2, middle_c, middle_s);
       for (std::size_t k = 2; k < Columns && k - 2 < coefficient_of_active_.size(); ++k) {
-        const Eigen::Vector2d f_p(0.0, at_start.derivative(coefficient_of_active_[k - 2], r, 0.0, 0.0, task.t0, c, s));
+        const std::size_t coefficient = coefficient_of_active_[k - 2];
+        const Eigen::Vector2d f_p(0.0, at_start.derivative(coefficient, r, v + a * dt / 2, 0.0, task.t0 + dt / 2, middle_c, middle_s));
         Eigen::Map<Eigen::Vector2d>(z.data() + base + 2 * k) = f_p * dt + A * f_p * (dt * dt / 2);
+        if (coefficient == C::barrier) z[base + 2 * k + 1] += stiffness;
       }
     }
+    if (z[0] == 0.0 && z[1] <= 0.0) return finish(FlowEnd::event, z[2], z);
   }
 
-  double h = 0.25 * longest_step;
+  double h = 0.25 * longest_step(z[2], z[1], 0.0);
   Z k1, next, error;
   for (std::size_t step = 0; step < options_.max_steps; ++step) {
     if (z[2] >= task.t_end) return finish(FlowEnd::time, task.t_end, z);
@@ -223,12 +238,22 @@ void HertzFlow::carry_with(const FlowTask& task, const Vector& x0, bool tangent,
     equations(z, k1);
     detail::rk8_step<size>(equations, z, k1, h, next, error);
     out.evaluations += 13;
-    double worst = 0.0;
-    for (std::size_t i = 0; i < size; ++i) worst = std::max(worst, std::abs(error[i]) / (1.0 + std::abs(next[i])));
-    if (!std::isfinite(worst)) return;
+    double worst = 0.0, sum = 0.0;
+    for (std::size_t i = 0; i < size; ++i) {
+      const double relative = std::abs(error[i]) / (1.0 + std::abs(next[i]));
+      worst = std::max(worst, relative);
+      sum += relative;
+    }
+    if (!std::isfinite(sum)) worst = std::numeric_limits<double>::infinity();  // far beyond y = 0 the equations blow up
     const double factor = 0.9 * std::pow(options_.tolerance / std::max(worst, 1e-30), 1.0 / 8.0);
     if (worst > options_.tolerance && h > 1e-10) {
       h *= std::clamp(factor, 0.1, 0.9);
+      continue;
+    }
+    if (!std::isfinite(worst)) break;
+    const double longest = longest_step(z[2], std::max(std::abs(z[1]), std::abs(next[1])), std::abs(next[2] - z[2]));
+    if (h > longest) {
+      h = longest;
       continue;
     }
     const bool surfaced = next[0] <= 0.0, late = next[2] >= task.t_end;
@@ -266,8 +291,9 @@ void HertzFlow::carry_with(const FlowTask& task, const Vector& x0, bool tangent,
       return finish(end, end == FlowEnd::event ? next[2] : task.t_end, next);
     }
     z = next;
-    h = std::min(longest_step, h * std::clamp(factor, 0.5, 4.0));
+    h = std::min(longest, h * std::clamp(factor, 0.5, 4.0));
   }
+  finish(FlowEnd::failed, z[2], z);
 }
 
 }  // namespace graze

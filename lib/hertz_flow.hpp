@@ -15,8 +15,9 @@ class HertzFlow {
   HertzFlow(const HybridSystem& system, std::size_t mode, std::span<const std::size_t> active, const HertzContact& contact,
             const FlowOptions& options);
 
-  /// The mode's only event must be leaving through x = r.
-  static bool applies(const HybridSystem& system, std::size_t mode, const HertzContact& contact);
+  /// The mode's only event must be leaving through x = r; at most as many active parameters as coefficients.
+  static bool applies(const HybridSystem& system, std::size_t mode, std::span<const std::size_t> active,
+                      const HertzContact& contact);
 
   void carry(const FlowTask& task, const Vector& x0, Segment& out) const;
   void field(double t, const Vector& x, Vector& out) const;

@@ -68,13 +68,16 @@ template <int N> bool stays_below_zero(const std::array<double, N + 1>& a, doubl
 
 }  // namespace
 
+/// Displacement since the start, and three derivatives of x.
 struct LinearFlow::Point {
-  double x, v, a, j;
+  double dx, v, a, j;
 };
 
 struct LinearFlow::Flight {
-  double t0;
-  double d, e;  // deviation from the particular solution at t0: position and speed
+  double t0, x0;
+  double d, e;                   // deviation from the particular solution at t0: position and speed
+  double near;                   // up to here after the start
+  std::array<double, 9> series;  // x - x0 = sum of series[i] s^i: a short flight off a barrier must not drown in the rounding of x
 };
 
 bool LinearFlow::applies(const HybridSystem& system, std::size_t mode, std::span<const std::size_t> active,
@@ -135,15 +138,40 @@ void LinearFlow::field(double t, const Vector& x, Vector& out) const {
   out[1] = q.amplitude * std::cos(q.frequency * t) + q.constant - 2.0 * q.damping * x[1] - q.stiffness * x[0];
 }
 
+LinearFlow::Flight LinearFlow::depart(double t0, const Vector& x0) const {
+  const LinearOscillator& q = coefficient_;
+  const double wt = q.frequency * t0, c = std::cos(wt), s = std::sin(wt);
+  Flight flight{t0, x0[0], x0[0] - (cosine_ * c + sine_ * s + offset_), x0[1] - q.frequency * (sine_ * c - cosine_ * s), 0.0, {}};
+  flight.near = 0.05 / std::max({q.frequency, std::sqrt(q.stiffness), 2.0 * q.damping});  // 0.05^9/9! is below rounding
+  const double turn[4] = {c, -s, -c, s};
+  double before = x0[0], here = x0[1], force = q.amplitude, factorial = 1.0;
+  for (std::size_t i = 1; i < flight.series.size(); ++i) {  // x^(i+1) = force^(i-1) - 2 b x^(i) - k x^(i-1)
+    factorial *= static_cast<double>(i);
+    flight.series[i] = here / factorial;
+    const double next = force * turn[(i - 1) % 4] + (i == 1 ? q.constant : 0.0) - 2.0 * q.damping * here - q.stiffness * before;
+    before = here;
+    here = next;
+    force *= q.frequency;
+  }
+  return flight;
+}
+
 LinearFlow::Point LinearFlow::at(const Flight& flight, double s) const {
   const LinearOscillator& q = coefficient_;
-  const Damped f = damped(q2_, q.damping, q.stiffness, s);
   const double wt = q.frequency * (flight.t0 + s), c = std::cos(wt), sn = std::sin(wt);
-  const double b_S = q.damping * f.S;
   Point point{};
-  point.x = (f.C + b_S) * flight.d + f.S * flight.e + cosine_ * c + sine_ * sn + offset_;
-  point.v = -q.stiffness * f.S * flight.d + (f.C - b_S) * flight.e + q.frequency * (sine_ * c - cosine_ * sn);
-  point.a = q.amplitude * c + q.constant - 2.0 * q.damping * point.v - q.stiffness * point.x;
+  if (s <= flight.near) {
+    for (std::size_t i = flight.series.size() - 1; i > 0; --i) {
+      point.dx = s * (flight.series[i] + point.dx);
+      point.v = static_cast<double>(i) * flight.series[i] + s * point.v;
+    }
+  } else {
+    const Damped f = damped(q2_, q.damping, q.stiffness, s);
+    const double b_S = q.damping * f.S;
+    point.dx = (f.C + b_S) * flight.d + f.S * flight.e + cosine_ * c + sine_ * sn + offset_ - flight.x0;
+    point.v = -q.stiffness * f.S * flight.d + (f.C - b_S) * flight.e + q.frequency * (sine_ * c - cosine_ * sn);
+  }
+  point.a = q.amplitude * c + q.constant - 2.0 * q.damping * point.v - q.stiffness * (flight.x0 + point.dx);
   point.j = -q.amplitude * q.frequency * sn - 2.0 * q.damping * point.a - q.stiffness * point.v;
   return point;
 }
@@ -160,13 +188,15 @@ std::optional<double> LinearFlow::first_crossing(const Flight& flight, const Bar
     ++evaluations;
     return at(flight, s);
   };
-  const auto gap = [&](const Point& z) { return barrier.sign * (z.x - barrier.level); };
+  // A start on the barrier that is not an active guard (Propagator has seen to that) leaves it: rounding must not undo this.
+  double start = flight.x0 - barrier.level;
+  bool leaving = std::abs(start) <= guard_tolerance * scale;
+  if (leaving) start = 0.0;
+  const auto gap = [&](const Point& z) { return barrier.sign * (start + z.dx); };
 
   double s = 0.0;
   Point z = evaluate(0.0);
   double g = gap(z), v = barrier.sign * z.v;
-  // A start on the barrier that is not an active guard (Propagator has seen to that) leaves it: rounding must not undo this.
-  bool leaving = std::abs(g) <= guard_tolerance * scale;
   const bool resting = leaving && std::abs(v) <= rest_tolerance * (1.0 + std::abs(z.a));
   double H = longest;
   while (s < s_end) {
@@ -236,9 +266,7 @@ std::optional<double> LinearFlow::first_crossing(const Flight& flight, const Bar
 }
 
 void LinearFlow::carry(const FlowTask& task, const Vector& x0, Segment& out) const {
-  const LinearOscillator& q = coefficient_;
-  const double wt = q.frequency * task.t0, c = std::cos(wt), s = std::sin(wt);
-  const Flight flight{task.t0, x0[0] - (cosine_ * c + sine_ * s + offset_), x0[1] - q.frequency * (sine_ * c - cosine_ * s)};
+  const Flight flight = depart(task.t0, x0);
   double duration = task.t_end - task.t0;
   out.t0 = task.t0;
   out.x0 = x0;
@@ -258,7 +286,7 @@ void LinearFlow::carry(const FlowTask& task, const Vector& x0, Segment& out) con
   if (duration > 0.0) {
     const Point end = at(flight, duration);
     out.x1.resize(2);
-    out.x1 << end.x, end.v;
+    out.x1 << flight.x0 + end.dx, end.v;
   } else {
     out.x1 = x0;
   }

@@ -28,12 +28,13 @@ class LinearFlow {
   void field(double t, const Vector& x, Vector& out) const;
 
  private:
-  struct Point;   // x and its first three derivatives at an instant
+  struct Point;   // displacement and the first three derivatives of x at an instant
   struct Flight;  // the transient of one segment
   struct Barrier {
     std::size_t event;
     double sign, level;
   };
+  Flight depart(double t0, const Vector& x0) const;
   Point at(const Flight& flight, double s) const;
   std::optional<double> first_crossing(const Flight& flight, const Barrier& barrier, double s_end,
                                        std::size_t& evaluations) const;

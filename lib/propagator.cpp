@@ -144,7 +144,7 @@ bool Propagator::accumulate(HybridState& state, const Event& event, double t_end
   const double before = record_.normal_speed;
   const double after = std::max(0.0, record_.exit_speed);
   const double pressing = guard_acceleration(event.guard, event.to, state.t, state.x, f_plus_);
-  const double instant = 1e-14 * (1.0 + std::abs(state.t));  // what cannot be told from no time at all
+  const double instant = 1e-12 * (1.0 + std::abs(state.t));  // a flight this short is taken for none
   double remaining = 0.0;
   if (before > rest_tolerance * (1.0 + f_minus_.lpNorm<Eigen::Infinity>())) {
     if (!(pressing > 0.0)) return false;

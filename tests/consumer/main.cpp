@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/lib/vector.hpp>
+#include <graze/floquet/shooting.hpp>
+#include <graze/lib/oscillator.hpp>
+
+#include <cmath>
 
 int main() {
-  const graze::Vector start = graze::Vector::Ones(2);
-  return start.sum() == 2.0 ? 0 : 1;
+  const graze::HybridSystem system = graze::make_oscillator("linear", "hertz");
+  const graze::Vector p = graze::default_parameters(system.parameters);
+  const graze::PeriodicOrbit orbit = graze::shoot(system, p, graze::Vector{{2.0, 1.5}}, 1);
+  return orbit.converged() && orbit.stable() ? 0 : 1;
 }

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/arguments.hpp>
+#include <graze/apps/number.hpp>
+
+#include <graze/lib/parameters.hpp>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace graze::apps {
+
+namespace {
+
+/// "--near" of "-n,--near".
+std::string long_name(const std::string& names) { return names.substr(names.rfind(',') + 1); }
+
+[[noreturn]] void refuse(const std::string& names, const std::string& given, const std::string& wanted) {
+  throw CLI::ValidationError(fmt::format("{} {}", long_name(names), given), "must be " + wanted);
+}
+
+double number(const std::string& names, const std::string& text) {
+  const std::optional<double> value = parse_number(text);
+  if (!value) refuse(names, text, "a number (0.92, 36/35 and 2*pi are)");
+  return *value;
+}
+
+int count(const std::string& names, const std::string& text, int least) {
+  const std::optional<int> value = parse_count(text);
+  if (!value || *value < least) refuse(names, text, fmt::format("a whole number >= {}", least));
+  return *value;
+}
+
+/// The common part: an option whose text is handed to `take`.
+void add(CLI::App& app, const std::string& names, const std::string& placeholder, const std::string& help, Need need,
+         std::function<void(const std::string&)> take) {
+  CLI::Option* option = app.add_option_function<std::string>(names, std::move(take), help)->type_name(placeholder);
+  if (need == Need::required) option->required();
+}
+
+void add_many(CLI::App& app, const std::string& names, const std::string& placeholder, const std::string& help,
+              std::function<void(const std::vector<std::string>&)> take) {
+  app.add_option_function<std::vector<std::string>>(names, std::move(take), help)
+      ->type_name(placeholder)
+      ->allow_extra_args(false);
+}
+
+}  // namespace
+
+void add_flag(CLI::App& app, const std::string& names, bool& target, const std::string& help) {
+  app.add_flag(names, target, help);
+}
+
+void add_text(CLI::App& app, const std::string& names, std::string& target, const std::string& placeholder,
+              const std::string& help, Need need) {
+  add(app, names, placeholder, help, need, [&target](const std::string& text) { target = text; });
+}
+
+void add_texts(CLI::App& app, const std::string& names, std::vector<std::string>& target, const std::string& placeholder,
+               const std::string& help) {
+  add_many(app, names, placeholder, help, [&target](const std::vector<std::string>& texts) { target = texts; });
+}
+
+void add_number(CLI::App& app, const std::string& names, std::optional<double>& target, const std::string& help, Need need) {
+  add(app, names, "VALUE", help, need, [&target, names](const std::string& text) { target = number(names, text); });
+}
+
+void add_numbers(CLI::App& app, const std::string& names, std::vector<double>& target, const std::string& help) {
+  add_many(app, names, "VALUE", help, [&target, names](const std::vector<std::string>& texts) {
+    target.clear();
+    for (const std::string& text : texts) target.push_back(number(names, text));
+  });
+}
+
+void add_count(CLI::App& app, const std::string& names, std::optional<int>& target, int least, const std::string& help) {
+  add(app, names, "N", help, Need::optional,
+      [&target, names, least](const std::string& text) { target = count(names, text, least); });
+}
+
+void add_count(CLI::App& app, const std::string& names, int& target, int least, const std::string& help) {
+  add(app, names, "N", help, Need::optional,
+      [&target, names, least](const std::string& text) { target = count(names, text, least); });
+}
+
+void add_state(CLI::App& app, const std::string& names, std::optional<Vector>& target, const std::string& help) {
+  add(app, names, "x,v", help, Need::optional, [&target, names](const std::string& text) {
+    const std::optional<Vector> state = parse_numbers(text);
+    if (!state || state->size() != 2) refuse(names, text, "two numbers x,v, for example 0.5,-1.2");
+    target = state;
+  });
+}
+
+void add_choice(CLI::App& app, const std::string& names, std::string& target, const std::vector<std::string>& choices,
+                const std::string& help, Need need) {
+  add(app, names, fmt::format("{}", fmt::join(choices, "|")), help, need, [&target, names, choices](const std::string& text) {
+    if (std::find(choices.begin(), choices.end(), text) == choices.end()) {
+      const std::string nearest = nearest_name(text, choices);
+      refuse(names, text, fmt::format("one of {}{}", fmt::join(choices, ", "),
+                                      nearest.empty() ? "" : fmt::format(" (did you mean {}?)", nearest)));
+    }
+    target = text;
+  });
+}
+
+void begin_group(CLI::App& app, const std::string& heading) { app.option_defaults()->group(heading); }
+
+}  // namespace graze::apps

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What is said of branches and special points: as JSON (graze.branch/1, graze.point/1), as text, as table rows.
+#pragma once
+
+#include <graze/apps/json.hpp>
+#include <graze/apps/table.hpp>
+
+#include <graze/continuation/branch.hpp>
+
+#include <string>
+#include <vector>
+
+namespace graze::apps {
+
+Json special_point_json(const SpecialPoint& point);
+Json branch_json(const Branch& branch);
+
+/// A special point with twelve digits: where, how well known, its orbit and its details.
+std::string special_point_text(const SpecialPoint& point, const std::string& parameter);
+
+/// A branch: a table of its points (thinned out to `most` rows), its special points, and why it stopped.
+std::string branch_text(const Branch& branch, std::size_t most);
+
+/// One row per point of each branch, special points in their places with their labels.
+Table branches_table(const std::vector<Branch>& branches);
+
+}  // namespace graze::apps

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Command: one thing that the program can do. A file in this folder holds an options struct, `run(options, console)` and a function that
+// describes the command; commands.cpp lists it. Help is printed from the list.
+#pragma once
+
+#include <graze/apps/console.hpp>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace graze::apps {
+
+struct Command {
+  std::string name;
+  std::string summary;  ///< one line, for the list
+  std::string details;  ///< a paragraph, for its own help
+  std::vector<std::string> examples;
+  /// Adds the options to the subcommand and returns what runs it: the exit code is its result, misuse is a std::invalid_argument.
+  std::function<int(const Console&)> (*setup)(CLI::App& app) = nullptr;
+};
+
+/// All commands, in the order in which they are listed to users.
+const std::vector<Command>& commands();
+
+Command models_command();
+Command orbit_command();
+Command continue_command();
+Command locate_command();
+Command verify_command();
+Command trajectory_command();
+Command poincare_command();
+Command plot_command();
+
+}  // namespace graze::apps

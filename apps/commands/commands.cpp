@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/commands/command.hpp>
+
+namespace graze::apps {
+
+const std::vector<Command>& commands() {
+  static const std::vector<Command> list = {
+      models_command(),
+      orbit_command(),
+      continue_command(),
+      locate_command(),
+      verify_command(),
+      trajectory_command(),
+      poincare_command(),
+      plot_command(),
+  };
+  return list;
+}
+
+}  // namespace graze::apps

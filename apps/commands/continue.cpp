@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// graze continue: a branch of orbits in one parameter, the branches born on it, and their special points.
+#include <graze/apps/arguments.hpp>
+#include <graze/apps/branch_report.hpp>
+#include <graze/apps/commands/command.hpp>
+#include <graze/apps/find_orbit.hpp>
+#include <graze/apps/interrupt.hpp>
+#include <graze/apps/number.hpp>
+#include <graze/apps/progress.hpp>
+#include <graze/apps/result.hpp>
+
+#include <graze/continuation/continuation.hpp>
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+
+namespace graze::apps {
+
+namespace {
+
+constexpr std::size_t rows_shown = 40;  // of a branch's table, without --all
+
+struct Options {
+  OrbitOptions orbit;
+  std::string parameter = "eta";
+  std::optional<double> from, to, max_step;
+  int switches = 1;
+  std::optional<int> max_points;
+  bool both = false, all = false;
+  std::vector<double> user_values;
+  OutputOptions output;
+};
+
+/// A branch that ended as it should, and not because the computation could not go on.
+bool ended_well(const Branch& branch) {
+  return branch.stop == BranchStop::reached_bound || branch.stop == BranchStop::parameter_range || branch.stop == BranchStop::returned;
+}
+
+ContinuationOptions continuation_options(const Options& options, double start, Progress& progress) {
+  ContinuationOptions out;
+  out.parameter = options.parameter;
+  out.to = *options.to;
+  out.from = start;
+  out.switch_generations = options.switches;
+  out.both_directions = options.both;
+  if (options.max_step) out.trace.max_step = *options.max_step;
+  if (options.max_points) out.trace.max_points = *options.max_points;
+  out.user_values = options.user_values;
+  out.cancelled = interrupted;
+  out.progress = [&progress, start, to = *options.to](const Branch& branch) {
+    const double value = branch.points.back().value;
+    progress.update((value - start) / (to - start), [&] {
+      return fmt::format("branch {}, period {}: {} points, {} = {}", branch.id, branch.period, branch.points.size(), branch.parameter, rounded(value, 7));
+    });
+  };
+  return out;
+}
+
+Json all_options(const Problem& problem, const Options& options) {
+  Json json = options_json(problem, options.orbit);
+  json["param"] = options.parameter;
+  json["from"] = parameter(problem, options.parameter);
+  json["to"] = *options.to;
+  json["switch"] = options.switches;
+  if (options.max_step) json["max_step"] = *options.max_step;
+  if (options.max_points) json["max_points"] = *options.max_points;
+  if (options.both) json["both"] = true;
+  if (!options.user_values.empty()) json["user"] = options.user_values;
+  return json;
+}
+
+int run(const Options& options, const Console& console) {
+  check_outputs(options.output);
+  if (options.max_step && !(*options.max_step > 0.0)) throw std::invalid_argument("--max-step must be > 0");
+  Problem problem = open_problem(options.orbit.start, console);
+  if (options.from) apply_settings(problem, {options.parameter + "=" + exact(*options.from)});
+  const double start = parameter(problem, options.parameter);
+  Problem at_end = problem;
+  set_parameter(at_end, options.parameter, *options.to);  // a wrong --to is found out now
+  if (start == *options.to) throw std::invalid_argument(fmt::format("--to {0}: {1} is {0} at the start already", exact(start), options.parameter));
+
+  Result result;
+  result.json = result_head("branch/1", "continue", problem, all_options(problem, options));
+  result.json["parameter"] = options.parameter;
+  const FoundOrbits found = find_orbits(problem, options.orbit, console);
+  Status status = found.status;
+  std::string message = found.message;
+  std::vector<Branch> branches;
+  if (found.status == Status::done) {
+    Progress progress(console.err, console.quiet, "following");
+    branches = continue_orbit(problem.system, found.orbits.front(), continuation_options(options, start, progress));
+  }
+  for (const Branch& branch : branches) {
+    if (branch.stop == BranchStop::interrupted || ended_well(branch) || branch.parent) continue;
+    status = Status::failed;
+    message = fmt::format("branch {} stopped at {} = {}: {}", branch.id, options.parameter, rounded(branch.stop_value, 12), branch.message);
+  }
+  if (interrupted()) {
+    status = Status::interrupted;
+    if (!branches.empty())
+      message = fmt::format("interrupted on branch {} at {} = {}", branches.back().id, options.parameter, rounded(branches.back().stop_value, 12));
+  }
+  set_status(result.json, status, message);
+  add_origin(result.json, found);
+  result.json["branches"] = Json::array();
+  result.text = describe(problem, options.parameter) + "\n";
+  for (const Branch& branch : branches) {
+    result.json["branches"].push_back(branch_json(branch));
+    result.text.append("\n").append(branch_text(branch, options.all ? std::numeric_limits<std::size_t>::max() : rows_shown));
+  }
+  result.table = branches_table(branches);
+  if (status != Status::done) console.err << "graze continue: " << message << "\n";
+  return deliver(result, options.output, "continue", exit_code(status), console);
+}
+
+std::function<int(const Console&)> setup(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  add_orbit_options(app, options->orbit);
+  begin_group(app, "Branch");
+  add_text(app, "--param", options->parameter, "NAME", "continuation parameter (default eta)");
+  add_number(app, "--from", options->from, "where it starts (default: the problem's own value)");
+  add_number(app, "--to", options->to, "where it is to end", Need::required);
+  add_count(app, "--switch", options->switches, 0, "generations of period-doubled branches that are followed (default 1)");
+  add_flag(app, "--both", options->both, "also follow the branch the other way, around a fold, as far as the range goes");
+  add_numbers(app, "--user", options->user_values, "value at which a point of type UZ is wanted; repeatable");
+  add_number(app, "--max-step", options->max_step, "largest step of arclength");
+  add_count(app, "--max-points", options->max_points, 2, "most points of a branch");
+  add_flag(app, "--all", options->all, "show every point in the table");
+  add_output_options(app, options->output, "branch/1");
+  return [options](const Console& console) { return run(*options, console); };
+}
+
+}  // namespace
+
+Command continue_command() {
+  return {"continue", "a branch of orbits in a parameter, the branches born on it, special points located",
+          "The orbit is found as by `graze orbit`, at --from, and followed to --to, around folds. Folds (LP), period doublings (PD), branch\n"
+          "points (BP) and Neimark-Sacker points (NS) are located; at a PD the doubled branch is followed too. A branch says why it stopped.",
+          {"graze continue data/problems/hertz-damped.toml --param eta --from 0.95 --to 0.90 --plot branch.png",
+           "graze continue data/problems/hertz-damped.toml --from 0.95 --to 0.70 --switch 2 --json branch.json"},
+          setup};
+}
+
+}  // namespace graze::apps

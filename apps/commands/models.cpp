@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// graze models: what a problem file can name: oscillators, contact laws, excitations; their parameters, ranges, defaults, units.
+#include <graze/apps/commands/command.hpp>
+#include <graze/apps/number.hpp>
+#include <graze/apps/result.hpp>
+#include <graze/apps/version.hpp>
+
+#include <graze/lib/oscillator.hpp>
+#include <graze/lib/physical_units.hpp>
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+
+namespace graze::apps {
+
+namespace {
+
+Json parameters_json(const std::vector<ParameterInfo>& list, bool with_default) {
+  Json out = Json::array();
+  for (const ParameterInfo& info : list) {
+    Json entry = {{"name", info.name}, {"meaning", info.meaning}, {"unit", info.unit}, {"range", range_text(info)},
+                  {"lower", info.lower}, {"lower_open", info.lower_open}, {"upper", info.upper}};
+    if (with_default) entry["default"] = info.default_value;
+    out.push_back(std::move(entry));
+  }
+  return out;
+}
+
+void add_rows(Table& table, const std::string& owner, const std::vector<ParameterInfo>& list, bool with_default) {
+  for (const ParameterInfo& info : list)
+    table.rows.push_back({owner, info.name, range_text(info), with_default ? rounded(info.default_value, 8) : "none", info.unit, info.meaning});
+}
+
+/// The oscillators' parameters, and their values of beta, which is what tells them apart.
+std::string beta_defaults() {
+  std::string text;
+  for (const OscillatorKind& kind : oscillator_kinds()) text += fmt::format("{}{}: beta = {}", text.empty() ? "" : "; ", kind.name, rounded(kind.beta, 8));
+  return text;
+}
+
+std::vector<ParameterInfo> contact_infos() {
+  std::vector<ParameterInfo> list;
+  for (const ContactQuantity& quantity : contact_quantities()) list.push_back(quantity.info);
+  return list;
+}
+
+Result describe_models() {
+  Result result;
+  Json& json = result.json = {{"schema", "graze.models/1"}, {"graze", program_version}, {"command", "models"}, {"status", "done"}};
+  result.table.columns = {"of", "name", "range", "default", "unit", "meaning"};
+  std::string text = "Oscillators: ' = d/dtau, forcing period 2 pi / eta, one barrier at x = r, F from a contact law\n";
+  for (const OscillatorKind& kind : oscillator_kinds()) {
+    json["oscillators"].push_back({{"name", kind.name}, {"formula", kind.formula}, {"beta", kind.beta}});
+    text += fmt::format("  {:<12} {}\n", kind.name, kind.formula);
+  }
+  json["parameters"] = parameters_json(oscillator_parameters(), true);
+  add_rows(result.table, "oscillator", oscillator_parameters(), true);
+  text += "\nContact laws\n";
+  for (const ContactLaw& law : contact_laws()) {
+    json["contact_laws"].push_back({{"name", law.name}, {"formula", law.formula}, {"hard", law.hard}, {"parameters", parameters_json(law.parameters, true)}});
+    add_rows(result.table, law.name, law.parameters, true);
+    text += fmt::format("  {:<12} {}\n", law.name, law.formula);
+  }
+  text += "\nParameters (section [parameters] of a problem file)\n" + aligned(result.table);
+  text += "  default of beta by oscillator: " + beta_defaults() + "\n";
+  text += "\nPhysical quantities (section [physical], with excitation = \"...\"), converted; in one coherent set of units\n";
+  Table physical{result.table.columns, {}};
+  for (const ExcitationKind& kind : excitation_kinds()) {
+    json["excitations"].push_back({{"name", kind.name}, {"formula", kind.formula}, {"quantities", parameters_json(kind.quantities, false)}});
+    add_rows(physical, kind.name, kind.quantities, false);
+    text += fmt::format("  {:<12} {}\n", kind.name, kind.formula);
+  }
+  json["contact_quantities"] = parameters_json(contact_infos(), false);
+  add_rows(physical, "contact", contact_infos(), false);
+  text += aligned(physical);
+  result.text = std::move(text);
+  result.table.rows.insert(result.table.rows.end(), physical.rows.begin(), physical.rows.end());
+  return result;
+}
+
+std::function<int(const Console&)> setup(CLI::App& app) {
+  auto options = std::make_shared<OutputOptions>();
+  add_output_options(app, *options, "models/1");
+  return [options](const Console& console) {
+    check_outputs(*options);
+    return deliver(describe_models(), *options, "models", 0, console);
+  };
+}
+
+}  // namespace
+
+Command models_command() {
+  return {"models", "built-in oscillators and contact laws, their parameters, ranges, defaults",
+          "Everything that a problem file may name.",
+          {"graze models", "graze models --json -"},
+          setup};
+}
+
+}  // namespace graze::apps

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// graze plot: a picture of a result that was written before.
+#include <graze/apps/arguments.hpp>
+#include <graze/apps/commands/command.hpp>
+#include <graze/apps/output_file.hpp>
+#include <graze/apps/pictures/pictures.hpp>
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <stdexcept>
+
+namespace graze::apps {
+
+namespace {
+
+struct Options {
+  std::string result, output, kind, x;
+  std::vector<std::string> y;
+};
+
+std::string read(const std::string& file) {
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) throw std::invalid_argument(file + ": no such file");
+  if (std::filesystem::is_directory(file, error)) throw std::invalid_argument(file + ": is a folder, not a result");
+  std::ifstream stream(file, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(stream), {}};
+  if (!stream.is_open() || stream.bad()) throw std::invalid_argument(file + ": cannot be read");
+  return text;
+}
+
+Picture picture_of_file(const Options& options) {
+  const std::string format = ending(options.result), text = read(options.result);
+  try {
+    if (format == "csv") {
+      if (!options.kind.empty()) throw std::invalid_argument("--plot-kind is for JSON results; of a table, --x and --y choose columns");
+      return picture_of(parse_csv(text, options.result), options.x, options.y);
+    }
+    if (format != "json") throw std::invalid_argument("the name must end in .json or .csv");
+    if (!options.x.empty() || !options.y.empty()) throw std::invalid_argument("--x and --y are for CSV tables");
+    const Json json = Json::parse(text, nullptr, false);
+    if (json.is_discarded()) throw std::invalid_argument("this is not valid JSON");
+    return picture_of(json, options.kind);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(fmt::format("{}: {}", options.result, error.what()));
+  }
+}
+
+int run(const Options& options, const Console& console) {
+  check_writable(options.output);
+  check_picture_file(options.output);
+  const std::string drawn = draw(picture_of_file(options), ending(options.output));
+  if (const auto failure = write_whole(options.output, drawn)) {
+    console.err << "graze plot: " << *failure << "\n";
+    return 1;
+  }
+  return 0;
+}
+
+/// "branch (graze.branch/1): what it shows", one line each.
+std::string kinds_text() {
+  std::string text = "Kinds of pictures:";
+  for (const PictureKind& kind : picture_kinds()) text += fmt::format("\n  {:<12} of {:<20} {}", kind.name, kind.schema, kind.summary);
+  return text;
+}
+
+std::function<int(const Console&)> setup(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  begin_group(app, "Picture");
+  add_text(app, "RESULT", options->result, "FILE", "a result of graze (.json) or a table (.csv)", Need::required);
+  add_text(app, "-o,--output", options->output, "FILE", "the picture (.png, .svg, .pdf)", Need::required);
+  add_text(app, "--plot-kind", options->kind, "KIND", "what it shows (default: the first of its schema)");
+  add_text(app, "--x", options->x, "COLUMN", "of a table: the horizontal axis (default: the first column)");
+  add_texts(app, "--y", options->y, "COLUMN", "of a table: a curve; repeatable (default: all columns of numbers)");
+  return [options](const Console& console) { return run(*options, console); };
+}
+
+}  // namespace
+
+Command plot_command() {
+  return {"plot", "a picture of a result", kinds_text(),
+          {"graze plot branch.json -o branch.svg", "graze plot branch.json --plot-kind multipliers -o multipliers.png",
+           "graze plot trajectory.csv --x x --y v -o phase.pdf"},
+          setup};
+}
+
+}  // namespace graze::apps

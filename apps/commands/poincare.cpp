@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// graze poincare: points of a stroboscopic section or of the impacts.
+#include <graze/apps/arguments.hpp>
+#include <graze/apps/commands/command.hpp>
+#include <graze/apps/find_orbit.hpp>
+#include <graze/apps/interrupt.hpp>
+#include <graze/apps/motion.hpp>
+#include <graze/apps/number.hpp>
+#include <graze/apps/progress.hpp>
+#include <graze/apps/result.hpp>
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+namespace graze::apps {
+
+namespace {
+
+constexpr int patience = 1000;  // forcing periods without an impact after which none is expected any more
+constexpr int stretch = 50;     // forcing periods that are run at a time
+
+struct Options {
+  StartOptions start;
+  std::string section = "stroboscopic";
+  int points = 1000;
+  OutputOptions output;
+};
+
+struct Section {
+  std::vector<std::array<double, 2>> points;
+  int periods = 0;
+  Termination termination = Termination::time;
+};
+
+/// Runs on until there are enough points, or nothing comes any more.
+Section collect(const Problem& problem, const Vector& start, const Options& options, const Console& console) {
+  Section section;
+  Progress progress(console.err, console.quiet, "collecting");
+  const auto wanted = static_cast<std::size_t>(options.points);
+  const double eta = parameter(problem, "eta");
+  const bool impacts = options.section == "impact";
+  Vector state = start;
+  int idle = 0;
+  while (section.points.size() < wanted && idle < patience && section.termination == Termination::time) {
+    const Motion motion = run_motion(problem.system, problem.parameters, state, {.periods = stretch, .cancelled = interrupted});
+    const std::size_t before = section.points.size();
+    // A run of n periods gives n points, the next run begins with the state at its end.
+    for (std::size_t k = 0; !impacts && k < static_cast<std::size_t>(motion.periods) && section.points.size() < wanted; ++k)
+      section.points.push_back({motion.strobe[k][0], motion.strobe[k][1]});
+    for (const EventRecord& event : motion.events) {
+      if (!impacts || section.points.size() == wanted || (event.kind != EventKind::impact && event.kind != EventKind::enter)) continue;
+      section.points.push_back({std::fmod(eta * event.t, 2.0 * std::numbers::pi), event.normal_speed});
+    }
+    section.periods += motion.periods;
+    section.termination = motion.termination;
+    state = motion.strobe.back();
+    idle = section.points.size() > before ? 0 : idle + stretch;
+    progress.update(static_cast<double>(section.points.size()) / options.points,
+                    [&] { return fmt::format("{} of {} points", section.points.size(), options.points); });
+  }
+  return section;
+}
+
+int run(const Options& options, const Console& console) {
+  check_outputs(options.output);
+  const Problem problem = open_problem(options.start, console);
+  Json asked = options_json(problem, options.start);
+  asked["section"] = options.section;
+  asked["points"] = options.points;
+  Result result;
+  result.json = result_head("poincare/1", "poincare", problem, asked);
+  const Settled settled = settle_down(problem, options.start, console);
+  Section section;
+  section.termination = settled.termination;
+  if (settled.termination == Termination::time) section = collect(problem, settled.state, options, console);
+
+  Status status = Status::done;
+  std::string message;
+  if (section.termination != Termination::time) {
+    status = section.termination == Termination::interrupted ? Status::interrupted : Status::failed;
+    message = fmt::format("stopped after {} points: {}", section.points.size(), termination_text(section.termination));
+  } else if (section.points.size() < static_cast<std::size_t>(options.points)) {
+    status = Status::failed;
+    message = fmt::format("stopped after {} points: no impact in the last {} forcing periods", section.points.size(), patience);
+  }
+  const bool impacts = options.section == "impact";
+  set_status(result.json, status, message);
+  result.json["section"] = options.section;
+  result.json["periods"] = section.periods;
+  result.json["columns"] = impacts ? Json{"phase", "speed"} : Json{"x", "v"};
+  result.json["points"] = section.points;
+  result.table.columns = impacts ? std::vector<std::string>{"phase", "speed"} : std::vector<std::string>{"x", "v"};
+  for (const auto& point : section.points) result.table.rows.push_back({exact(point[0]), exact(point[1])});
+  result.text = fmt::format("{}\n{} points of the {} section in {} forcing periods\n{}", describe(problem), section.points.size(), options.section,
+                            section.periods, aligned(result.table));
+  if (status != Status::done) console.err << "graze poincare: " << message << "\n";
+  return deliver(result, options.output, "poincare", exit_code(status), console);
+}
+
+std::function<int(const Console&)> setup(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  add_start_options(app, options->start);
+  begin_group(app, "Section");
+  add_choice(app, "--section", options->section, {"stroboscopic", "impact"},
+             "states at forcing phase 0, or phase and speed of each impact (default stroboscopic)");
+  add_count(app, "--points", options->points, 1, "number of points, after the transient (default 1000)");
+  add_output_options(app, options->output, "poincare/1");
+  return [options](const Console& console) { return run(*options, console); };
+}
+
+}  // namespace
+
+Command poincare_command() {
+  return {"poincare", "points of a stroboscopic or impact section",
+          "After --settle forcing periods of transient, points of the section are collected: (x, x') at forcing phase 0, or at each impact (entry\n"
+          "into contact) the forcing phase and the speed of approach.",
+          {"graze poincare data/problems/newton-elastic.toml --set eta=0.711 --points 5000 --plot section.png",
+           "graze poincare data/problems/beam-newton.toml --section impact --csv -"},
+          setup};
+}
+
+}  // namespace graze::apps

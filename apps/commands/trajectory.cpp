@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// graze trajectory: samples and contacts of a run.
+#include <graze/apps/arguments.hpp>
+#include <graze/apps/commands/command.hpp>
+#include <graze/apps/find_orbit.hpp>
+#include <graze/apps/interrupt.hpp>
+#include <graze/apps/motion.hpp>
+#include <graze/apps/number.hpp>
+#include <graze/apps/orbit_report.hpp>
+#include <graze/apps/progress.hpp>
+#include <graze/apps/result.hpp>
+
+#include <fmt/format.h>
+
+#include <memory>
+
+namespace graze::apps {
+
+namespace {
+
+constexpr std::size_t contacts_shown = 40;
+
+struct Options {
+  StartOptions start;
+  int periods = 10, samples = 100;
+  OutputOptions output;
+};
+
+Json motion_json(const Motion& motion, const ContactList& list) {
+  Json out;
+  out["periods"] = motion.periods;
+  out["end"] = termination_text(motion.termination);
+  out["columns"] = {"tau", "x", "v"};
+  out["samples"] = motion.samples;
+  out["stroboscopic"] = Json::array();
+  for (const Vector& state : motion.strobe) out["stroboscopic"].push_back(to_json(state));
+  out["events"] = events_json(motion.events, list);
+  out["contacts"] = contacts_json(list.contacts);
+  return out;
+}
+
+std::string motion_text(const Motion& motion, const ContactList& list) {
+  const Vector& end = motion.strobe.back();
+  std::string text = fmt::format("{} forcing periods, {} samples, {} contacts; {}\n", motion.periods, motion.samples.size(), list.contacts.size(),
+                                 termination_text(motion.termination));
+  text += fmt::format("  state at the end ({}, {})\n", rounded(end[0], 15), rounded(end[1], 15));
+  std::vector<Contact> shown = list.contacts;
+  if (shown.size() > contacts_shown) shown.resize(contacts_shown);
+  if (!shown.empty()) text.append("\n").append(aligned(contacts_table(shown)));
+  if (list.contacts.size() > shown.size()) text += fmt::format("  ({} of {} contacts shown; --json has all)\n", shown.size(), list.contacts.size());
+  return text;
+}
+
+int run(const Options& options, const Console& console) {
+  check_outputs(options.output);
+  const Problem problem = open_problem(options.start, console);
+  Json asked = options_json(problem, options.start);
+  asked["periods"] = options.periods;
+  asked["samples"] = options.samples;
+  Result result;
+  result.json = result_head("trajectory/1", "trajectory", problem, asked);
+  const Settled settled = settle_down(problem, options.start, console);
+  Motion motion;
+  if (settled.termination == Termination::time) {
+    Progress progress(console.err, console.quiet, "running");
+    motion = run_motion(problem.system, problem.parameters, settled.state,
+                        {.periods = options.periods, .samples = options.samples, .cancelled = interrupted, .progress = [&](int done) {
+                           progress.update(static_cast<double>(done) / options.periods, [&] { return fmt::format("{} of {} periods", done, options.periods); });
+                         }});
+  } else {
+    motion.strobe.push_back(settled.state);
+    motion.termination = settled.termination;
+  }
+  const ContactList list = contacts_of_run(motion.events);
+  const Status status = motion.termination == Termination::time          ? Status::done
+                        : motion.termination == Termination::interrupted ? Status::interrupted
+                                                                         : Status::failed;
+  const std::string message =
+      status == Status::done ? ""
+                             : fmt::format("stopped after {} periods of transient and {} periods of the run: {}", settled.periods, motion.periods,
+                                           termination_text(motion.termination));
+  set_status(result.json, status, message);
+  result.json.update(motion_json(motion, list));
+  result.table.columns = {"tau", "x", "v"};
+  for (const auto& row : motion.samples) result.table.rows.push_back({exact(row[0]), exact(row[1]), exact(row[2])});
+  result.text = describe(problem) + "\n" + motion_text(motion, list);
+  if (status != Status::done) console.err << "graze trajectory: " << message << "\n";
+  return deliver(result, options.output, "trajectory", exit_code(status), console);
+}
+
+std::function<int(const Console&)> setup(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  add_start_options(app, options->start);
+  begin_group(app, "Run");
+  add_count(app, "--periods", options->periods, 1, "forcing periods that are recorded, after the transient (default 10)");
+  add_count(app, "--samples", options->samples, 1, "samples per forcing period (default 100)");
+  add_output_options(app, options->output, "trajectory/1");
+  return [options](const Console& console) { return run(*options, console); };
+}
+
+}  // namespace
+
+Command trajectory_command() {
+  return {"trajectory", "samples of a run, and its contacts",
+          "After --settle forcing periods of transient, --periods are recorded, from tau = 0 at forcing phase 0. Of each contact: entry and exit\n"
+          "speed, duration, equivalent coefficient of restitution, energy lost.",
+          {"graze trajectory data/problems/hertz-damped.toml --periods 4 --plot run.png",
+           "graze trajectory data/problems/newton-elastic.toml --start -0.169,-0.962 --settle 0 --csv run.csv"},
+          setup};
+}
+
+}  // namespace graze::apps

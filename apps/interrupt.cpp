@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/interrupt.hpp>
+
+#include <atomic>
+#include <csignal>
+
+namespace graze::apps {
+
+namespace {
+
+std::atomic<int> signals{0};
+static_assert(std::atomic<int>::is_always_lock_free, "a signal handler may touch lock-free atomics only");
+
+extern "C" void on_signal(int signal) {
+  // Twice is not yet impatience: timeout(1) sends a signal to the program and then to its process group.
+  if (signals.fetch_add(1) >= 2) {
+    std::signal(signal, SIG_DFL);
+    std::raise(signal);
+  }
+}
+
+}  // namespace
+
+void watch_interrupts() {
+  struct sigaction action = {};
+  action.sa_handler = on_signal;
+  action.sa_flags = SA_RESTART;  // a result that is being written is written to its end
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+bool interrupted() { return signals.load() > 0; }
+
+void set_interrupted(bool value) { signals.store(value ? 1 : 0); }
+
+}  // namespace graze::apps

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// JSON as the program writes it: numbers read back to the same double; NaN and infinities are null; a state is [x, v]; a complex
+// number is [re, im]. Every result begins with the same head, from which it can be recomputed:
+//     "schema", "graze", "command", "model", "parameters", "options", and "status" ("done", "failed", "interrupted") with "message".
+#pragma once
+
+#include <graze/apps/problem.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <complex>
+#include <string>
+#include <vector>
+
+namespace graze::apps {
+
+using Json = nlohmann::ordered_json;
+
+Json to_json(const Vector& vector);
+Json to_json(const std::vector<std::complex<double>>& values);
+
+/// Indented; what fits stands on one line.
+std::string pretty(const Json& json);
+
+/// `schema` is "orbit/1" and the like.
+Json result_head(const std::string& schema, const std::string& command, const Problem& problem, Json options);
+
+/// How a command ended, as it stands in its result.
+enum class Status { done, failed, interrupted };
+void set_status(Json& result, Status status, const std::string& message = {});
+/// 0, 1 or 130.
+int exit_code(Status status);
+
+/// Model and parameters of a result's head. @throws std::invalid_argument naming what is missing.
+Problem problem_of(const Json& result);
+
+}  // namespace graze::apps

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What is said of an orbit and of the contacts of a motion: as JSON, as text, as table rows. Used by every command that finds orbits.
+#pragma once
+
+#include <graze/apps/json.hpp>
+#include <graze/apps/table.hpp>
+
+#include <graze/floquet/periodic_orbit.hpp>
+
+#include <vector>
+
+namespace graze::apps {
+
+/// Bounds above which a check of an orbit counts as failed.
+namespace bound {
+inline constexpr double residual = 1e-12;           ///< relative to 1 + |x|
+inline constexpr double liouville = 1e-10;          ///< of ln|det M|
+inline constexpr double finite_difference = 1e-8;   ///< relative to 1 + |M|; or their own error estimate, if that is larger
+}  // namespace bound
+
+double finite_difference_bound(const FiniteDifferenceCheck& check);
+
+/// Contacts of a motion, in the order of their beginnings; and, for each event that ends one (impact, stick, leave), the contact it ends.
+struct ContactList {
+  std::vector<Contact> contacts;
+  std::vector<Contact> by_exit;
+};
+/// Of a run from rest to end: its first contact may lack its beginning, its last one its end.
+ContactList contacts_of_run(const std::vector<EventRecord>& events);
+/// Of an orbit: a contact that reaches over the end of the period is completed by its beginning.
+ContactList contacts_of_orbit(const PeriodicOrbit& orbit);
+
+Json events_json(const std::vector<EventRecord>& events, const ContactList& list);
+Json contacts_json(const std::vector<Contact>& contacts);
+Table contacts_table(const std::vector<Contact>& contacts);
+
+/// "z = 2/3": impacts and forcing periods.
+std::string z_label(int impacts, int period);
+
+Json multipliers_json(const FloquetMultipliers& multipliers);
+Json exponents_json(const FloquetMultipliers& multipliers);
+Json checks_json(const OrbitChecks& checks);
+
+/// As "orbit" in graze.orbit/1.
+Json orbit_json(const PeriodicOrbit& orbit);
+
+/// All that `graze orbit` prints of one orbit.
+std::string orbit_text(const PeriodicOrbit& orbit);
+
+/// One row per orbit: state, z, multipliers, stable, admissible.
+Table orbits_table(const std::vector<PeriodicOrbit>& orbits, bool for_people);
+
+}  // namespace graze::apps

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/output_file.hpp>
+
+#include <fmt/format.h>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <stdexcept>
+
+namespace graze::apps {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// An errno in words; 0 where all went well.
+using Errno = int;
+
+std::string cannot_write(const std::string& file, Errno error) {
+  return fmt::format("{}: cannot be written: {}", file, std::strerror(error));
+}
+
+Errno write_all(int descriptor, std::string_view content) {
+  while (!content.empty()) {
+    const ssize_t written = ::write(descriptor, content.data(), content.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return errno;
+    content.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return 0;
+}
+
+bool is_special(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  return fs::exists(status) && !fs::is_regular_file(status);
+}
+
+/// The file that a name stands for: links are followed, so that a link stays one.
+fs::path resolved(const std::string& file) {
+  std::error_code error;
+  const fs::path target = fs::canonical(file, error);
+  return error ? fs::path(file) : target;
+}
+
+/// A temporary file beside `path`; -1 with errno if it cannot be made.
+int open_temporary(const fs::path& path, std::string& name) {
+  name = (path.parent_path() / fmt::format(".{}.XXXXXX", path.filename().string())).string();
+  const int descriptor = ::mkstemp(name.data());
+  if (descriptor < 0) return -1;
+  // mkstemp makes files private; a result has the rights of the file it replaces, or those of any new file.
+  struct stat existing = {};
+  mode_t rights = 0;
+  if (::stat(path.c_str(), &existing) == 0) {
+    rights = existing.st_mode & 07777;
+  } else {
+    const mode_t mask = ::umask(0);
+    ::umask(mask);
+    rights = 0666 & ~mask;
+  }
+  ::fchmod(descriptor, rights);
+  return descriptor;
+}
+
+}  // namespace
+
+void check_writable(const std::string& file) {
+  std::error_code error;
+  const fs::path path = resolved(file);
+  if (fs::is_directory(path, error)) throw std::invalid_argument(file + ": cannot be written: it is a folder");
+  const fs::path folder = path.parent_path().empty() ? fs::path(".") : path.parent_path();
+  if (!fs::is_directory(folder, error))
+    throw std::invalid_argument(fmt::format("{}: cannot be written: there is no folder {}", file, folder.string()));
+  if (fs::exists(path, error) && ::access(path.c_str(), W_OK) != 0) throw std::invalid_argument(cannot_write(file, errno));
+  if (is_special(path)) return;
+  std::string temporary;
+  const int descriptor = open_temporary(path, temporary);
+  if (descriptor < 0) throw std::invalid_argument(cannot_write(file, errno));
+  ::close(descriptor);
+  ::unlink(temporary.c_str());
+}
+
+std::optional<std::string> write_whole(const std::string& file, std::string_view content) {
+  const fs::path path = resolved(file);
+  const bool special = is_special(path);
+  std::string temporary;
+  const int descriptor = special ? ::open(path.c_str(), O_WRONLY | O_CLOEXEC) : open_temporary(path, temporary);
+  if (descriptor < 0) return cannot_write(file, errno);
+  Errno error = write_all(descriptor, content);
+  // A pipe or a terminal cannot be synchronised (EINVAL), and need not be.
+  if (!error && ::fsync(descriptor) != 0 && !special) error = errno;
+  if (::close(descriptor) != 0 && !error) error = errno;
+  if (!error && !special && ::rename(temporary.c_str(), path.c_str()) != 0) error = errno;
+  if (!error) return std::nullopt;
+  if (!special) ::unlink(temporary.c_str());
+  return cannot_write(file, error);
+}
+
+void make_folder(const std::string& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error || !fs::is_directory(folder))
+    throw std::invalid_argument(fmt::format("{}: cannot be made as a folder: {}", folder, error ? error.message() : "a file has this name"));
+}
+
+}  // namespace graze::apps

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Files that are written whole or not at all: to a temporary file in the same folder, synchronised, renamed. What is not a
+// regular file (/dev/stdout, a pipe) is written to directly.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace graze::apps {
+
+/// Finds out, before anything is computed, whether `file` can be written. Leaves nothing behind.
+/// @throws std::invalid_argument with one sentence if not.
+void check_writable(const std::string& file);
+
+/// Writes `content`. nullopt: done; else one sentence why not, and what was there before is still there.
+std::optional<std::string> write_whole(const std::string& file, std::string_view content);
+
+/// Makes a folder, and those above it. @throws std::invalid_argument with one sentence if it cannot be made.
+void make_folder(const std::string& folder);
+
+}  // namespace graze::apps

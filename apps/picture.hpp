@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Picture: curves, marks and text in one pair of axes, drawn by gnuplot. It knows nothing of oscillators: what a result looks like is
+// said in apps/pictures/.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace graze::apps {
+
+enum class Stroke { solid, dashed, dotted, dots, marks };
+
+/// A curve or a set of points. A NaN row breaks a curve.
+struct Curve {
+  std::string title;                           ///< empty: not in the legend
+  Stroke stroke = Stroke::solid;
+  std::string colour = "#1f77b4";
+  double size = 2.0;                           ///< line width, or size of a mark
+  int mark = 7;                                ///< gnuplot's point type, for Stroke::marks
+  std::vector<std::array<double, 3>> points;   ///< x, y, and a value shown as colour if `coloured`
+  bool coloured = false;
+};
+
+/// A point with a mark and text beside it.
+struct Label {
+  double x = 0.0, y = 0.0;
+  std::string text;
+  int mark = 7;
+  std::string colour = "black";
+};
+
+/// A line across the picture: x = position (or y = position), with text; `shaded`: what lies beyond it is shaded.
+struct Barrier {
+  bool vertical = true;
+  double position = 0.0;
+  std::string text;
+  bool shaded = false;
+};
+
+struct Picture {
+  std::string title, subtitle;
+  std::string x_label, y_label, colour_label;
+  std::optional<std::array<double, 2>> x_range, y_range;
+  bool logarithmic_y = false;
+  bool equal_axes = false;   ///< one unit is as long in x as in y
+  bool unit_circle = false;
+  bool grid = true;
+  std::vector<Curve> curves;
+  std::vector<Label> labels;
+  std::vector<Barrier> barriers;
+  std::vector<std::string> x_names;  ///< names at x = 0, 1, 2, ... instead of numbers
+};
+
+/// Endings that say the format: "png", "svg", "pdf".
+/// @throws std::invalid_argument if `file` has another one, or if gnuplot is not installed.
+void check_picture_file(const std::string& file);
+
+/// What gnuplot is told. `format` is one of the endings.
+std::string gnuplot_script(const Picture& picture, const std::string& format);
+
+/// The picture as the content of a file. @throws std::runtime_error with gnuplot's own words if it fails.
+std::string draw(const Picture& picture, const std::string& format);
+
+/// The ending of a file name, in small letters.
+std::string ending(const std::string& file);
+
+}  // namespace graze::apps

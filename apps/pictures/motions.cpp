@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Pictures of motions: time series and phase portraits of orbits, special points and trajectories, with the barrier drawn.
+#include <graze/apps/motion.hpp>
+#include <graze/apps/number.hpp>
+#include <graze/apps/orbit_report.hpp>
+#include <graze/apps/pictures/pictures.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace graze::apps {
+
+namespace {
+
+constexpr const char* x_label = "x (dimensionless)";
+constexpr const char* v_label = "x' (dimensionless)";
+
+constexpr int samples_per_period = 600;  // a short contact is still a smooth arc
+
+struct Sampled {
+  std::string title;
+  std::vector<std::array<double, 3>> rows;  ///< tau, x, x'
+  std::vector<std::array<double, 2>> strobe;
+};
+
+/// Puts the states just before and after each event between the samples: an impact turns x' over in no time.
+void insert_events(Sampled& motion, const Json& events) {
+  std::vector<std::array<double, 3>> rows;
+  std::size_t next = 0;
+  for (const Json& event : events) {
+    const double tau = event.at("tau");
+    while (next < motion.rows.size() && motion.rows[next][0] <= tau) rows.push_back(motion.rows[next++]);
+    for (const char* side : {"before", "after"}) rows.push_back({tau, event.at(side).at(0), event.at(side).at(1)});
+  }
+  rows.insert(rows.end(), motion.rows.begin() + static_cast<std::ptrdiff_t>(next), motion.rows.end());
+  motion.rows = std::move(rows);
+}
+
+/// An orbit of a result, run through again from its state.
+Sampled sampled_orbit(const Problem& problem, const Json& orbit, const std::string& name) {
+  const int period = orbit.at("period");
+  const Vector state{{orbit.at("state").at(0).get<double>(), orbit.at("state").at(1).get<double>()}};
+  const Motion motion = run_motion(problem.system, problem.parameters, state, {.periods = period, .samples = samples_per_period});
+  Sampled out;
+  out.rows = motion.samples;
+  insert_events(out, events_json(motion.events, contacts_of_run(motion.events)));
+  for (int k = 0; k < std::min<int>(period, static_cast<int>(motion.strobe.size())); ++k)
+    out.strobe.push_back({motion.strobe[static_cast<std::size_t>(k)][0], motion.strobe[static_cast<std::size_t>(k)][1]});
+  out.title = fmt::format("{}{}", name, z_label(orbit.at("impacts"), period));
+  if (orbit.contains("stable")) out.title += orbit["stable"].get<bool>() ? ", stable" : ", unstable";
+  return out;
+}
+
+std::vector<Sampled> orbits_of(const Json& result) {
+  const Problem problem = problem_of(result);
+  std::vector<Sampled> list;
+  if (result.contains("orbits") && !result["orbits"].empty()) {
+    const std::size_t count = result["orbits"].size();
+    for (const Json& orbit : result["orbits"])
+      list.push_back(sampled_orbit(problem, orbit, count == 1 ? "" : fmt::format("orbit {}: ", list.size() + 1)));
+  } else {
+    const Json& orbit = result.at("orbit");
+    if (orbit.is_null()) throw std::invalid_argument("this result holds no orbit: none was found");
+    list.push_back(sampled_orbit(problem, orbit, ""));
+  }
+  return list;
+}
+
+Sampled trajectory_of(const Json& result) {
+  Sampled out;
+  for (const Json& row : result.at("samples")) out.rows.push_back({row.at(0), row.at(1), row.at(2)});
+  insert_events(out, result.at("events"));
+  for (const Json& state : result.at("stroboscopic")) out.strobe.push_back({state.at(0), state.at(1)});
+  return out;
+}
+
+Picture phase_portrait(const Json& result, const std::vector<Sampled>& motions) {
+  Picture picture;
+  picture.title = "Phase portrait";
+  picture.subtitle = model_title(result);
+  picture.x_label = x_label;
+  picture.y_label = v_label;
+  picture.barriers.push_back(barrier_of(result, true));
+  double lowest = picture.barriers.front().position, highest = lowest;
+  Curve strobe;
+  strobe.stroke = Stroke::marks;
+  strobe.colour = "black";
+  strobe.size = 1.2;
+  strobe.title = "forcing phase 0";
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    Curve curve;
+    curve.title = motions[i].title;
+    curve.colour = colour_of(i);
+    for (const auto& row : motions[i].rows) {
+      curve.points.push_back({row[1], row[2], 0.0});
+      lowest = std::min(lowest, row[1]);
+      highest = std::max(highest, row[1]);
+    }
+    picture.curves.push_back(std::move(curve));
+    for (const auto& state : motions[i].strobe) strobe.points.push_back({state[0], state[1], 0.0});
+  }
+  picture.curves.push_back(std::move(strobe));
+  // The barrier stays inside the picture, with a little of what lies behind it.
+  const double margin = 0.06 * std::max(highest - lowest, 1e-3);
+  picture.x_range = {{lowest - margin, highest + margin}};
+  return picture;
+}
+
+Picture time_series(const Json& result, const std::vector<Sampled>& motions) {
+  Picture picture;
+  picture.title = "Displacement";
+  picture.subtitle = model_title(result);
+  picture.x_label = "tau (dimensionless time)";
+  picture.y_label = x_label;
+  picture.barriers.push_back(barrier_of(result, false));
+  picture.barriers.front().shaded = false;
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    Curve curve;
+    curve.title = motions[i].title.empty() ? "x" : motions[i].title;
+    curve.colour = colour_of(i);
+    for (const auto& row : motions[i].rows) curve.points.push_back({row[0], row[1], 0.0});
+    picture.curves.push_back(std::move(curve));
+  }
+  // The barrier and its name stay inside the picture.
+  double lowest = picture.barriers.front().position, highest = lowest;
+  for (const Curve& curve : picture.curves)
+    for (const auto& point : curve.points) {
+      lowest = std::min(lowest, point[1]);
+      highest = std::max(highest, point[1]);
+    }
+  const double margin = 0.08 * std::max(highest - lowest, 1e-3);
+  picture.y_range = {{lowest - margin, highest + margin}};
+  return picture;
+}
+
+Picture draw_point(const Json& result) {
+  const Json& point = result.at("special_point");
+  if (point.is_null()) throw std::invalid_argument("this result holds no special point: none was found");
+  const std::string name = result.at("options").at("param");
+  Json there = result;  // its parameters are those of the model: the point has its own value of one of them
+  there["parameters"][name] = point.at("value");
+  Sampled motion = sampled_orbit(problem_of(there), point, point.at("label").get<std::string>() + ": ");
+  Picture picture = phase_portrait(there, {motion});
+  picture.title = fmt::format("{} at {} = {}", point["label"].get<std::string>(), name, rounded(point["value"], 13));
+  return picture;
+}
+
+Picture draw_section(const Json& result) {
+  Picture picture;
+  const bool impacts = result.at("section") == "impact";
+  picture.title = fmt::format("Poincaré section ({})", result["section"].get<std::string>());
+  picture.subtitle = model_title(result);
+  picture.x_label = impacts ? "forcing phase eta tau mod 2 pi (radians)" : "x at forcing phase 0 (dimensionless)";
+  picture.y_label = impacts ? "speed of impact (dimensionless)" : "x' at forcing phase 0 (dimensionless)";
+  if (impacts) picture.x_range = {{0.0, 2.0 * M_PI}};
+  Curve curve;
+  curve.stroke = Stroke::dots;
+  const std::size_t count = result.at("points").size();
+  curve.size = count > 5000 ? 0.15 : count > 500 ? 0.35 : 0.8;
+  double highest = -HUGE_VAL, lowest = HUGE_VAL;
+  for (const Json& point : result["points"]) {
+    curve.points.push_back({point.at(0), point.at(1), 0.0});
+    lowest = std::min(lowest, curve.points.back()[0]);
+    highest = std::max(highest, curve.points.back()[0]);
+  }
+  picture.curves.push_back(std::move(curve));
+  // Drawn where it is in sight: it must not squeeze the section into a corner.
+  const Barrier barrier = barrier_of(result, true);
+  if (!impacts && barrier.position < highest + 0.5 * (highest - lowest)) {
+    picture.barriers.push_back(barrier);
+    lowest = std::min(lowest, barrier.position);
+    highest = std::max(highest, barrier.position);
+  }
+  const double margin = 0.05 * std::max(highest - lowest, 1e-3);
+  if (!impacts && count > 0) picture.x_range = {{lowest - margin, highest + margin}};
+  return picture;
+}
+
+}  // namespace
+
+PictureKind orbit_phase_picture() {
+  return {"graze.orbit/1", "phase", "phase portrait", [](const Json& result) { return phase_portrait(result, orbits_of(result)); }};
+}
+
+PictureKind orbit_time_picture() {
+  return {"graze.orbit/1", "time", "displacement against time", [](const Json& result) { return time_series(result, orbits_of(result)); }};
+}
+
+PictureKind point_phase_picture() { return {"graze.point/1", "phase", "phase portrait of the orbit at the point", draw_point}; }
+
+PictureKind trajectory_time_picture() {
+  return {"graze.trajectory/1", "time", "displacement against time",
+          [](const Json& result) { return time_series(result, {trajectory_of(result)}); }};
+}
+
+PictureKind trajectory_phase_picture() {
+  return {"graze.trajectory/1", "phase", "phase portrait", [](const Json& result) { return phase_portrait(result, {trajectory_of(result)}); }};
+}
+
+PictureKind section_picture() { return {"graze.poincare/1", "section", "points of the section", draw_section}; }
+
+}  // namespace graze::apps

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/number.hpp>
+#include <graze/apps/pictures/pictures.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace graze::apps {
+
+const std::vector<PictureKind>& picture_kinds() {
+  static const std::vector<PictureKind> list = {
+      branch_picture(),      multipliers_picture(),     orbit_phase_picture(),      orbit_time_picture(),
+      point_phase_picture(), trajectory_time_picture(), trajectory_phase_picture(), section_picture(),
+      verify_picture(),
+  };
+  return list;
+}
+
+std::vector<std::string> picture_names(const std::string& schema) {
+  std::vector<std::string> names;
+  for (const PictureKind& kind : picture_kinds())
+    if (kind.schema == schema) names.push_back(kind.name);
+  return names;
+}
+
+Picture picture_of(const Json& result, const std::string& kind) {
+  const bool named = result.is_object() && result.contains("schema") && result["schema"].is_string();
+  if (!named) throw std::invalid_argument("this is not a result of graze: it has no \"schema\"");
+  const std::string schema = result["schema"];
+  const std::vector<std::string> names = picture_names(schema);
+  if (names.empty()) {
+    std::vector<std::string> known;
+    for (const PictureKind& candidate : picture_kinds())
+      if (std::find(known.begin(), known.end(), candidate.schema) == known.end()) known.push_back(candidate.schema);
+    throw std::invalid_argument(fmt::format("there is no picture of \"{}\"; there is of {}", schema, fmt::join(known, ", ")));
+  }
+  for (const PictureKind& candidate : picture_kinds()) {
+    if (candidate.schema != schema || !(kind.empty() || candidate.name == kind)) continue;
+    try {
+      return candidate.draw(result);
+    } catch (const Json::exception& error) {
+      throw std::invalid_argument(fmt::format("this result lacks what its picture needs: {}", error.what()));
+    }
+  }
+  throw std::invalid_argument(unknown_name("kind of picture for " + schema, kind, names));
+}
+
+Picture picture_of(const Table& table, const std::string& x, const std::vector<std::string>& y) {
+  const auto column = [&](const std::string& name) {
+    const auto found = std::find(table.columns.begin(), table.columns.end(), name);
+    if (found == table.columns.end()) throw std::invalid_argument(unknown_name("column", name, table.columns));
+    return static_cast<std::size_t>(found - table.columns.begin());
+  };
+  const auto number = [&](const std::vector<std::string>& row, std::size_t i) { return parse_number(row[i]).value_or(std::nan("")); };
+  const auto numeric = [&](std::size_t i) {
+    return std::any_of(table.rows.begin(), table.rows.end(), [&](const auto& row) { return std::isfinite(number(row, i)); });
+  };
+  const std::size_t across = x.empty() ? 0 : column(x);
+  std::vector<std::size_t> chosen;
+  for (const std::string& name : y) chosen.push_back(column(name));
+  if (y.empty())
+    for (std::size_t i = 0; i < table.columns.size(); ++i)
+      if (i != across && numeric(i)) chosen.push_back(i);
+  Picture picture;
+  picture.x_label = table.columns.at(across);
+  for (std::size_t k = 0; k < chosen.size(); ++k) {
+    Curve curve;
+    curve.title = table.columns[chosen[k]];
+    curve.colour = colour_of(k);
+    for (const auto& row : table.rows) curve.points.push_back({number(row, across), number(row, chosen[k]), 0.0});
+    picture.curves.push_back(std::move(curve));
+  }
+  if (chosen.size() == 1) picture.y_label = table.columns[chosen.front()];
+  return picture;
+}
+
+std::string colour_of(std::size_t series) {
+  static const std::vector<std::string> colours = {"#1f77b4", "#d95f02", "#2ca02c", "#9467bd", "#8c564b", "#17becf"};
+  return colours[series % colours.size()];
+}
+
+std::string model_title(const Json& result, const std::string& except) { return describe(problem_of(result), except); }
+
+Barrier barrier_of(const Json& result, bool vertical) {
+  const double r = result.at("parameters").at("r").get<double>();
+  return {vertical, r, fmt::format("barrier x = r = {}", rounded(r, 6)), true};
+}
+
+}  // namespace graze::apps

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Pictures of results, by their schema. To add one: a file in this folder that makes a PictureKind, and one line in picture_kinds().
+#pragma once
+
+#include <graze/apps/json.hpp>
+#include <graze/apps/picture.hpp>
+#include <graze/apps/table.hpp>
+
+#include <string>
+#include <vector>
+
+namespace graze::apps {
+
+struct PictureKind {
+  std::string schema;  ///< "graze.branch/1"
+  std::string name;    ///< for --plot-kind
+  std::string summary;
+  Picture (*draw)(const Json& result) = nullptr;
+};
+
+/// All kinds; the first of a schema is its default.
+const std::vector<PictureKind>& picture_kinds();
+
+/// Names of the kinds that a schema has.
+std::vector<std::string> picture_names(const std::string& schema);
+
+/// The picture of a result. @throws std::invalid_argument for a schema or a kind there is none of, or a result without what it needs.
+Picture picture_of(const Json& result, const std::string& kind = {});
+
+/// Columns of a table against its first column, or those that are named.
+Picture picture_of(const Table& table, const std::string& x = {}, const std::vector<std::string>& y = {});
+
+/// Colours that are told apart, in turn.
+std::string colour_of(std::size_t series);
+
+/// The title that all pictures of a model have: its kind and its parameters but `except`.
+std::string model_title(const Json& result, const std::string& except = {});
+
+/// The barrier of the result's model, at x = r.
+Barrier barrier_of(const Json& result, bool vertical);
+
+PictureKind branch_picture();
+PictureKind multipliers_picture();
+PictureKind orbit_phase_picture();
+PictureKind orbit_time_picture();
+PictureKind point_phase_picture();
+PictureKind trajectory_time_picture();
+PictureKind trajectory_phase_picture();
+PictureKind section_picture();
+PictureKind verify_picture();
+
+}  // namespace graze::apps

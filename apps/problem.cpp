@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/number.hpp>
+#include <graze/apps/problem.hpp>
+
+#include <graze/lib/oscillator.hpp>
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+namespace graze::apps {
+
+namespace {
+
+Eigen::Index index_of(const Problem& problem, std::string_view name) {
+  return static_cast<Eigen::Index>(parameter_index(problem.system.parameters, name));
+}
+
+}  // namespace
+
+Problem make_problem(const std::string& oscillator, const std::string& contact) {
+  Problem problem;
+  problem.oscillator = oscillator;
+  problem.contact = contact;
+  problem.system = make_oscillator(oscillator, contact);
+  problem.parameters = default_parameters(problem.system.parameters);
+  return problem;
+}
+
+double parameter(const Problem& problem, std::string_view name) { return problem.parameters[index_of(problem, name)]; }
+
+void set_parameter(Problem& problem, std::string_view name, double value) {
+  Vector changed = problem.parameters;
+  changed[index_of(problem, name)] = value;
+  check_parameters(problem.system.parameters, changed);
+  problem.parameters = changed;
+}
+
+void apply_settings(Problem& problem, const std::vector<std::string>& settings) {
+  for (const std::string& setting : settings) {
+    const std::size_t equals = setting.find('=');
+    if (equals == std::string::npos || equals == 0)
+      throw std::invalid_argument(fmt::format("--set {}: expected name=value, for example --set eta=0.9", setting));
+    const std::optional<double> value = parse_number(std::string_view(setting).substr(equals + 1));
+    try {
+      const std::string name = setting.substr(0, equals);
+      index_of(problem, name);  // a wrong name is the better thing to say where both are wrong
+      if (!value)
+        throw std::invalid_argument(fmt::format("\"{}\" is not a number (0.05, 36/35 and 2*pi are)", setting.substr(equals + 1)));
+      set_parameter(problem, name, *value);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(fmt::format("--set {}: {}", setting, error.what()));
+    }
+  }
+}
+
+Vector start_state(const Problem& problem, const std::optional<Vector>& given) {
+  const std::string source = given ? "--start" : problem.file + ": [start] state";
+  const std::optional<Vector>& wanted = given ? given : problem.start;
+  const double barrier = parameter(problem, "r");
+  if (!wanted) return Vector{{std::min(0.0, barrier), 0.0}};
+  try {
+    initial_mode(problem.system, 0.0, *wanted, problem.parameters);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(fmt::format("{}: {}", source, error.what()));
+  }
+  return *wanted;
+}
+
+std::string describe(const Problem& problem, std::string_view except) {
+  std::string text = fmt::format("{} oscillator, {} contact", problem.oscillator, problem.contact);
+  char separator = ':';
+  for (std::size_t i = 0; i < problem.system.parameters.size(); ++i) {
+    const std::string& name = problem.system.parameters[i].name;
+    if (name == except) continue;
+    text += fmt::format("{} {} = {}", separator, name, rounded(problem.parameters[static_cast<Eigen::Index>(i)], 8));
+    separator = ',';
+  }
+  return text;
+}
+
+}  // namespace graze::apps

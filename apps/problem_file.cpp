@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Reading problem files: the one place that knows TOML.
+#include <graze/apps/number.hpp>
+#include <graze/apps/problem.hpp>
+
+#include <graze/lib/oscillator.hpp>
+#include <graze/lib/physical_units.hpp>
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <stdexcept>
+
+namespace graze::apps {
+
+namespace {
+
+std::string position(const std::string& file, const toml::source_region& source) {
+  return source.begin ? fmt::format("{}:{}", file, source.begin.line) : file;
+}
+
+/// What a value looks like in a message.
+std::string shown(const toml::node& node) {
+  std::ostringstream text;
+  node.visit([&](const auto& value) {
+    using Value = std::remove_cvref_t<decltype(value)>;
+    if constexpr (toml::is_table<Value>) text << "a table";
+    else text << value;
+  });
+  return text.str();
+}
+
+/// One table of a file. Keys are looked up by what may be there; finish() complains about all others.
+class Section {
+ public:
+  Section(const std::string& file, const toml::table& root, std::string name) : file_(file), name_(std::move(name)) {
+    const toml::node* node = root.get(name_);
+    if (!node) return;
+    table_ = node->as_table();
+    if (!table_)
+      throw std::invalid_argument(
+          fmt::format("{}: {} is {}; it must be a section [{}]", position(file_, node->source()), name_, shown(*node), name_));
+  }
+
+  bool present() const { return table_ != nullptr; }
+  bool has(std::string_view key) const { return table_ && table_->contains(key); }
+
+  std::optional<std::string> text(const std::string& key) {
+    const toml::node* node = find(key);
+    if (!node) return std::nullopt;
+    const auto value = node->value_exact<std::string>();
+    if (!value) throw wrong_type(key, *node, "text in quotes");
+    return value;
+  }
+
+  std::optional<double> number(const std::string& key) {
+    const toml::node* node = find(key);
+    if (!node) return std::nullopt;
+    const std::optional<double> value = as_number(*node);
+    if (!value) throw wrong_type(key, *node, "a number (0.05, or in quotes \"36/35\", \"2*pi\")");
+    return value;
+  }
+
+  std::optional<int> count(const std::string& key, int least) {
+    const toml::node* node = find(key);
+    if (!node) return std::nullopt;
+    const auto value = node->value_exact<std::int64_t>();
+    if (!value || *value < least || *value > std::numeric_limits<int>::max())
+      throw wrong_type(key, *node, fmt::format("a whole number >= {}", least));
+    return static_cast<int>(*value);
+  }
+
+  std::optional<Vector> state(const std::string& key) {
+    const toml::node* node = find(key);
+    if (!node) return std::nullopt;
+    const toml::array* array = node->as_array();
+    Vector out(2);
+    if (array && array->size() == 2) {
+      const auto x = as_number(*array->get(0)), v = as_number(*array->get(1));
+      if (x && v) return Vector{{*x, *v}};
+    }
+    throw wrong_type(key, *node, "two numbers [x, v]");
+  }
+
+  /// @throws for keys that nobody asked for.
+  void finish() const {
+    if (!table_) return;
+    for (const auto& [key, node] : *table_)
+      if (std::find(known_.begin(), known_.end(), key.str()) == known_.end())
+        throw std::invalid_argument(fmt::format("{}: in [{}], {}", position(file_, node.source()), name_,
+                                                unknown_name("key", key.str(), known_)));
+  }
+
+  /// Position of a key, or of the section where it is missing.
+  std::string where(std::string_view key = {}) const {
+    if (has(key)) return position(file_, table_->get(key)->source());
+    return table_ ? position(file_, table_->source()) : file_;
+  }
+
+ private:
+  const toml::node* find(const std::string& key) {
+    known_.push_back(key);
+    return table_ ? table_->get(key) : nullptr;
+  }
+
+  static std::optional<double> as_number(const toml::node& node) {
+    if (node.is_number()) return node.value<double>();
+    const auto text = node.value_exact<std::string>();
+    return text ? parse_number(*text) : std::nullopt;
+  }
+
+  std::invalid_argument wrong_type(const std::string& key, const toml::node& node, const std::string& wanted) const {
+    return std::invalid_argument(
+        fmt::format("{}: {} = {} in [{}] must be {}", position(file_, node.source()), key, shown(node), name_, wanted));
+  }
+
+  const std::string& file_;
+  std::string name_;
+  const toml::table* table_ = nullptr;
+  std::vector<std::string> known_;
+};
+
+/// A value in range, or one sentence. `info` carries name, range and unit.
+double checked(const std::string& where, const ParameterInfo& info, double value) {
+  try {
+    check_parameters({info}, Vector{{value}});
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(fmt::format("{}: {}", where, error.what()));
+  }
+  return value;
+}
+
+void read_parameters(Section& section, Problem& problem) {
+  for (std::size_t i = 0; i < problem.system.parameters.size(); ++i) {
+    const ParameterInfo& info = problem.system.parameters[i];
+    const std::optional<double> value = section.number(info.name);
+    if (value) problem.parameters[static_cast<Eigen::Index>(i)] = checked(section.where(info.name), info, *value);
+    else problem.defaulted.push_back(info.name);
+  }
+  section.finish();
+}
+
+/// Physical quantities of the file, by name and in the order they are listed to users; and their conversion.
+void read_physical(Section& section, Problem& problem) {
+  const std::optional<std::string> name = section.text("excitation");
+  std::vector<std::string> names;
+  for (const ExcitationKind& kind : excitation_kinds()) names.push_back(kind.name);
+  if (!name)
+    throw std::invalid_argument(
+        fmt::format("{}: [physical] lacks excitation = \"...\": {}", section.where(), fmt::join(names, ", ")));
+  if (std::find(names.begin(), names.end(), *name) == names.end())
+    throw std::invalid_argument(fmt::format("{}: {}", section.where("excitation"), unknown_name("excitation", *name, names)));
+  const ExcitationKind& kind = excitation_kind(*name);
+
+  ConvertedFrom from;
+  from.excitation = kind.name;
+  std::map<std::string, double> values;
+  const bool cubic = problem.oscillator == "cantilever";
+  const auto read = [&](const ParameterInfo& info, bool required) {
+    const std::optional<double> value = section.number(info.name);
+    if (!value && required)
+      throw std::invalid_argument(fmt::format("{}: [physical] with {} excitation lacks {} ({}, {})", section.where(), kind.name,
+                                              info.name, info.meaning, info.unit));
+    if (!value) return;
+    values[info.name] = checked(section.where(info.name), info, *value);
+    from.quantities.emplace_back(info.name, *value);
+    from.units.push_back(info.unit);
+  };
+  for (const ParameterInfo& info : kind.quantities)
+    if (info.name != "k_3" || cubic) read(info, true);
+
+  const std::vector<ContactQuantity>& contact = contact_quantities();
+  std::vector<std::string> dimensionless;  // those of the law that have no physical counterpart, such as k_r
+  for (std::size_t i = oscillator_parameters().size(); i < problem.system.parameters.size(); ++i) {
+    const ParameterInfo& info = problem.system.parameters[i];
+    const auto quantity =
+        std::find_if(contact.begin(), contact.end(), [&](const ContactQuantity& q) { return q.parameter == info.name; });
+    if (quantity != contact.end()) {
+      read(quantity->info, quantity->info.lower_open);  // a damping may be left out: 0
+    } else {
+      read(info, true);
+      dimensionless.push_back(info.name);
+    }
+  }
+  section.finish();
+
+  const Dimensionless converted = kind.convert(values);
+  from.alpha = converted.alpha;
+  from.length = converted.length;
+  for (std::size_t i = 0; i < problem.system.parameters.size(); ++i) {
+    const ParameterInfo& info = problem.system.parameters[i];
+    double& target = problem.parameters[static_cast<Eigen::Index>(i)];
+    if (std::find(dimensionless.begin(), dimensionless.end(), info.name) != dimensionless.end()) {
+      target = values.at(info.name);
+    } else if (info.name != "beta" || cubic) {  // the linear oscillator keeps beta = 0, as a beam too
+      target = checked(section.where(), info, *find_value(converted, info.name));
+      from.obtained.push_back(info.name);
+    }
+  }
+  problem.converted_from = std::move(from);
+}
+
+/// The name in [model], checked against the names there are.
+std::string model_name(Section& section, const std::string& key, const std::vector<std::string>& names) {
+  const std::optional<std::string> name = section.text(key);
+  if (!name)
+    throw std::invalid_argument(
+        fmt::format("{}: [model] lacks {} = \"...\": {}", section.where(), key, fmt::join(names, ", ")));
+  if (std::find(names.begin(), names.end(), *name) == names.end())
+    throw std::invalid_argument(fmt::format("{}: {}", section.where(key), unknown_name(key, *name, names)));
+  return *name;
+}
+
+}  // namespace
+
+Problem parse_problem(std::string_view text, const std::string& file) {
+  toml::table root;
+  try {
+    root = toml::parse(text, file);
+  } catch (const toml::parse_error& error) {
+    throw std::invalid_argument(
+        fmt::format("{}: not valid TOML: {}", position(file, error.source()), error.description()));
+  }
+  const std::vector<std::string> sections = {"model", "parameters", "physical", "start"};
+  for (const auto& [key, node] : root)
+    if (std::find(sections.begin(), sections.end(), key.str()) == sections.end())
+      throw std::invalid_argument(
+          fmt::format("{}: {}", position(file, node.source()), unknown_name("section", key.str(), sections)));
+
+  Section model(file, root, "model"), parameters(file, root, "parameters"), physical(file, root, "physical"),
+      start(file, root, "start");
+  if (!model.present())
+    throw std::invalid_argument(fmt::format("{}: the section [model] is missing: it names oscillator and contact", file));
+  std::vector<std::string> oscillators, contacts;
+  for (const OscillatorKind& kind : oscillator_kinds()) oscillators.push_back(kind.name);
+  for (const ContactLaw& law : contact_laws()) contacts.push_back(law.name);
+  const std::string oscillator = model_name(model, "oscillator", oscillators);
+  const std::string contact = model_name(model, "contact", contacts);
+  model.finish();
+
+  Problem problem = make_problem(oscillator, contact);
+  problem.file = file;
+  if (parameters.present() == physical.present())
+    throw std::invalid_argument(
+        fmt::format("{}: {} [parameters] (dimensionless) and [physical]; it must have one of them", file,
+                    parameters.present() ? "has both" : "has neither of"));
+  if (parameters.present()) read_parameters(parameters, problem);
+  else read_physical(physical, problem);
+
+  problem.start = start.state("state");
+  problem.settle = start.count("settle", 0);
+  problem.period = start.count("period", 1);
+  start.finish();
+  return problem;
+}
+
+Problem load_problem(const std::string& file) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::path path(file);
+  if (fs::is_directory(path, error)) throw std::invalid_argument(file + ": is a folder, not a problem file");
+  if (!fs::exists(path, error)) {
+    std::vector<std::string> others;
+    const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
+      if (entry.path().extension() == ".toml") others.push_back(entry.path().filename().string());
+    std::sort(others.begin(), others.end());
+    const std::string nearest = nearest_name(path.filename().string(), others);
+    throw std::invalid_argument(
+        fmt::format("{}: no such problem file{}", file,
+                    nearest.empty() ? "" : fmt::format(" (did you mean \"{}\"?)",
+                                                       path.has_parent_path() ? (folder / nearest).string() : nearest)));
+  }
+  std::ifstream stream(file, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  if (!stream.is_open() || stream.bad()) throw std::invalid_argument(file + ": cannot be read");
+  return parse_problem(text, file);
+}
+
+}  // namespace graze::apps

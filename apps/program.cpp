@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/arguments.hpp>
+#include <graze/apps/commands/command.hpp>
+#include <graze/apps/program.hpp>
+#include <graze/apps/version.hpp>
+
+#include <graze/lib/parameters.hpp>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <map>
+#include <new>
+
+namespace graze::apps {
+
+namespace {
+
+struct Global {
+  bool quiet = false;
+  int threads = 0;
+};
+
+/// Options that every command has; they may stand before its name too.
+void add_global_options(CLI::App& app, Global& global, const std::string& version) {
+  begin_group(app, "General");
+  app.get_help_ptr()->group("General");
+  app.set_version_flag("--version", version, "the program's version")->group("General");
+  add_flag(app, "--quiet", global.quiet, "no progress and no notes on stderr");
+  add_count(app, "--threads", global.threads, 0, "threads, where a command can use several (default 0: all)");
+}
+
+/// CLI11 takes "--start -0.1,2" for two options; joined by "=" it is one with a negative value.
+std::vector<std::string> join_negative_values(const std::vector<std::string>& arguments) {
+  std::vector<std::string> out;
+  for (const std::string& argument : arguments) {
+    const bool negative = argument.size() > 1 && argument[0] == '-' &&
+                          (std::isdigit(static_cast<unsigned char>(argument[1])) || argument[1] == '.' || argument.starts_with("-pi"));
+    const bool after_option = !out.empty() && out.back().starts_with("--") && out.back().find('=') == std::string::npos;
+    if (negative && after_option) out.back() += "=" + argument;
+    else out.push_back(argument);
+  }
+  return out;
+}
+
+std::vector<std::string> option_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+/// One sentence for what CLI11 found wrong.
+std::string sentence(const CLI::App& app, const CLI::App& used, const CLI::ParseError& error) {
+  const bool command_given = &used != &app;
+  if (dynamic_cast<const CLI::ExtrasError*>(&error)) {
+    std::vector<std::string> extra = command_given ? used.remaining() : app.remaining();
+    if (extra.empty()) extra = app.remaining(true);
+    const std::string given = extra.empty() ? "" : extra.front().substr(0, extra.front().find('='));
+    if (given.starts_with("-")) {
+      const std::string nearest = nearest_name(given, option_names(used));
+      return fmt::format("there is no option {}{}", given, nearest.empty() ? "" : fmt::format(" (did you mean {}?)", nearest));
+    }
+    if (command_given) return fmt::format("\"{}\" is one argument too many", given);
+    std::vector<std::string> names;
+    for (const Command& command : commands()) names.push_back(command.name);
+    return unknown_name("command", given, names);
+  }
+  std::string text = error.what();
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+std::string footer(const Command& command) {
+  std::string text = command.details + (command.examples.size() > 1 ? "\n\nExamples:" : "\n\nExample:");
+  for (const std::string& example : command.examples) text += "\n  " + example;
+  return text;
+}
+
+}  // namespace
+
+int run_program(const std::vector<std::string>& arguments, std::ostream& out, std::ostream& err) {
+  CLI::App app("Periodic orbits of vibro-impact oscillators: found, followed, and their stability measured.", "graze");
+  const std::string version = std::string("graze ") + program_version;
+  app.get_formatter()->column_width(32);
+  Global global;
+  add_global_options(app, global, version);
+  app.require_subcommand(0, 1);
+  app.footer("graze COMMAND --help says everything about a command, with an example.\n"
+             "Exit codes: 0 done, 1 a numerical stop, 2 misuse, 130 interrupted.");
+  std::map<const CLI::App*, std::function<int(const Console&)>> runs;
+  for (const Command& command : commands()) {
+    CLI::App* subcommand = app.add_subcommand(command.name, command.summary);
+    runs[subcommand] = command.setup(*subcommand);
+    add_global_options(*subcommand, global, version);
+    subcommand->footer(footer(command));
+  }
+
+  const auto used = [&]() -> const CLI::App& {
+    const std::vector<CLI::App*> chosen = app.get_subcommands();
+    return chosen.empty() ? app : *chosen.front();
+  };
+  std::string name = "graze";
+  try {
+    std::vector<std::string> reversed = join_negative_values(arguments);
+    std::reverse(reversed.begin(), reversed.end());
+    app.parse(reversed);
+    if (&used() == &app) {
+      err << app.help();
+      return 2;
+    }
+    name += " " + used().get_name();
+    return runs.at(&used())({out, err, global.quiet, global.threads});
+  } catch (const CLI::Success& request) {  // --help, --version
+    return app.exit(request, out, err);
+  } catch (const CLI::ParseError& error) {
+    if (&used() != &app) name += " " + used().get_name();
+    err << name << ": " << sentence(app, used(), error) << "\n";
+    return 2;
+  } catch (const std::invalid_argument& error) {
+    err << name << ": " << error.what() << "\n";
+    return 2;
+  } catch (const std::bad_alloc&) {
+    err << name << ": out of memory\n";
+    return 1;
+  } catch (const std::exception& error) {
+    err << name << ": " << error.what() << "\n";
+    return 1;
+  }
+}
+
+}  // namespace graze::apps

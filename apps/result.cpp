@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/arguments.hpp>
+#include <graze/apps/output_file.hpp>
+#include <graze/apps/pictures/pictures.hpp>
+#include <graze/apps/result.hpp>
+
+#include <fmt/format.h>
+
+#include <functional>
+#include <stdexcept>
+
+namespace graze::apps {
+
+namespace {
+
+/// Pictures that a folder of results gets when nobody says otherwise.
+constexpr const char* folder_format = "png";
+
+struct OutputFile {
+  std::string file;
+  std::function<std::string()> content;
+};
+
+/// Files to be written, each with what goes into it.
+std::vector<OutputFile> files(const Result& result, const OutputOptions& options, const std::string& command) {
+  std::vector<OutputFile> list;
+  const auto json = [&result] { return pretty(result.json); };
+  const auto table = [&result] { return csv(result.table); };
+  const auto picture = [&result](const std::string& file, const std::string& kind) {
+    return [&result, file, kind] { return draw(picture_of(result.json, kind), ending(file)); };
+  };
+  if (!options.json.empty() && options.json != "-") list.push_back({options.json, json});
+  if (!options.csv.empty() && options.csv != "-") list.push_back({options.csv, table});
+  if (!options.plot.empty()) list.push_back({options.plot, picture(options.plot, options.plot_kind)});
+  if (!options.out.empty()) {
+    const std::string stem = options.out + "/" + command;
+    list.push_back({stem + ".json", json});
+    list.push_back({stem + ".csv", table});
+    for (const std::string& kind : picture_names(result.json.value("schema", ""))) {
+      const std::string file = fmt::format("{}-{}.{}", stem, kind, folder_format);
+      list.push_back({file, picture(file, kind)});
+    }
+  }
+  return list;
+}
+
+}  // namespace
+
+void add_output_options(CLI::App& app, OutputOptions& options, const std::string& schema) {
+  begin_group(app, "Results");
+  add_text(app, "--json", options.json, "FILE|-", "result as JSON, to a file or to stdout (then nothing else goes there)");
+  add_text(app, "--csv", options.csv, "FILE|-", "result as a table, to a file or to stdout");
+  const std::vector<std::string> kinds = picture_names("graze." + schema);
+  if (!kinds.empty()) add_text(app, "--plot", options.plot, "FILE", "picture of the result (.png, .svg, .pdf)");
+  if (kinds.size() > 1) add_choice(app, "--plot-kind", options.plot_kind, kinds, fmt::format("what the picture shows (default {})", kinds.front()));
+  add_text(app, "--out", options.out, "DIR", "folder that gets JSON, table and all pictures");
+}
+
+void check_outputs(const OutputOptions& options) {
+  if (options.json == "-" && options.csv == "-") throw std::invalid_argument("--json - and --csv - cannot both go to stdout");
+  if (!options.out.empty()) {
+    make_folder(options.out);
+    check_writable(options.out + "/probe");
+    check_picture_file(options.out + "/probe." + folder_format);
+  }
+  for (const std::string& file : {options.json, options.csv, options.plot})
+    if (!file.empty() && file != "-") check_writable(file);
+  if (!options.plot.empty()) check_picture_file(options.plot);
+}
+
+int deliver(const Result& result, const OutputOptions& options, const std::string& command, int code, const Console& console) {
+  bool complete = true;
+  const auto complain = [&](const std::string& sentence) {
+    complete = false;
+    console.err << "graze " << command << ": " << sentence << "\n";
+  };
+  // Files first: if stdout is a pipe that closes early, they are there.
+  for (const OutputFile& output : files(result, options, command)) {
+    try {
+      if (const auto failure = write_whole(output.file, output.content())) complain(*failure);
+    } catch (const std::exception& error) {  // of a picture: one that cannot be drawn must not cost the numbers
+      complain(fmt::format("{}: {}", output.file, error.what()));
+    }
+  }
+  console.out << (options.json == "-" ? pretty(result.json) : options.csv == "-" ? csv(result.table) : result.text);
+  console.out.flush();
+  if (!console.out) complain("stdout: cannot be written");
+  return complete || code != 0 ? code : 1;
+}
+
+}  // namespace graze::apps

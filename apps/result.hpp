@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Result: what a command hands over at its end, and the options that say where it goes: --json, --csv, --plot, --out.
+#pragma once
+
+#include <graze/apps/console.hpp>
+#include <graze/apps/json.hpp>
+#include <graze/apps/table.hpp>
+
+#include <string>
+
+namespace CLI {
+class App;
+}
+
+namespace graze::apps {
+
+struct Result {
+  Json json;
+  Table table;       ///< for --csv
+  std::string text;  ///< for people
+};
+
+struct OutputOptions {
+  std::string json, csv;  ///< files, or "-" for stdout
+  std::string plot;       ///< picture; its ending says the format
+  std::string plot_kind;  ///< empty: the first that fits the result
+  std::string out;        ///< folder for all of it
+};
+
+/// Adds --json, --csv, --plot, --out; and --plot-kind where pictures of `schema` come in several kinds.
+void add_output_options(CLI::App& app, OutputOptions& options, const std::string& schema);
+
+/// Finds out before anything is computed whether all outputs can be written. @throws std::invalid_argument.
+void check_outputs(const OutputOptions& options);
+
+/// Writes the files, then prints the result on console.out: the text, or the JSON or CSV if that was sent there. Returns `code`, or 1 if
+/// something could not be written (each with a sentence on console.err).
+int deliver(const Result& result, const OutputOptions& options, const std::string& command, int code, const Console& console);
+
+}  // namespace graze::apps
