@@ -96,8 +96,9 @@ void add_choice(CLI::App& app, const std::string& names, std::string& target, co
   add(app, names, fmt::format("{}", fmt::join(choices, "|")), help, need, [&target, names, choices](const std::string& text) {
     if (std::find(choices.begin(), choices.end(), text) == choices.end()) {
       const std::string nearest = nearest_name(text, choices);
-      refuse(names, text, fmt::format("one of {}{}", fmt::join(choices, ", "),
-                                      nearest.empty() ? "" : fmt::format(" (did you mean {}?)", nearest)));
+      refuse(names, text,
+             fmt::format("one of {}{}", fmt::join(choices, ", "),
+                         nearest.empty() ? "" : fmt::format(" (did you mean {}?)", nearest)));
     }
     target = text;
   });

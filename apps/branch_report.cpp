@@ -12,18 +12,16 @@ namespace graze::apps {
 
 namespace {
 
-/// States at forcing phase 0, one per period of the orbit, where the nodes show them; else nothing.
-Json states_json(const std::vector<Vector>& nodes, int period) {
-  Json out = Json::array();
-  const std::size_t n = static_cast<std::size_t>(period);
-  if (n > 1 && nodes.size() % n == 0)
-    for (std::size_t k = 0; k < n; ++k) out.push_back(to_json(nodes[k * (nodes.size() / n)]));
-  return out;
+/// Adds "states", those at forcing phase 0 after each period, where there is more than one.
+void add_states(Json& out, const std::vector<Vector>& states) {
+  if (states.size() < 2) return;
+  out["states"] = Json::array();
+  for (const Vector& state : states) out["states"].push_back(to_json(state));
 }
 
-Json point_json(const BranchPoint& point, int period) {
+Json point_json(const BranchPoint& point) {
   Json out = {{"value", point.value}, {"state", to_json(point.state())}};
-  if (Json states = states_json(point.states, period); !states.empty()) out["states"] = std::move(states);
+  add_states(out, point.states);
   out["multipliers"] = multipliers_json(point.multipliers);
   out["impacts"] = point.impacts;
   out["stable"] = point.stable;
@@ -74,8 +72,9 @@ Table points_table(const Branch& branch, std::size_t most) {
 
 Json special_point_json(const SpecialPoint& point) {
   const PeriodicOrbit& orbit = point.orbit;
-  Json out = {{"label", point.label}, {"type", point_type_name(point.type)}, {"value", point.value}, {"state", to_json(orbit.state)}};
-  if (Json states = states_json(orbit.states, orbit.period); !states.empty()) out["states"] = std::move(states);
+  Json out = {
+      {"label", point.label}, {"type", point_type_name(point.type)}, {"value", point.value}, {"state", to_json(orbit.state)}};
+  add_states(out, orbit.states);
   out["multipliers"] = multipliers_json(orbit.multipliers);
   out["period"] = orbit.period;
   out["impacts"] = orbit.impacts;
@@ -85,7 +84,8 @@ Json special_point_json(const SpecialPoint& point) {
   out["precision"] = point.precision;
   out["after_point"] = point.after_point;
   out["details"] = Json::object();
-  for (const auto& [name, detail] : point.details) std::visit([&, &key = name](const auto& value) { out["details"][key] = value; }, detail);
+  for (const auto& [name, detail] : point.details)
+    std::visit([&, &key = name](const auto& value) { out["details"][key] = value; }, detail);
   out["checks"] = checks_json(orbit.checks);
   out["newton"] = {{"status", newton_status_text(point.newton.status)}, {"residuals", point.newton.residual_history}};
   return out;
@@ -96,7 +96,7 @@ Json branch_json(const Branch& branch) {
   if (branch.parent) out["parent"] = {{"branch", branch.parent->branch}, {"label", branch.parent->label}};
   out["stop"] = {{"reason", branch_stop_name(branch.stop)}, {"at", branch.stop_value}, {"message", branch.message}};
   out["points"] = Json::array();
-  for (const BranchPoint& point : branch.points) out["points"].push_back(point_json(point, branch.period));
+  for (const BranchPoint& point : branch.points) out["points"].push_back(point_json(point));
   out["special_points"] = Json::array();
   for (const SpecialPoint& point : branch.special_points) out["special_points"].push_back(special_point_json(point));
   if (branch.first_failed) {
@@ -107,15 +107,17 @@ Json branch_json(const Branch& branch) {
 }
 
 std::string special_point_text(const SpecialPoint& point, const std::string& parameter) {
-  std::string text = fmt::format("  {:<5} {} = {} +- {}  ({}, {}{})\n", point.label, parameter, rounded(point.value, 12), rounded(point.precision, 2),
-                                 status_name(point.status), z_label(point.orbit.impacts, point.orbit.period),
-                                 point.orbit.admissible == Admissibility::admissible ? "" : ", NOT ADMISSIBLE");
+  std::string text =
+      fmt::format("  {:<5} {} = {} +- {}  ({}, {}{})\n", point.label, parameter, rounded(point.value, 12),
+                  rounded(point.precision, 2), status_name(point.status), z_label(point.orbit.impacts, point.orbit.period),
+                  point.orbit.admissible == Admissibility::admissible ? "" : ", NOT ADMISSIBLE");
   if (point.status == PointStatus::bracketed)
     text += fmt::format("        between {} and {}\n", rounded(point.interval[0], 12), rounded(point.interval[1], 12));
-  text += fmt::format("        state ({}, {}), multipliers {}\n", rounded(point.orbit.state[0], 12), rounded(point.orbit.state[1], 12),
-                      multipliers_text(point.orbit.multipliers, 11));
+  text += fmt::format("        state ({}, {}), multipliers {}\n", rounded(point.orbit.state[0], 12),
+                      rounded(point.orbit.state[1], 12), multipliers_text(point.orbit.multipliers, 11));
   std::string details;
-  for (const auto& [name, detail] : point.details) details += fmt::format("{}{} {}", details.empty() ? "" : ", ", name, detail_text(detail));
+  for (const auto& [name, detail] : point.details)
+    details += fmt::format("{}{} {}", details.empty() ? "" : ", ", name, detail_text(detail));
   if (!details.empty()) text += "        " + details + "\n";
   return text;
 }
@@ -125,7 +127,8 @@ std::string branch_text(const Branch& branch, std::size_t most) {
   if (branch.parent) text += fmt::format(", born at {} of branch {}", branch.parent->label, branch.parent->branch);
   text += "\n";
   if (!branch.points.empty()) text += aligned(points_table(branch, most));
-  if (branch.points.size() > most) text += fmt::format("  ({} of {} points shown; --all shows all)\n", std::max<std::size_t>(most, 2), branch.points.size());
+  if (branch.points.size() > most)
+    text += fmt::format("  ({} of {} points shown; --all shows all)\n", std::max<std::size_t>(most, 2), branch.points.size());
   for (const SpecialPoint& point : branch.special_points)
     if (point.type != PointType::EP) text += special_point_text(point, branch.parameter);
   text += fmt::format("  stopped at {} = {}: {}\n", branch.parameter, rounded(branch.stop_value, 12), branch.message);
@@ -133,16 +136,24 @@ std::string branch_text(const Branch& branch, std::size_t most) {
 }
 
 Table branches_table(const std::vector<Branch>& branches) {
-  Table table{{"branch", "parent", "label", "period", "impacts", branches.empty() ? "value" : branches.front().parameter, "x", "v"}, {}};
+  Table table{
+      {"branch", "parent", "label", "period", "impacts", branches.empty() ? "value" : branches.front().parameter, "x", "v"}, {}};
   std::size_t count = 0;
   for (const Branch& branch : branches)
     for (const BranchPoint& point : branch.points) count = std::max(count, point.multipliers.values.size());
-  for (std::size_t k = 1; k <= count; ++k) table.columns.insert(table.columns.end(), {fmt::format("mu{}_re", k), fmt::format("mu{}_im", k)});
+  for (std::size_t k = 1; k <= count; ++k)
+    table.columns.insert(table.columns.end(), {fmt::format("mu{}_re", k), fmt::format("mu{}_im", k)});
   table.columns.insert(table.columns.end(), {"stable", "admissible"});
   const auto add = [&](const Branch& branch, const std::string& name, int impacts, double value, const Vector& state,
                        const FloquetMultipliers& multipliers, bool admissible) {
-    std::vector<std::string> row = {std::to_string(branch.id), branch.parent ? branch.parent->label : "", name, std::to_string(branch.period),
-                                    std::to_string(impacts), exact(value), exact(state[0]), exact(state[1])};
+    std::vector<std::string> row = {std::to_string(branch.id),
+                                    branch.parent ? branch.parent->label : "",
+                                    name,
+                                    std::to_string(branch.period),
+                                    std::to_string(impacts),
+                                    exact(value),
+                                    exact(state[0]),
+                                    exact(state[1])};
     for (std::size_t k = 0; k < count; ++k) {
       const bool there = multipliers.valid && k < multipliers.values.size();
       row.push_back(there ? exact(multipliers.values[k].real()) : "");
@@ -155,7 +166,8 @@ Table branches_table(const std::vector<Branch>& branches) {
   for (const Branch& branch : branches)
     for (std::size_t i = 0; i < branch.points.size(); ++i) {
       const BranchPoint& point = branch.points[i];
-      add(branch, "", point.impacts, point.value, point.state(), point.multipliers, point.admissible == Admissibility::admissible);
+      add(branch, "", point.impacts, point.value, point.state(), point.multipliers,
+          point.admissible == Admissibility::admissible);
       for (const SpecialPoint& special : branch.special_points)
         if (special.after_point == i && special.type != PointType::EP)
           add(branch, special.label, special.orbit.impacts, special.value, special.orbit.state, special.orbit.multipliers,

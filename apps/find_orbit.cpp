@@ -23,7 +23,8 @@ std::string shown(const Vector& state) { return fmt::format("({}, {})", rounded(
 std::string periods(int n) { return fmt::format("{} forcing period{}", n, n == 1 ? "" : "s"); }
 
 void take(FoundOrbits& found, std::vector<PeriodicOrbit> orbits, const char* origin) {
-  std::stable_partition(orbits.begin(), orbits.end(), [](const PeriodicOrbit& o) { return o.admissible == Admissibility::admissible; });
+  std::stable_partition(orbits.begin(), orbits.end(),
+                        [](const PeriodicOrbit& o) { return o.admissible == Admissibility::admissible; });
   const bool any = !orbits.empty() && orbits.front().admissible == Admissibility::admissible;
   found.orbits = std::move(orbits);
   found.origin = origin;
@@ -33,11 +34,13 @@ void take(FoundOrbits& found, std::vector<PeriodicOrbit> orbits, const char* ori
 /// What the settled motion is, in words.
 std::string attractor(const Problem& problem, const Settled& settled) {
   if (settled.suspected_period == 0)
-    return fmt::format("the motion settled at {} after {} repeats after no period up to {}", shown(settled.state), periods(settled.periods),
-                       SettleOptions{}.max_period);
+    return fmt::format("the motion settled at {} after {} repeats after no period up to {}", shown(settled.state),
+                       periods(settled.periods), SettleOptions{}.max_period);
   const PeriodicOrbit orbit = shoot(problem.system, problem.parameters, settled.state, settled.suspected_period);
   return fmt::format("the motion settled at {} repeats after {}{}", shown(settled.state), periods(settled.suspected_period),
-                     orbit.converged() ? fmt::format(" ({}, {})", z_label(orbit.impacts, orbit.period), orbit.stable() ? "stable" : "unstable") : "");
+                     orbit.converged()
+                         ? fmt::format(" ({}, {})", z_label(orbit.impacts, orbit.period), orbit.stable() ? "stable" : "unstable")
+                         : "");
 }
 
 }  // namespace
@@ -62,14 +65,17 @@ Problem open_problem(const StartOptions& options, const Console& console) {
   apply_settings(problem, options.settings);
   if (!problem.defaulted.empty()) {
     std::string list;
-    for (const std::string& name : problem.defaulted) list += fmt::format("{}{} = {}", list.empty() ? "" : ", ", name, rounded(parameter(problem, name), 9));
+    for (const std::string& name : problem.defaulted)
+      list += fmt::format("{}{} = {}", list.empty() ? "" : ", ", name, rounded(parameter(problem, name), 9));
     console.note(fmt::format("{} does not give {}", options.file, list));
   }
   if (problem.converted_from) {
     const ConvertedFrom& from = *problem.converted_from;
     std::string list;
-    for (const std::string& name : from.obtained) list += fmt::format("{}{} = {}", list.empty() ? "" : ", ", name, exact(parameter(problem, name)));
-    console.note(fmt::format("{}: {} excitation, tau = {} t, x = X / {}: {}", options.file, from.excitation, exact(from.alpha), exact(from.length), list));
+    for (const std::string& name : from.obtained)
+      list += fmt::format("{}{} = {}", list.empty() ? "" : ", ", name, exact(parameter(problem, name)));
+    console.note(fmt::format("{}: {} excitation, tau = {} t, x = X / {}: {}", options.file, from.excitation, exact(from.alpha),
+                             exact(from.length), list));
   }
   return problem;
 }
@@ -83,7 +89,9 @@ int period_of(const Problem& problem, const OrbitOptions& options) {
 }
 
 Json options_json(const Problem& problem, const StartOptions& options) {
-  return {{"problem", options.file}, {"set", options.settings}, {"start", to_json(start_state(problem, options.start))},
+  return {{"problem", options.file},
+          {"set", options.settings},
+          {"start", to_json(start_state(problem, options.start))},
           {"settle", settle_of(problem, options)}};
 }
 
@@ -102,7 +110,8 @@ Settled settle_down(const Problem& problem, const StartOptions& options, const C
   SettleOptions settling;
   settling.periods = wanted;
   settling.cancelled = [&] {
-    progress.update(static_cast<double>(done) / std::max(1, wanted), [&] { return fmt::format("{} of {}", done, periods(wanted)); });
+    progress.update(static_cast<double>(done) / std::max(1, wanted),
+                    [&] { return fmt::format("{} of {}", done, periods(wanted)); });
     ++done;
     return interrupted();
   };
@@ -125,7 +134,8 @@ FoundOrbits search_for_orbits(const Problem& problem, const OrbitOptions& option
   take(found, std::move(result.orbits), "search");
   if (interrupted()) {
     found.status = Status::interrupted;
-    found.message = fmt::format("the search was interrupted after {} starts; {} orbits of period {} were found by then", result.starts, count, period);
+    found.message = fmt::format("the search was interrupted after {} starts; {} orbits of period {} were found by then",
+                                result.starts, count, period);
   } else if (found.status != Status::done) {
     found.message = fmt::format("no admissible orbit of period {} was found by a search of {} starts", period, result.starts);
   }
@@ -141,8 +151,8 @@ FoundOrbits find_orbits(const Problem& problem, const OrbitOptions& options, con
   const Settled& settled = *found.settled;
   if (settled.termination == Termination::interrupted) {
     found.status = Status::interrupted;
-    found.message = fmt::format("interrupted after {} of {} of transient, at state {}", settled.periods, periods(settle_of(problem, options.start)),
-                                shown(settled.state));
+    found.message = fmt::format("interrupted after {} of {} of transient, at state {}", settled.periods,
+                                periods(settle_of(problem, options.start)), shown(settled.state));
     return found;
   }
   std::optional<PeriodicOrbit> fallback;
@@ -173,7 +183,8 @@ FoundOrbits find_orbits(const Problem& problem, const OrbitOptions& options, con
 void add_origin(Json& result, const FoundOrbits& found) {
   if (!found.origin.empty()) result["origin"] = found.origin;
   if (found.settled)
-    result["settled"] = {{"state", to_json(found.settled->state)}, {"periods", found.settled->periods},
+    result["settled"] = {{"state", to_json(found.settled->state)},
+                         {"periods", found.settled->periods},
                          {"suspected_period", found.settled->suspected_period}};
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Finding the orbit that a command is about, in the order that every command keeps: --set, then --from, then --start, --settle, then
-// Newton; if the attractor reached is not of the wanted period, a search.
+// Finding the orbit that a command is about, in the order that every command keeps: --set, then --from, then --start, --settle,
+// then Newton; if the attractor reached is not of the wanted period, a search.
 #pragma once
 
 #include <graze/apps/console.hpp>

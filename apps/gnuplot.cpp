@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Running gnuplot as a child. Script, picture and complaints go through temporary files, so that neither side can wait for the other.
+// Running gnuplot as a child. Script, picture and complaints go through temporary files, so that neither side can wait for the
+// other.
 #include <graze/apps/picture.hpp>
 
 #include <fmt/format.h>
@@ -65,7 +66,8 @@ std::string draw(const Picture& picture, const std::string& format) {
   const std::string script = gnuplot_script(picture, format);
   const File input = temporary_file(), output = temporary_file(), complaints = temporary_file();
   if (std::fwrite(script.data(), 1, script.size(), input.get()) != script.size() || std::fflush(input.get()) != 0)
-    throw std::runtime_error(fmt::format("the script for gnuplot cannot be written to the temporary folder: {}", std::strerror(errno)));
+    throw std::runtime_error(
+        fmt::format("the script for gnuplot cannot be written to the temporary folder: {}", std::strerror(errno)));
   std::rewind(input.get());
 
   posix_spawn_file_actions_t actions;
@@ -88,7 +90,8 @@ std::string draw(const Picture& picture, const std::string& format) {
   if (error != 0) throw std::runtime_error(fmt::format("gnuplot cannot be started: {}", std::strerror(error)));
 
   int state = 0;
-  while (::waitpid(child, &state, 0) < 0 && errno == EINTR) {}
+  while (::waitpid(child, &state, 0) < 0 && errno == EINTR) {
+  }
   std::string drawn = content(output.get());
   if (!WIFEXITED(state) || WEXITSTATUS(state) != 0 || drawn.empty()) {
     std::string said = content(complaints.get());

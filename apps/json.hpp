@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // JSON as the program writes it: numbers read back to the same double; NaN and infinities are null; a state is [x, v]; a complex
 // number is [re, im]. Every result begins with the same head, from which it can be recomputed:
-//     "schema", "graze", "command", "model", "parameters", "options", and "status" ("done", "failed", "interrupted") with "message".
+//     "schema", "graze", "command", "model", "parameters", "options", and "status" ("done", "failed", "interrupted") with
+//     "message".
 #pragma once
 
 #include <graze/apps/problem.hpp>

@@ -11,8 +11,8 @@
 
 namespace graze::apps {
 
-/// Factors joined by * and /, each a decimal number or pi: "0.05", "-1e-3", "36/35", "2*pi". Also "nan" and "inf", so that whoever
-/// knows the allowed range can refuse them by name. nullopt: not a number.
+/// Factors joined by * and /, each a decimal number or pi: "0.05", "-1e-3", "36/35", "2*pi". Also "nan" and "inf", so that
+/// whoever knows the allowed range can refuse them by name. nullopt: not a number.
 std::optional<double> parse_number(std::string_view text);
 
 /// A whole number: "1000", "1e3". nullopt: not one, or too large for int.

@@ -41,7 +41,8 @@ ContactList contacts_of_orbit(const PeriodicOrbit& orbit) {
   }
   std::vector<Contact> complete = contacts(twice);
   std::erase_if(complete, [](const Contact& contact) { return !contact.complete; });
-  const auto count = std::count_if(orbit.events.begin(), orbit.events.end(), [](const EventRecord& e) { return ends_contact(e.kind); });
+  const auto count =
+      std::count_if(orbit.events.begin(), orbit.events.end(), [](const EventRecord& e) { return ends_contact(e.kind); });
   ContactList list;
   list.contacts.assign(complete.begin(), complete.begin() + count);
   list.by_exit.assign(complete.end() - count, complete.end());
@@ -68,9 +69,10 @@ Json events_json(const std::vector<EventRecord>& events, const ContactList& list
 Json contacts_json(const std::vector<Contact>& contacts) {
   Json out = Json::array();
   for (const Contact& contact : contacts) {
-    Json entry = {{"entry", contact.t_entry}, {"exit", contact.t_exit}, {"duration", contact.t_exit - contact.t_entry},
-                  {"entry_speed", contact.entry_speed}, {"exit_speed", contact.exit_speed}, {"restitution", contact.restitution},
-                  {"energy_lost", contact.energy_lost}};
+    Json entry = {
+        {"entry", contact.t_entry},           {"exit", contact.t_exit},           {"duration", contact.t_exit - contact.t_entry},
+        {"entry_speed", contact.entry_speed}, {"exit_speed", contact.exit_speed}, {"restitution", contact.restitution},
+        {"energy_lost", contact.energy_lost}};
     if (!contact.complete) {
       // Of a contact that the run cuts off, only one end is known.
       for (const char* name : {std::isnan(contact.t_entry) ? "entry" : "exit", "duration",
@@ -119,11 +121,15 @@ Json checks_json(const OrbitChecks& checks) {
 
 Json orbit_json(const PeriodicOrbit& orbit) {
   const ContactList list = contacts_of_orbit(orbit);
-  Json out = {{"period", orbit.period}, {"impacts", orbit.impacts}, {"state", to_json(orbit.state)},
-              {"admissible", orbit.admissible == Admissibility::admissible}, {"stable", orbit.stable()}};
+  Json out = {{"period", orbit.period},
+              {"impacts", orbit.impacts},
+              {"state", to_json(orbit.state)},
+              {"admissible", orbit.admissible == Admissibility::admissible},
+              {"stable", orbit.stable()}};
   out["multipliers"] = multipliers_json(orbit.multipliers);
   out["exponents"] = exponents_json(orbit.multipliers);
-  out["zero_multipliers"] = std::count(orbit.multipliers.values.begin(), orbit.multipliers.values.end(), std::complex<double>(0.0));
+  out["zero_multipliers"] =
+      std::count(orbit.multipliers.values.begin(), orbit.multipliers.values.end(), std::complex<double>(0.0));
   out["duration"] = orbit.duration;
   out["events"] = events_json(orbit.events, list);
   out["contacts"] = contacts_json(list.contacts);
@@ -135,17 +141,19 @@ Json orbit_json(const PeriodicOrbit& orbit) {
 std::string orbit_text(const PeriodicOrbit& orbit) {
   const bool admissible = orbit.admissible == Admissibility::admissible;
   const FloquetMultipliers& multipliers = orbit.multipliers;
-  std::string text = fmt::format("orbit {}: {} impact{} in {} forcing period{}, {}, {}\n", z_label(orbit.impacts, orbit.period), orbit.impacts,
-                                 orbit.impacts == 1 ? "" : "s", orbit.period, orbit.period == 1 ? "" : "s",
+  std::string text = fmt::format("orbit {}: {} impact{} in {} forcing period{}, {}, {}\n", z_label(orbit.impacts, orbit.period),
+                                 orbit.impacts, orbit.impacts == 1 ? "" : "s", orbit.period, orbit.period == 1 ? "" : "s",
                                  orbit.stable() ? "stable" : "unstable",
                                  admissible ? "admissible" : "NOT ADMISSIBLE (it passes through the barrier)");
-  text += fmt::format("  state at forcing phase 0   x = {}   x' = {}\n", rounded(orbit.state[0], 15), rounded(orbit.state[1], 15));
+  text +=
+      fmt::format("  state at forcing phase 0   x = {}   x' = {}\n", rounded(orbit.state[0], 15), rounded(orbit.state[1], 15));
   text += fmt::format("  duration                   {}\n", rounded(orbit.duration, 15));
 
   if (multipliers.valid) {
     Table table{{"multiplier", "value", "modulus", "exponent"}, {}};
     for (std::size_t i = 0; i < multipliers.values.size(); ++i)
-      table.rows.push_back({std::to_string(i + 1), rounded(multipliers.values[i], 13), rounded(std::abs(multipliers.values[i]), 13),
+      table.rows.push_back({std::to_string(i + 1), rounded(multipliers.values[i], 13),
+                            rounded(std::abs(multipliers.values[i]), 13),
                             std::isinf(multipliers.exponents[i]) ? "-infinity" : rounded(multipliers.exponents[i], 13)});
     text.append("\n").append(aligned(table));
   } else {

@@ -106,7 +106,8 @@ void make_folder(const std::string& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error || !fs::is_directory(folder))
-    throw std::invalid_argument(fmt::format("{}: cannot be made as a folder: {}", folder, error ? error.message() : "a file has this name"));
+    throw std::invalid_argument(
+        fmt::format("{}: cannot be made as a folder: {}", folder, error ? error.message() : "a file has this name"));
 }
 
 }  // namespace graze::apps

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/apps/picture.hpp>
+#include <graze/apps/label_places.hpp>
 #include <graze/apps/number.hpp>
+#include <graze/apps/picture.hpp>
 
 #include <fmt/format.h>
 
@@ -35,11 +36,16 @@ std::string terminal(const std::string& format) {
 std::string style(const Curve& curve) {
   const std::string colour = curve.coloured ? "lc palette" : "lc rgb " + quoted(curve.colour);
   switch (curve.stroke) {
-    case Stroke::solid: return fmt::format("with lines {} lw {} dt 1", colour, curve.size);
-    case Stroke::dashed: return fmt::format("with lines {} lw {} dt (8,6)", colour, curve.size);
-    case Stroke::dotted: return fmt::format("with lines {} lw {} dt (2,5)", colour, curve.size);
-    case Stroke::dots: return fmt::format("with points pt 7 ps {} {}", curve.size, colour);
-    case Stroke::marks: break;
+  case Stroke::solid:
+    return fmt::format("with lines {} lw {} dt 1", colour, curve.size);
+  case Stroke::dashed:
+    return fmt::format("with lines {} lw {} dt (8,6)", colour, curve.size);
+  case Stroke::dotted:
+    return fmt::format("with lines {} lw {} dt (2,5)", colour, curve.size);
+  case Stroke::dots:
+    return fmt::format("with points pt 7 ps {} {}", curve.size, colour);
+  case Stroke::marks:
+    break;
   }
   return fmt::format("with points pt {} ps {} {}", curve.mark, curve.size, colour);
 }
@@ -60,8 +66,38 @@ std::string legend(const Picture& picture) {
   }
   const std::size_t columns = longest > 24 ? 2 : 3, rows = (entries + columns - 1) / columns;
   const int size = rows > 4 ? 9 : 13;
-  return fmt::format("set key at screen 0.5, screen 0.015 bottom center horizontal maxcols {} samplen 3 font ',{}'\nset bmargin {}\n", columns, size,
-                     (picture.x_names.empty() ? 4.0 : 6.5) + (size < 13 ? 0.9 : 1.25) * static_cast<double>(rows));
+  return fmt::format(
+      "set key at screen 0.5, screen 0.015 bottom center horizontal maxcols {} samplen 3 font ',{}'\nset bmargin {}\n", columns,
+      size, (picture.x_names.empty() ? 4.0 : 6.5) + (size < 13 ? 0.9 : 1.25) * static_cast<double>(rows));
+}
+
+/// The range of one coordinate: as given, or that of the curves.
+std::array<double, 2> extent(const Picture& picture, std::size_t coordinate, const std::optional<std::array<double, 2>>& given) {
+  if (given) return *given;
+  std::array<double, 2> range = {HUGE_VAL, -HUGE_VAL};
+  for (const Curve& curve : picture.curves)
+    for (const auto& point : curve.points)
+      if (std::isfinite(point[coordinate]))
+        range = {std::min(range[0], point[coordinate]), std::max(range[1], point[coordinate])};
+  return range[0] < range[1] ? range : std::array<double, 2>{range[0] - 1.0, range[0] + 1.0};
+}
+
+/// Marks, their words where there is room for them, and lines that lead from far words to their marks.
+std::string labels(const Picture& picture) {
+  std::string s;
+  const std::vector<LabelPlace> places =
+      label_places(picture.labels, extent(picture, 0, picture.x_range), extent(picture, 1, picture.y_range));
+  for (std::size_t i = 0; i < picture.labels.size(); ++i) {
+    const Label& label = picture.labels[i];
+    const LabelPlace& place = places[i];
+    const std::string at = exact(label.x) + ", " + exact(label.y), colour = quoted(label.colour);
+    s += fmt::format("set label {} at {} {} point pt {} ps 1.4 lc rgb {} offset {},{} front tc rgb {}\n", quoted(label.text), at,
+                     place.leftwards ? "right" : "left", label.mark, colour, place.right, place.up, colour);
+    if (place.far)
+      s += fmt::format("set arrow from {} rto character {}, character {} nohead front lc rgb {} lw 0.8\n", at, place.right,
+                       place.up, colour);
+  }
+  return s;
 }
 
 }  // namespace
@@ -85,12 +121,14 @@ std::string gnuplot_script(const Picture& picture, const std::string& format) {
   if (picture.logarithmic_y) s += "set logscale y\nset format y '%.0e'\n";
   if (picture.equal_axes) s += "set size ratio -1\n";
   if (!picture.colour_label.empty())
-    s += "set cblabel " + quoted(picture.colour_label) + "\nset palette defined (0 '#2c2a7a', 0.5 '#1fa187', 1 '#f2a104')\n";
+    s += "set cblabel " + quoted(picture.colour_label) +
+         "\nset palette defined (0 '#2c2a7a', 0.5 '#1fa187', 1 '#f2a104')\nset cbrange " + range(picture.colour_range) + "\n";
   else
     s += "unset colorbox\nset rmargin 4\n";
   if (!picture.x_names.empty()) {
     s += "set xtics (";
-    for (std::size_t i = 0; i < picture.x_names.size(); ++i) s += fmt::format("{}{} {}", i ? ", " : "", quoted(picture.x_names[i]), i);
+    for (std::size_t i = 0; i < picture.x_names.size(); ++i)
+      s += fmt::format("{}{} {}", i ? ", " : "", quoted(picture.x_names[i]), i);
     s += ") rotate by 20 right\n";
   }
   int object = 1;
@@ -100,15 +138,15 @@ std::string gnuplot_script(const Picture& picture, const std::string& format) {
     const std::string to = barrier.vertical ? at + ", graph 1" : "graph 1, first " + at;
     s += fmt::format("set arrow from {} to {} nohead front lc rgb '#b22222' lw 1.8\n", from, to);
     if (barrier.shaded)
-      s += fmt::format("set object {} rectangle from {} to graph 1, graph 1 behind fc rgb '#b22222' fs transparent solid 0.07 noborder\n",
-                       object++, from);
-    s += barrier.vertical
-             ? fmt::format("set label {} at {}, graph 0.03 right offset -0.6,0 front tc rgb '#b22222'\n", quoted(barrier.text), at)
-             : fmt::format("set label {} at graph 0.01, first {} offset 0,0.6 front tc rgb '#b22222'\n", quoted(barrier.text), at);
+      s += fmt::format(
+          "set object {} rectangle from {} to graph 1, graph 1 behind fc rgb '#b22222' fs transparent solid 0.07 noborder\n",
+          object++, from);
+    s +=
+        barrier.vertical
+            ? fmt::format("set label {} at {}, graph 0.03 right offset -0.6,0 front tc rgb '#b22222'\n", quoted(barrier.text), at)
+            : fmt::format("set label {} at graph 0.01, first {} offset 0,0.6 front tc rgb '#b22222'\n", quoted(barrier.text), at);
   }
-  for (const Label& label : picture.labels)
-    s += fmt::format("set label {} at {}, {} point pt {} ps 1.4 lc rgb {} offset 0.9,0.7 front tc rgb {}\n", quoted(label.text), exact(label.x),
-                     exact(label.y), label.mark, quoted(label.colour), quoted(label.colour));
+  s += labels(picture);
   if (picture.unit_circle) {
     std::vector<std::array<double, 3>> circle;
     for (int i = 0; i <= 360; ++i) circle.push_back({std::cos(i * M_PI / 180.0), std::sin(i * M_PI / 180.0), 0.0});
@@ -117,12 +155,13 @@ std::string gnuplot_script(const Picture& picture, const std::string& format) {
   std::string plot = picture.unit_circle ? "$circle using 1:2 with lines lc rgb '#888888' lw 1.2 title 'unit circle'" : "";
   for (std::size_t i = 0; i < picture.curves.size(); ++i) {
     const Curve& curve = picture.curves[i];
-    const bool empty = std::all_of(curve.points.begin(), curve.points.end(), [](const auto& p) { return std::isnan(p[0] + p[1]); });
+    const bool empty =
+        std::all_of(curve.points.begin(), curve.points.end(), [](const auto& p) { return std::isnan(p[0] + p[1]); });
     if (empty) continue;
     const std::string name = fmt::format("curve{}", i);
     s += data_block(name, curve.points);
-    plot += fmt::format("{}${} using {} {} {}", plot.empty() ? "" : ", \\\n     ", name, curve.coloured ? "1:2:3" : "1:2", style(curve),
-                        curve.title.empty() ? "notitle" : "title " + quoted(curve.title));
+    plot += fmt::format("{}${} using {} {} {}", plot.empty() ? "" : ", \\\n     ", name, curve.coloured ? "1:2:3" : "1:2",
+                        style(curve), curve.title.empty() ? "notitle" : "title " + quoted(curve.title));
   }
   if (plot.empty()) throw std::runtime_error("there is nothing to draw");
   return s + "plot " + plot + "\n";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Picture: curves, marks and text in one pair of axes, drawn by gnuplot. It knows nothing of oscillators: what a result looks like is
-// said in apps/pictures/.
+// Picture: curves, marks and text in one pair of axes, drawn by gnuplot. It knows nothing of oscillators: what a result looks
+// like is said in apps/pictures/.
 #pragma once
 
 #include <array>
@@ -14,12 +14,12 @@ enum class Stroke { solid, dashed, dotted, dots, marks };
 
 /// A curve or a set of points. A NaN row breaks a curve.
 struct Curve {
-  std::string title;                           ///< empty: not in the legend
+  std::string title;  ///< empty: not in the legend
   Stroke stroke = Stroke::solid;
   std::string colour = "#1f77b4";
-  double size = 2.0;                           ///< line width, or size of a mark
-  int mark = 7;                                ///< gnuplot's point type, for Stroke::marks
-  std::vector<std::array<double, 3>> points;   ///< x, y, and a value shown as colour if `coloured`
+  double size = 2.0;                          ///< line width, or size of a mark
+  int mark = 7;                               ///< gnuplot's point type, for Stroke::marks
+  std::vector<std::array<double, 3>> points;  ///< x, y, and a value shown as colour if `coloured`
   bool coloured = false;
 };
 
@@ -42,9 +42,9 @@ struct Barrier {
 struct Picture {
   std::string title, subtitle;
   std::string x_label, y_label, colour_label;
-  std::optional<std::array<double, 2>> x_range, y_range;
+  std::optional<std::array<double, 2>> x_range, y_range, colour_range;
   bool logarithmic_y = false;
-  bool equal_axes = false;   ///< one unit is as long in x as in y
+  bool equal_axes = false;  ///< one unit is as long in x as in y
   bool unit_circle = false;
   bool grid = true;
   std::vector<Curve> curves;

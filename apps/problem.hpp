@@ -55,7 +55,8 @@ void set_parameter(Problem& problem, std::string_view name, double value);
 /// Applies settings of the form name=value, in order.
 void apply_settings(Problem& problem, const std::vector<std::string>& settings);
 
-/// The state at forcing phase 0 to start from: `given`, else the file's, else rest at 0 (or at the barrier, where 0 lies beyond it).
+/// The state at forcing phase 0 to start from: `given`, else the file's, else rest at 0 (or at the barrier, where 0 lies beyond
+/// it).
 /// @throws std::invalid_argument for a state that is not admissible.
 Vector start_state(const Problem& problem, const std::optional<Vector>& given);
 

@@ -29,8 +29,10 @@ std::string shown(const toml::node& node) {
   std::ostringstream text;
   node.visit([&](const auto& value) {
     using Value = std::remove_cvref_t<decltype(value)>;
-    if constexpr (toml::is_table<Value>) text << "a table";
-    else text << value;
+    if constexpr (toml::is_table<Value>)
+      text << "a table";
+    else
+      text << value;
   });
   return text.str();
 }
@@ -92,8 +94,8 @@ class Section {
     if (!table_) return;
     for (const auto& [key, node] : *table_)
       if (std::find(known_.begin(), known_.end(), key.str()) == known_.end())
-        throw std::invalid_argument(fmt::format("{}: in [{}], {}", position(file_, node.source()), name_,
-                                                unknown_name("key", key.str(), known_)));
+        throw std::invalid_argument(
+            fmt::format("{}: in [{}], {}", position(file_, node.source()), name_, unknown_name("key", key.str(), known_)));
   }
 
   /// Position of a key, or of the section where it is missing.
@@ -139,8 +141,10 @@ void read_parameters(Section& section, Problem& problem) {
   for (std::size_t i = 0; i < problem.system.parameters.size(); ++i) {
     const ParameterInfo& info = problem.system.parameters[i];
     const std::optional<double> value = section.number(info.name);
-    if (value) problem.parameters[static_cast<Eigen::Index>(i)] = checked(section.where(info.name), info, *value);
-    else problem.defaulted.push_back(info.name);
+    if (value)
+      problem.parameters[static_cast<Eigen::Index>(i)] = checked(section.where(info.name), info, *value);
+    else
+      problem.defaulted.push_back(info.name);
   }
   section.finish();
 }
@@ -209,8 +213,7 @@ void read_physical(Section& section, Problem& problem) {
 std::string model_name(Section& section, const std::string& key, const std::vector<std::string>& names) {
   const std::optional<std::string> name = section.text(key);
   if (!name)
-    throw std::invalid_argument(
-        fmt::format("{}: [model] lacks {} = \"...\": {}", section.where(), key, fmt::join(names, ", ")));
+    throw std::invalid_argument(fmt::format("{}: [model] lacks {} = \"...\": {}", section.where(), key, fmt::join(names, ", ")));
   if (std::find(names.begin(), names.end(), *name) == names.end())
     throw std::invalid_argument(fmt::format("{}: {}", section.where(key), unknown_name(key, *name, names)));
   return *name;
@@ -223,8 +226,7 @@ Problem parse_problem(std::string_view text, const std::string& file) {
   try {
     root = toml::parse(text, file);
   } catch (const toml::parse_error& error) {
-    throw std::invalid_argument(
-        fmt::format("{}: not valid TOML: {}", position(file, error.source()), error.description()));
+    throw std::invalid_argument(fmt::format("{}: not valid TOML: {}", position(file, error.source()), error.description()));
   }
   const std::vector<std::string> sections = {"model", "parameters", "physical", "start"};
   for (const auto& [key, node] : root)
@@ -246,11 +248,12 @@ Problem parse_problem(std::string_view text, const std::string& file) {
   Problem problem = make_problem(oscillator, contact);
   problem.file = file;
   if (parameters.present() == physical.present())
-    throw std::invalid_argument(
-        fmt::format("{}: {} [parameters] (dimensionless) and [physical]; it must have one of them", file,
-                    parameters.present() ? "has both" : "has neither of"));
-  if (parameters.present()) read_parameters(parameters, problem);
-  else read_physical(physical, problem);
+    throw std::invalid_argument(fmt::format("{}: {} [parameters] (dimensionless) and [physical]; it must have one of them", file,
+                                            parameters.present() ? "has both" : "has neither of"));
+  if (parameters.present())
+    read_parameters(parameters, problem);
+  else
+    read_physical(physical, problem);
 
   problem.start = start.state("state");
   problem.settle = start.count("settle", 0);
@@ -271,10 +274,11 @@ Problem load_problem(const std::string& file) {
       if (entry.path().extension() == ".toml") others.push_back(entry.path().filename().string());
     std::sort(others.begin(), others.end());
     const std::string nearest = nearest_name(path.filename().string(), others);
-    throw std::invalid_argument(
-        fmt::format("{}: no such problem file{}", file,
-                    nearest.empty() ? "" : fmt::format(" (did you mean \"{}\"?)",
-                                                       path.has_parent_path() ? (folder / nearest).string() : nearest)));
+    throw std::invalid_argument(fmt::format(
+        "{}: no such problem file{}", file,
+        nearest.empty()
+            ? ""
+            : fmt::format(" (did you mean \"{}\"?)", path.has_parent_path() ? (folder / nearest).string() : nearest)));
   }
   std::ifstream stream(file, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(stream), {}};

@@ -36,11 +36,14 @@ void add_global_options(CLI::App& app, Global& global, const std::string& versio
 std::vector<std::string> join_negative_values(const std::vector<std::string>& arguments) {
   std::vector<std::string> out;
   for (const std::string& argument : arguments) {
-    const bool negative = argument.size() > 1 && argument[0] == '-' &&
-                          (std::isdigit(static_cast<unsigned char>(argument[1])) || argument[1] == '.' || argument.starts_with("-pi"));
+    const bool negative =
+        argument.size() > 1 && argument[0] == '-' &&
+        (std::isdigit(static_cast<unsigned char>(argument[1])) || argument[1] == '.' || argument.starts_with("-pi"));
     const bool after_option = !out.empty() && out.back().starts_with("--") && out.back().find('=') == std::string::npos;
-    if (negative && after_option) out.back() += "=" + argument;
-    else out.push_back(argument);
+    if (negative && after_option)
+      out.back() += "=" + argument;
+    else
+      out.push_back(argument);
   }
   return out;
 }

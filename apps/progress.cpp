@@ -21,8 +21,10 @@ constexpr std::chrono::seconds line_interval(5);        // a log file should sta
 Progress::Progress(std::ostream& err, bool quiet, std::string what)
     : err_(err), quiet_(quiet), terminal_(&err == &std::cerr && isatty(STDERR_FILENO) == 1), what_(std::move(what)),
       next_(Clock::now()) {
-  if (terminal_) next_ += bar_interval;
-  else next_ += line_interval;
+  if (terminal_)
+    next_ += bar_interval;
+  else
+    next_ += line_interval;
 }
 
 Progress::~Progress() {
@@ -35,13 +37,15 @@ void Progress::update(double fraction, const std::function<std::string()>& detai
   if (terminal_) {
     constexpr int width = 24;
     const int filled = static_cast<int>(share * width);
-    const std::string bar =
-        fraction < 0.0 ? "" : fmt::format(" [{}{}] {:3.0f} %", std::string(filled, '#'), std::string(width - filled, '.'), 100.0 * share);
+    const std::string bar = fraction < 0.0 ? ""
+                                           : fmt::format(" [{}{}] {:3.0f} %", std::string(filled, '#'),
+                                                         std::string(width - filled, '.'), 100.0 * share);
     err_ << "\r\033[K" << what_ << bar << "  " << detail() << std::flush;
     drawn_ = true;
     next_ = Clock::now() + bar_interval;
   } else {
-    err_ << "graze: " << what_ << (fraction < 0.0 ? "" : fmt::format(", {:.0f} %", 100.0 * share)) << ": " << detail() << std::endl;
+    err_ << "graze: " << what_ << (fraction < 0.0 ? "" : fmt::format(", {:.0f} %", 100.0 * share)) << ": " << detail()
+         << std::endl;
     next_ = Clock::now() + line_interval;
   }
 }

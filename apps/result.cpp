@@ -52,7 +52,8 @@ void add_output_options(CLI::App& app, OutputOptions& options, const std::string
   add_text(app, "--csv", options.csv, "FILE|-", "result as a table, to a file or to stdout");
   const std::vector<std::string> kinds = picture_names("graze." + schema);
   if (!kinds.empty()) add_text(app, "--plot", options.plot, "FILE", "picture of the result (.png, .svg, .pdf)");
-  if (kinds.size() > 1) add_choice(app, "--plot-kind", options.plot_kind, kinds, fmt::format("what the picture shows (default {})", kinds.front()));
+  if (kinds.size() > 1)
+    add_choice(app, "--plot-kind", options.plot_kind, kinds, fmt::format("what the picture shows (default {})", kinds.front()));
   add_text(app, "--out", options.out, "DIR", "folder that gets JSON, table and all pictures");
 }
 

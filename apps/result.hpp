@@ -33,8 +33,8 @@ void add_output_options(CLI::App& app, OutputOptions& options, const std::string
 /// Finds out before anything is computed whether all outputs can be written. @throws std::invalid_argument.
 void check_outputs(const OutputOptions& options);
 
-/// Writes the files, then prints the result on console.out: the text, or the JSON or CSV if that was sent there. Returns `code`, or 1 if
-/// something could not be written (each with a sentence on console.err).
+/// Writes the files, then prints the result on console.out: the text, or the JSON or CSV if that was sent there. Returns `code`,
+/// or 1 if something could not be written (each with a sentence on console.err).
 int deliver(const Result& result, const OutputOptions& options, const std::string& command, int code, const Console& console);
 
 }  // namespace graze::apps

@@ -78,23 +78,30 @@ Table parse_csv(const std::string& text, const std::string& file) {
     rows.back().push_back(std::move(cell));
     cell.clear();
     const bool blank = rows.back().size() == 1 && rows.back().front().empty();
-    if (blank) rows.back().clear();
+    if (blank)
+      rows.back().clear();
     else if (rows.back().size() != rows.front().size())
-      throw std::invalid_argument(fmt::format("{}:{}: {} cells in a table of {} columns", file, line, rows.back().size(), rows.front().size()));
-    else rows.emplace_back();
+      throw std::invalid_argument(
+          fmt::format("{}:{}: {} cells in a table of {} columns", file, line, rows.back().size(), rows.front().size()));
+    else
+      rows.emplace_back();
   };
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
-    if (inside && c == '"' && i + 1 < text.size() && text[i + 1] == '"') cell += text[++i];
-    else if (c == '"') inside = !inside;
-    else if (inside) cell += c;
+    if (inside && c == '"' && i + 1 < text.size() && text[i + 1] == '"')
+      cell += text[++i];
+    else if (c == '"')
+      inside = !inside;
+    else if (inside)
+      cell += c;
     else if (c == ',') {
       rows.back().push_back(std::move(cell));
       cell.clear();
     } else if (c == '\n') {
       end_row();
       ++line;
-    } else if (c != '\r') cell += c;
+    } else if (c != '\r')
+      cell += c;
   }
   end_row();
   rows.pop_back();

@@ -34,7 +34,7 @@ struct BranchPoint {
   double duration = 0.0;
   FloquetMultipliers multipliers;
   Signature signature;
-  int impacts = 0;
+  int impacts = 0, isolated_impacts = 0;  ///< see PeriodicOrbit
   bool stable = false;
   Admissibility admissible = Admissibility::not_checked;
   OrbitChecks checks;

@@ -242,7 +242,7 @@ Verdict BranchFollower::monitor(OrbitProblem& problem, const CurvePoint& before,
   const TestPoint a{before, branch.points.back()}, b{after, point};
   if (skipped_something(a, b)) return Verdict::reject;
   // One grazing at a time: a step across several is halved, down to where they cannot be told apart.
-  const int change = std::abs(point.impacts - branch.points.back().impacts);
+  const int change = std::abs(point.isolated_impacts - branch.points.back().isolated_impacts);
   if (change > 1 && after.arclength - before.arclength > 1e-7) return Verdict::reject;
   const Vector difference = antisymmetric_part(branch, branch.points.back().nodes);
   if (difference.size() > 0 && difference.dot(antisymmetric_part(branch, point.nodes)) < 0.0) {

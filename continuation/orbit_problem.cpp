@@ -114,6 +114,7 @@ BranchPoint to_branch_point(const PeriodicOrbit& orbit, double value, double arc
   point.multipliers = orbit.multipliers;
   point.signature = orbit.signature;
   point.impacts = orbit.impacts;
+  point.isolated_impacts = orbit.isolated_impacts;
   point.stable = orbit.stable();
   point.admissible = orbit.admissible;
   point.checks = orbit.checks;

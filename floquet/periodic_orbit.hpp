@@ -38,6 +38,7 @@ struct PeriodicOrbit {
   double section_phase = 0.0;  ///< of nodes[0], forcing phase over 2 pi; also that of the monodromy matrix
   Signature signature;
   int impacts = 0;  ///< p of z = p/n
+  int isolated_impacts = 0;  ///< of them, those that are not part of a complete chatter (whose number is a matter of definition)
   NewtonReport newton;
   Admissibility admissible = Admissibility::not_checked;
   std::vector<EventRecord> events;  ///< along the orbit; times run on from phase 0 to `duration`

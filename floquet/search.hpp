@@ -15,13 +15,13 @@
 namespace graze {
 
 struct SearchOptions {
-  Vector lower, upper;  ///< the box; empty: around the motion from rest, see search_box
+  Vector lower = {}, upper = {};  ///< the box; empty: around the motion from rest, see search_box
   unsigned seed = 1;
   int patience = 2000;  ///< starts without a new orbit after which the search ends
   int max_starts = 40000;
-  std::function<bool()> cancelled;
-  std::function<void(int starts, int orbits)> progress;
-  ShootingOptions shooting;
+  std::function<bool()> cancelled = {};
+  std::function<void(int starts, int orbits)> progress = {};
+  ShootingOptions shooting = {};
 };
 
 struct SearchResult {

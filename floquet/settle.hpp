@@ -12,8 +12,8 @@ struct SettleOptions {
   int periods = 1000;        ///< forcing periods of transient
   int max_period = 64;       ///< largest period looked for among the states that follow
   double recurrence = 1e-6;  ///< |x_{k+n} - x_k| / (1 + |x_k|) below which period n is suspected (proved by Newton, not by this)
-  std::function<bool()> cancelled;  ///< asked once per period; may be empty
-  FlowOptions flow;
+  std::function<bool()> cancelled = {};  ///< asked once per period; may be empty
+  FlowOptions flow = {};
 };
 
 struct Settled {

@@ -105,6 +105,26 @@ Admissibility resimulate(ShootingEquations& equations, const Vector& u, const st
   return beyond_reach ? Admissibility::admissible : Admissibility::inadmissible;
 }
 
+/// Impacts and entries that do not belong to the series before a stick event; the events of an orbit are cyclic.
+int isolated_impacts(const std::vector<EventRecord>& events) {
+  const auto is_stick = [](const EventRecord& event) { return event.kind == EventKind::stick; };
+  const auto last_stick = std::find_if(events.rbegin(), events.rend(), is_stick);
+  const auto first = static_cast<std::size_t>(events.rend() - last_stick);  // just after it; 0 if there is none
+  int total = 0, series = 0;
+  for (std::size_t k = 0; k < events.size(); ++k) {
+    const EventKind kind = events[(first + k) % events.size()].kind;
+    if (kind == EventKind::impact || kind == EventKind::enter) {
+      ++series;
+    } else if (kind == EventKind::stick) {
+      series = 0;
+    } else {
+      total += series;
+      series = 0;
+    }
+  }
+  return total + series;
+}
+
 /// States at forcing phase 0 of the periods 0 ... n - 1, each carried on from the node before it; also the mode at the first.
 void add_stroboscopic_states(ShootingEquations& equations, const Vector& u, PeriodicOrbit& orbit) {
   const int n = orbit.period, count = equations.nodes();
@@ -176,6 +196,7 @@ PeriodicOrbit describe_orbit(ShootingEquations& equations, const Vector& u, Newt
   std::rotate(orbit.events.begin(), wrapped, orbit.events.end());
   for (const EventRecord& event : orbit.events) orbit.signature.events.push_back(event.event);
   orbit.impacts = impacts(equations.system(), orbit.signature);
+  orbit.isolated_impacts = isolated_impacts(orbit.events);
   add_stroboscopic_states(equations, u, orbit);
   orbit.state = orbit.states.front();
   return orbit;

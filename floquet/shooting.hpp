@@ -16,7 +16,7 @@ struct ShootingOptions {
   double max_step = 0.5;            ///< longest Newton step, relative to 1 + |x|
   bool reduce_period = true;        ///< an orbit of period n that closes after a divisor of n is returned with its least period
   bool finite_differences = false;  ///< also compute OrbitChecks::finite_difference
-  FlowOptions flow;
+  FlowOptions flow = {};
 };
 
 /// Newton from `guess` (state at phase 0, or several states at equally spaced times for multiple shooting). An autonomous

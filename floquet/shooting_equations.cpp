@@ -21,7 +21,7 @@ ShootingEquations::ShootingEquations(const HybridSystem& system, const Vector& p
     : propagator_(system, p, as_list(active), options), n_(static_cast<int>(system.states)), nodes_(nodes > 0 ? nodes : period),
       period_(period), section_phase_(section_phase), active_(active) {
   if (period < 1) throw std::invalid_argument(fmt::format("period n is {}; allowed is a whole number from 1", period));
-  if (nodes_ % period != 0 && period % nodes_ != 0)
+  if (nodes < 0 || (nodes_ % period != 0 && period % nodes_ != 0))
     throw std::invalid_argument(
         fmt::format("{} shooting nodes were asked for; allowed is a multiple or a divisor of the period {}", nodes, period));
   if (autonomous() && period != 1) throw std::invalid_argument("an autonomous orbit has period 1: its duration is an unknown");

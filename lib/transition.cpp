@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/lib/transition.hpp>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 namespace graze {
 
@@ -34,6 +37,9 @@ class Composer {
   }
 
   bool start(double t0, const Vector& x0) {
+    if (static_cast<std::size_t>(x0.size()) != propagator_.system().states)
+      throw std::invalid_argument(
+          fmt::format("the state has {} entries; system {} has {}", x0.size(), propagator_.system().name, propagator_.system().states));
     state_ = {t0, x0, 0};
     const auto& choose = propagator_.system().initial_mode;
     const std::optional<std::size_t> mode = !x0.allFinite() ? std::nullopt

@@ -48,6 +48,7 @@ struct TransitionOptions {
 };
 
 /// Carries x0 from t0 to t1. A start that is not admissible is a termination, not an exception.
+/// @throws std::invalid_argument for a state of the wrong size.
 void carry(Propagator& propagator, double t0, double t1, const Vector& x0, const TransitionOptions& options, Transition& out);
 
 }  // namespace graze

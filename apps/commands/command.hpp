@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Command: one thing that the program can do. A file in this folder holds an options struct, `run(options, console)` and a function that
-// describes the command; commands.cpp lists it. Help is printed from the list.
+// Command: one thing that the program can do. A file in this folder holds an options struct, `run(options, console)` and a
+// function that describes the command; commands.cpp lists it. Help is printed from the list.
 #pragma once
 
 #include <graze/apps/console.hpp>

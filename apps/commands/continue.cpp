@@ -37,7 +37,8 @@ struct Options {
 
 /// A branch that ended as it should, and not because the computation could not go on.
 bool ended_well(const Branch& branch) {
-  return branch.stop == BranchStop::reached_bound || branch.stop == BranchStop::parameter_range || branch.stop == BranchStop::returned;
+  return branch.stop == BranchStop::reached_bound || branch.stop == BranchStop::parameter_range ||
+         branch.stop == BranchStop::grazing || branch.stop == BranchStop::returned;
 }
 
 ContinuationOptions continuation_options(const Options& options, double start, Progress& progress) {
@@ -54,7 +55,8 @@ ContinuationOptions continuation_options(const Options& options, double start, P
   out.progress = [&progress, start, to = *options.to](const Branch& branch) {
     const double value = branch.points.back().value;
     progress.update((value - start) / (to - start), [&] {
-      return fmt::format("branch {}, period {}: {} points, {} = {}", branch.id, branch.period, branch.points.size(), branch.parameter, rounded(value, 7));
+      return fmt::format("branch {}, period {}: {} points, {} = {}", branch.id, branch.period, branch.points.size(),
+                         branch.parameter, rounded(value, 7));
     });
   };
   return out;
@@ -81,7 +83,8 @@ int run(const Options& options, const Console& console) {
   const double start = parameter(problem, options.parameter);
   Problem at_end = problem;
   set_parameter(at_end, options.parameter, *options.to);  // a wrong --to is found out now
-  if (start == *options.to) throw std::invalid_argument(fmt::format("--to {0}: {1} is {0} at the start already", exact(start), options.parameter));
+  if (start == *options.to)
+    throw std::invalid_argument(fmt::format("--to {0}: {1} is {0} at the start already", exact(start), options.parameter));
 
   Result result;
   result.json = result_head("branch/1", "continue", problem, all_options(problem, options));
@@ -97,12 +100,14 @@ int run(const Options& options, const Console& console) {
   for (const Branch& branch : branches) {
     if (branch.stop == BranchStop::interrupted || ended_well(branch) || branch.parent) continue;
     status = Status::failed;
-    message = fmt::format("branch {} stopped at {} = {}: {}", branch.id, options.parameter, rounded(branch.stop_value, 12), branch.message);
+    message = fmt::format("branch {} stopped at {} = {}: {}", branch.id, options.parameter, rounded(branch.stop_value, 12),
+                          branch.message);
   }
   if (interrupted()) {
     status = Status::interrupted;
     if (!branches.empty())
-      message = fmt::format("interrupted on branch {} at {} = {}", branches.back().id, options.parameter, rounded(branches.back().stop_value, 12));
+      message = fmt::format("interrupted on branch {} at {} = {}", branches.back().id, options.parameter,
+                            rounded(branches.back().stop_value, 12));
   }
   set_status(result.json, status, message);
   add_origin(result.json, found);
@@ -137,9 +142,12 @@ std::function<int(const Console&)> setup(CLI::App& app) {
 }  // namespace
 
 Command continue_command() {
-  return {"continue", "a branch of orbits in a parameter, the branches born on it, special points located",
-          "The orbit is found as by `graze orbit`, at --from, and followed to --to, around folds. Folds (LP), period doublings (PD), branch\n"
-          "points (BP) and Neimark-Sacker points (NS) are located; at a PD the doubled branch is followed too. A branch says why it stopped.",
+  return {"continue",
+          "a branch of orbits in a parameter, the branches born on it, special points located",
+          "The orbit is found as by `graze orbit`, at --from, and followed to --to, around folds. Folds (LP), period doublings "
+          "(PD), branch\n"
+          "points (BP) and Neimark-Sacker points (NS) are located; at a PD the doubled branch is followed too. A branch says why "
+          "it stopped.",
           {"graze continue data/problems/hertz-damped.toml --param eta --from 0.95 --to 0.90 --plot branch.png",
            "graze continue data/problems/hertz-damped.toml --from 0.95 --to 0.70 --switch 2 --json branch.json"},
           setup};

@@ -50,21 +50,26 @@ Json all_options(const Problem& problem, const Options& options, double reach) {
 }
 
 /// The wanted point on the branch of one of these orbits, the nearest of all.
-LocateResult locate_on(const Problem& problem, const std::vector<PeriodicOrbit>& orbits, const Options& options, double reach, const Console& console) {
+LocateResult locate_on(const Problem& problem, const std::vector<PeriodicOrbit>& orbits, const Options& options, double reach,
+                       const Console& console) {
   Progress progress(console.err, console.quiet, "locating");
   ContinuationOptions continuation;
   continuation.parameter = options.parameter;
   continuation.cancelled = interrupted;
   continuation.progress = [&](const Branch& branch) {
-    progress.update(-1.0, [&] { return fmt::format("{} points, {} = {}", branch.points.size(), branch.parameter, rounded(branch.points.back().value, 7)); });
+    progress.update(-1.0, [&] {
+      return fmt::format("{} points, {} = {}", branch.points.size(), branch.parameter, rounded(branch.points.back().value, 7));
+    });
   };
   LocateResult best;
   for (const PeriodicOrbit& orbit : orbits) {
     if (interrupted() || orbit.admissible != Admissibility::admissible) continue;
     LocateResult result = locate(problem.system, orbit, point_type(options.type), *options.near, reach, continuation);
     const auto distance = [&](const LocateResult& r) { return std::abs(r.point->value - *options.near); };
-    if (result.point && (!best.point || distance(result) < distance(best))) best = std::move(result);
-    else if (!best.point) best.message += (best.message.empty() ? "" : "; ") + result.message;
+    if (result.point && (!best.point || distance(result) < distance(best)))
+      best = std::move(result);
+    else if (!best.point)
+      best.message += (best.message.empty() ? "" : "; ") + result.message;
   }
   return best;
 }
@@ -89,10 +94,10 @@ int run(const Options& options, const Console& console) {
     if (more.point) located = more;
   }
   Status status = located.point ? Status::done : interrupted() ? Status::interrupted : Status::failed;
-  const std::string message = located.point                                ? ""
-                              : interrupted()                              ? "interrupted before a point was located"
-                              : found.status != Status::done               ? found.message
-                                                                           : located.message;
+  const std::string message = located.point                  ? ""
+                              : interrupted()                ? "interrupted before a point was located"
+                              : found.status != Status::done ? found.message
+                                                             : located.message;
   set_status(result.json, status, message);
   add_origin(result.json, found);
   result.json["special_point"] = located.point ? special_point_json(*located.point) : Json(nullptr);
@@ -125,8 +130,10 @@ std::function<int(const Console&)> setup(CLI::App& app) {
 }  // namespace
 
 Command locate_command() {
-  return {"locate", "one special point to full precision",
-          "An orbit is found at --near as by `graze orbit` and followed both ways within --reach; the point of the given type that lies nearest\n"
+  return {"locate",
+          "one special point to full precision",
+          "An orbit is found at --near as by `graze orbit` and followed both ways within --reach; the point of the given type "
+          "that lies nearest\n"
           "to --near is located by Newton's method on an extended system. Exit 1 and what was met instead, if there is none.",
           {"graze locate data/problems/hertz-damped.toml --type PD --param eta --near 0.92",
            "graze locate data/problems/hertz-damped.toml --type PD --near 0.7433 --period 2"},

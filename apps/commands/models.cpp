@@ -20,7 +20,7 @@ namespace {
 Json parameters_json(const std::vector<ParameterInfo>& list, bool with_default) {
   Json out = Json::array();
   for (const ParameterInfo& info : list) {
-    Json entry = {{"name", info.name}, {"meaning", info.meaning}, {"unit", info.unit}, {"range", range_text(info)},
+    Json entry = {{"name", info.name},   {"meaning", info.meaning},       {"unit", info.unit},  {"range", range_text(info)},
                   {"lower", info.lower}, {"lower_open", info.lower_open}, {"upper", info.upper}};
     if (with_default) entry["default"] = info.default_value;
     out.push_back(std::move(entry));
@@ -30,13 +30,15 @@ Json parameters_json(const std::vector<ParameterInfo>& list, bool with_default) 
 
 void add_rows(Table& table, const std::string& owner, const std::vector<ParameterInfo>& list, bool with_default) {
   for (const ParameterInfo& info : list)
-    table.rows.push_back({owner, info.name, range_text(info), with_default ? rounded(info.default_value, 8) : "none", info.unit, info.meaning});
+    table.rows.push_back(
+        {owner, info.name, range_text(info), with_default ? rounded(info.default_value, 8) : "none", info.unit, info.meaning});
 }
 
 /// The oscillators' parameters, and their values of beta, which is what tells them apart.
 std::string beta_defaults() {
   std::string text;
-  for (const OscillatorKind& kind : oscillator_kinds()) text += fmt::format("{}{}: beta = {}", text.empty() ? "" : "; ", kind.name, rounded(kind.beta, 8));
+  for (const OscillatorKind& kind : oscillator_kinds())
+    text += fmt::format("{}{}: beta = {}", text.empty() ? "" : "; ", kind.name, rounded(kind.beta, 8));
   return text;
 }
 
@@ -48,7 +50,8 @@ std::vector<ParameterInfo> contact_infos() {
 
 Result describe_models() {
   Result result;
-  Json& json = result.json = {{"schema", "graze.models/1"}, {"graze", program_version}, {"command", "models"}, {"status", "done"}};
+  Json& json =
+      result.json = {{"schema", "graze.models/1"}, {"graze", program_version}, {"command", "models"}, {"status", "done"}};
   result.table.columns = {"of", "name", "range", "default", "unit", "meaning"};
   std::string text = "Oscillators: ' = d/dtau, forcing period 2 pi / eta, one barrier at x = r, F from a contact law\n";
   for (const OscillatorKind& kind : oscillator_kinds()) {
@@ -59,7 +62,10 @@ Result describe_models() {
   add_rows(result.table, "oscillator", oscillator_parameters(), true);
   text += "\nContact laws\n";
   for (const ContactLaw& law : contact_laws()) {
-    json["contact_laws"].push_back({{"name", law.name}, {"formula", law.formula}, {"hard", law.hard}, {"parameters", parameters_json(law.parameters, true)}});
+    json["contact_laws"].push_back({{"name", law.name},
+                                    {"formula", law.formula},
+                                    {"hard", law.hard},
+                                    {"parameters", parameters_json(law.parameters, true)}});
     add_rows(result.table, law.name, law.parameters, true);
     text += fmt::format("  {:<12} {}\n", law.name, law.formula);
   }
@@ -68,7 +74,8 @@ Result describe_models() {
   text += "\nPhysical quantities (section [physical], with excitation = \"...\"), converted; in one coherent set of units\n";
   Table physical{result.table.columns, {}};
   for (const ExcitationKind& kind : excitation_kinds()) {
-    json["excitations"].push_back({{"name", kind.name}, {"formula", kind.formula}, {"quantities", parameters_json(kind.quantities, false)}});
+    json["excitations"].push_back(
+        {{"name", kind.name}, {"formula", kind.formula}, {"quantities", parameters_json(kind.quantities, false)}});
     add_rows(physical, kind.name, kind.quantities, false);
     text += fmt::format("  {:<12} {}\n", kind.name, kind.formula);
   }
@@ -92,7 +99,8 @@ std::function<int(const Console&)> setup(CLI::App& app) {
 }  // namespace
 
 Command models_command() {
-  return {"models", "built-in oscillators and contact laws, their parameters, ranges, defaults",
+  return {"models",
+          "built-in oscillators and contact laws, their parameters, ranges, defaults",
           "Everything that a problem file may name.",
           {"graze models", "graze models --json -"},
           setup};

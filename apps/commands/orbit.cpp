@@ -25,7 +25,8 @@ int run(const Options& options, const Console& console) {
   result.json = result_head("orbit/1", "orbit", problem, options_json(problem, options.orbit));
   const FoundOrbits found = find_orbits(problem, options.orbit, console);
   set_status(result.json, found.status, found.message);
-  result.json["orbit"] = found.status != Status::failed && !found.orbits.empty() ? orbit_json(found.orbits.front()) : Json(nullptr);
+  result.json["orbit"] =
+      found.status != Status::failed && !found.orbits.empty() ? orbit_json(found.orbits.front()) : Json(nullptr);
   if (found.origin != "settled") {
     result.json["orbits"] = Json::array();
     for (const PeriodicOrbit& orbit : found.orbits) result.json["orbits"].push_back(orbit_json(orbit));
@@ -53,9 +54,12 @@ std::function<int(const Console&)> setup(CLI::App& app) {
 }  // namespace
 
 Command orbit_command() {
-  return {"orbit", "one periodic orbit, its multipliers, its contacts, its checks",
-          "From --start the motion settles for --settle forcing periods; Newton's method makes an orbit of it. If what it settles on\n"
-          "has another period than --period, or with --search, orbits are searched for all over state space, unstable ones included.\n"
+  return {"orbit",
+          "one periodic orbit, its multipliers, its contacts, its checks",
+          "From --start the motion settles for --settle forcing periods; Newton's method makes an orbit of it. If what it "
+          "settles on\n"
+          "has another period than --period, or with --search, orbits are searched for all over state space, unstable ones "
+          "included.\n"
           "Exit 1 and what was found instead, if there is none.",
           {"graze orbit data/problems/hertz-damped.toml --set eta=0.925",
            "graze orbit data/problems/hertz-damped.toml --set eta=0.85 --period 2 --search --json -"},

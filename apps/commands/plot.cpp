@@ -36,7 +36,8 @@ Picture picture_of_file(const Options& options) {
   const std::string format = ending(options.result), text = read(options.result);
   try {
     if (format == "csv") {
-      if (!options.kind.empty()) throw std::invalid_argument("--plot-kind is for JSON results; of a table, --x and --y choose columns");
+      if (!options.kind.empty())
+        throw std::invalid_argument("--plot-kind is for JSON results; of a table, --x and --y choose columns");
       return picture_of(parse_csv(text, options.result), options.x, options.y);
     }
     if (format != "json") throw std::invalid_argument("the name must end in .json or .csv");
@@ -63,7 +64,8 @@ int run(const Options& options, const Console& console) {
 /// "branch (graze.branch/1): what it shows", one line each.
 std::string kinds_text() {
   std::string text = "Kinds of pictures:";
-  for (const PictureKind& kind : picture_kinds()) text += fmt::format("\n  {:<12} of {:<20} {}", kind.name, kind.schema, kind.summary);
+  for (const PictureKind& kind : picture_kinds())
+    text += fmt::format("\n  {:<12} of {:<20} {}", kind.name, kind.schema, kind.summary);
   return text;
 }
 
@@ -73,7 +75,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_text(app, "RESULT", options->result, "FILE", "a result of graze (.json) or a table (.csv)", Need::required);
   add_text(app, "-o,--output", options->output, "FILE", "the picture (.png, .svg, .pdf)", Need::required);
   add_text(app, "--plot-kind", options->kind, "KIND", "what it shows (default: the first of its schema)");
-  add_text(app, "--x", options->x, "COLUMN", "of a table: the horizontal axis (default: the first column)");
+  add_text(app, "--x", options->x, "COLUMN", "of a table: the horizontal axis (default: the first column of numbers)");
   add_texts(app, "--y", options->y, "COLUMN", "of a table: a curve; repeatable (default: all columns of numbers)");
   return [options](const Console& console) { return run(*options, console); };
 }
@@ -81,7 +83,9 @@ std::function<int(const Console&)> setup(CLI::App& app) {
 }  // namespace
 
 Command plot_command() {
-  return {"plot", "a picture of a result", kinds_text(),
+  return {"plot",
+          "a picture of a result",
+          kinds_text(),
           {"graze plot branch.json -o branch.svg", "graze plot branch.json --plot-kind multipliers -o multipliers.png",
            "graze plot trajectory.csv --x x --y v -o phase.pdf"},
           setup};

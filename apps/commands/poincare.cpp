@@ -52,7 +52,8 @@ Section collect(const Problem& problem, const Vector& start, const Options& opti
     for (std::size_t k = 0; !impacts && k < static_cast<std::size_t>(motion.periods) && section.points.size() < wanted; ++k)
       section.points.push_back({motion.strobe[k][0], motion.strobe[k][1]});
     for (const EventRecord& event : motion.events) {
-      if (!impacts || section.points.size() == wanted || (event.kind != EventKind::impact && event.kind != EventKind::enter)) continue;
+      if (!impacts || section.points.size() == wanted || (event.kind != EventKind::impact && event.kind != EventKind::enter))
+        continue;
       section.points.push_back({std::fmod(eta * event.t, 2.0 * std::numbers::pi), event.normal_speed});
     }
     section.periods += motion.periods;
@@ -95,8 +96,8 @@ int run(const Options& options, const Console& console) {
   result.json["points"] = section.points;
   result.table.columns = impacts ? std::vector<std::string>{"phase", "speed"} : std::vector<std::string>{"x", "v"};
   for (const auto& point : section.points) result.table.rows.push_back({exact(point[0]), exact(point[1])});
-  result.text = fmt::format("{}\n{} points of the {} section in {} forcing periods\n{}", describe(problem), section.points.size(), options.section,
-                            section.periods, aligned(result.table));
+  result.text = fmt::format("{}\n{} points of the {} section in {} forcing periods\n{}", describe(problem), section.points.size(),
+                            options.section, section.periods, aligned(result.table));
   if (status != Status::done) console.err << "graze poincare: " << message << "\n";
   return deliver(result, options.output, "poincare", exit_code(status), console);
 }
@@ -115,8 +116,10 @@ std::function<int(const Console&)> setup(CLI::App& app) {
 }  // namespace
 
 Command poincare_command() {
-  return {"poincare", "points of a stroboscopic or impact section",
-          "After --settle forcing periods of transient, points of the section are collected: (x, x') at forcing phase 0, or at each impact (entry\n"
+  return {"poincare",
+          "points of a stroboscopic or impact section",
+          "After --settle forcing periods of transient, points of the section are collected: (x, x') at forcing phase 0, or at "
+          "each impact (entry\n"
           "into contact) the forcing phase and the speed of approach.",
           {"graze poincare data/problems/newton-elastic.toml --set eta=0.711 --points 5000 --plot section.png",
            "graze poincare data/problems/beam-newton.toml --section impact --csv -"},

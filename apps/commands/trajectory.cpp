@@ -41,13 +41,14 @@ Json motion_json(const Motion& motion, const ContactList& list) {
 
 std::string motion_text(const Motion& motion, const ContactList& list) {
   const Vector& end = motion.strobe.back();
-  std::string text = fmt::format("{} forcing periods, {} samples, {} contacts; {}\n", motion.periods, motion.samples.size(), list.contacts.size(),
-                                 termination_text(motion.termination));
+  std::string text = fmt::format("{} forcing periods, {} samples, {} contacts; {}\n", motion.periods, motion.samples.size(),
+                                 list.contacts.size(), termination_text(motion.termination));
   text += fmt::format("  state at the end ({}, {})\n", rounded(end[0], 15), rounded(end[1], 15));
   std::vector<Contact> shown = list.contacts;
   if (shown.size() > contacts_shown) shown.resize(contacts_shown);
   if (!shown.empty()) text.append("\n").append(aligned(contacts_table(shown)));
-  if (list.contacts.size() > shown.size()) text += fmt::format("  ({} of {} contacts shown; --json has all)\n", shown.size(), list.contacts.size());
+  if (list.contacts.size() > shown.size())
+    text += fmt::format("  ({} of {} contacts shown; --json has all)\n", shown.size(), list.contacts.size());
   return text;
 }
 
@@ -63,10 +64,12 @@ int run(const Options& options, const Console& console) {
   Motion motion;
   if (settled.termination == Termination::time) {
     Progress progress(console.err, console.quiet, "running");
-    motion = run_motion(problem.system, problem.parameters, settled.state,
-                        {.periods = options.periods, .samples = options.samples, .cancelled = interrupted, .progress = [&](int done) {
-                           progress.update(static_cast<double>(done) / options.periods, [&] { return fmt::format("{} of {} periods", done, options.periods); });
-                         }});
+    motion =
+        run_motion(problem.system, problem.parameters, settled.state,
+                   {.periods = options.periods, .samples = options.samples, .cancelled = interrupted, .progress = [&](int done) {
+                      progress.update(static_cast<double>(done) / options.periods,
+                                      [&] { return fmt::format("{} of {} periods", done, options.periods); });
+                    }});
   } else {
     motion.strobe.push_back(settled.state);
     motion.termination = settled.termination;
@@ -75,10 +78,10 @@ int run(const Options& options, const Console& console) {
   const Status status = motion.termination == Termination::time          ? Status::done
                         : motion.termination == Termination::interrupted ? Status::interrupted
                                                                          : Status::failed;
-  const std::string message =
-      status == Status::done ? ""
-                             : fmt::format("stopped after {} periods of transient and {} periods of the run: {}", settled.periods, motion.periods,
-                                           termination_text(motion.termination));
+  const std::string message = status == Status::done
+                                  ? ""
+                                  : fmt::format("stopped after {} periods of transient and {} periods of the run: {}",
+                                                settled.periods, motion.periods, termination_text(motion.termination));
   set_status(result.json, status, message);
   result.json.update(motion_json(motion, list));
   result.table.columns = {"tau", "x", "v"};
@@ -101,8 +104,10 @@ std::function<int(const Console&)> setup(CLI::App& app) {
 }  // namespace
 
 Command trajectory_command() {
-  return {"trajectory", "samples of a run, and its contacts",
-          "After --settle forcing periods of transient, --periods are recorded, from tau = 0 at forcing phase 0. Of each contact: entry and exit\n"
+  return {"trajectory",
+          "samples of a run, and its contacts",
+          "After --settle forcing periods of transient, --periods are recorded, from tau = 0 at forcing phase 0. Of each "
+          "contact: entry and exit\n"
           "speed, duration, equivalent coefficient of restitution, energy lost.",
           {"graze trajectory data/problems/hertz-damped.toml --periods 4 --plot run.png",
            "graze trajectory data/problems/newton-elastic.toml --start -0.169,-0.962 --settle 0 --csv run.csv"},

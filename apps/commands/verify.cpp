@@ -44,7 +44,8 @@ constexpr double matrix_bound = bound::finite_difference;
 /// The orbit's own nodes carried once more, every mode by the general integrator.
 PeriodicOrbit carried_by_general(const Problem& problem, const PeriodicOrbit& orbit) {
   const FlowOptions flow{.kind = FlowKind::general};
-  ShootingEquations equations(problem.system, orbit.parameters, orbit.period, static_cast<int>(orbit.nodes.size()), std::nullopt, flow);
+  ShootingEquations equations(problem.system, orbit.parameters, orbit.period, static_cast<int>(orbit.nodes.size()), std::nullopt,
+                              flow, orbit.section_phase);
   const int n = equations.states();
   Vector u(equations.unknowns());
   for (int j = 0; j < equations.nodes(); ++j) u.segment(j * n, n) = orbit.nodes[static_cast<std::size_t>(j)];
@@ -55,12 +56,15 @@ Verified verify(const Problem& problem, const PeriodicOrbit& orbit) {
   Verified out{orbit, carried_by_general(problem, orbit), {}};
   out.checks.push_back({"residual", orbit.checks.residual, bound::residual});
   out.checks.push_back({"Liouville", orbit.checks.liouville, bound::liouville});
-  const FiniteDifferenceCheck difference = orbit.checks.finite_difference.value_or(finite_difference_check(problem.system, orbit));
-  out.checks.push_back({"finite differences", difference.applicable ? difference.disagreement : -1.0, finite_difference_bound(difference)});
+  const FiniteDifferenceCheck difference =
+      orbit.checks.finite_difference.value_or(finite_difference_check(problem.system, orbit));
+  out.checks.push_back(
+      {"finite differences", difference.applicable ? difference.disagreement : -1.0, finite_difference_bound(difference)});
   if (out.general.multipliers.valid && orbit.multipliers.valid) {
     const Matrix ours = orbit.monodromy.product(), theirs = out.general.monodromy.product();
     out.checks.push_back({"GSL: motion", out.general.checks.residual, flow_bound});
-    out.checks.push_back({"GSL: matrix", (ours - theirs).cwiseAbs().maxCoeff() / (1.0 + ours.cwiseAbs().maxCoeff()), matrix_bound});
+    out.checks.push_back(
+        {"GSL: matrix", (ours - theirs).cwiseAbs().maxCoeff() / (1.0 + ours.cwiseAbs().maxCoeff()), matrix_bound});
     out.checks.push_back({"GSL: Liouville", out.general.checks.liouville, bound::liouville});
   } else {
     out.checks.push_back({"GSL: matrix", -1.0, matrix_bound});
@@ -70,28 +74,37 @@ Verified verify(const Problem& problem, const PeriodicOrbit& orbit) {
 
 Json verified_json(const Verified& verified) {
   const PeriodicOrbit& orbit = verified.orbit;
-  Json out = {{"period", orbit.period}, {"impacts", orbit.impacts}, {"state", to_json(orbit.state)}, {"stable", orbit.stable()},
+  Json out = {{"period", orbit.period},
+              {"impacts", orbit.impacts},
+              {"state", to_json(orbit.state)},
+              {"stable", orbit.stable()},
               {"admissible", orbit.admissible == Admissibility::admissible}};
-  out["multipliers"] = {{"saltation", multipliers_json(orbit.multipliers)}, {"general", multipliers_json(verified.general.multipliers)}};
+  out["multipliers"] = {{"saltation", multipliers_json(orbit.multipliers)},
+                        {"general", multipliers_json(verified.general.multipliers)}};
   out["checks"] = Json::array();
   for (const Check& check : verified.checks)
-    out["checks"].push_back({{"name", check.name}, {"disagreement", check.disagreement < 0.0 ? Json(nullptr) : Json(check.disagreement)},
-                             {"bound", check.limit}, {"ok", check.passes()}});
+    out["checks"].push_back({{"name", check.name},
+                             {"disagreement", check.disagreement < 0.0 ? Json(nullptr) : Json(check.disagreement)},
+                             {"bound", check.limit},
+                             {"ok", check.passes()}});
   return out;
 }
 
 std::string verified_text(const Verified& verified) {
   const PeriodicOrbit& orbit = verified.orbit;
-  std::string text = fmt::format("orbit {} at ({}, {}), {}\n", z_label(orbit.impacts, orbit.period), rounded(orbit.state[0]), rounded(orbit.state[1]),
-                                 orbit.stable() ? "stable" : "unstable");
+  std::string text = fmt::format("orbit {} at ({}, {}), {}\n", z_label(orbit.impacts, orbit.period), rounded(orbit.state[0]),
+                                 rounded(orbit.state[1]), orbit.stable() ? "stable" : "unstable");
   Table values{{"multiplier", "saltation, product form", "general integrator (GSL)"}, {}};
   for (std::size_t i = 0; i < orbit.multipliers.values.size(); ++i)
-    values.rows.push_back({std::to_string(i + 1), rounded(orbit.multipliers.values[i], 15),
-                           i < verified.general.multipliers.values.size() ? rounded(verified.general.multipliers.values[i], 15) : "-"});
+    values.rows.push_back(
+        {std::to_string(i + 1), rounded(orbit.multipliers.values[i], 15),
+         i < verified.general.multipliers.values.size() ? rounded(verified.general.multipliers.values[i], 15) : "-"});
   Table checks{{"check", "disagreement", "bound", "verdict"}, {}};
   for (const Check& check : verified.checks)
     checks.rows.push_back({check.name, check.disagreement < 0.0 ? "-" : rounded(check.disagreement, 3), rounded(check.limit, 3),
-                           check.disagreement < 0.0 ? "not applicable" : check.passes() ? "ok" : "FAILED"});
+                           check.disagreement < 0.0 ? "not applicable"
+                           : check.passes()         ? "ok"
+                                                    : "FAILED"});
   return text + aligned(values) + "\n" + aligned(checks);
 }
 
@@ -113,11 +126,12 @@ int run(const Options& options, const Console& console) {
     orbits.push_back(verified_json(verified));
     result.text.append("\n").append(verified_text(verified));
     for (const Check& check : verified.checks) {
-      result.table.rows.push_back({std::to_string(i + 1), check.name, check.disagreement < 0.0 ? "" : exact(check.disagreement), exact(check.limit),
-                                   check.passes() ? "yes" : "no"});
+      result.table.rows.push_back({std::to_string(i + 1), check.name, check.disagreement < 0.0 ? "" : exact(check.disagreement),
+                                   exact(check.limit), check.passes() ? "yes" : "no"});
       if (check.passes() || status == Status::interrupted) continue;
       status = Status::failed;
-      message += fmt::format("{}orbit {}: {}: {} is above {}", message.empty() ? "" : "; ", i + 1, check.name, rounded(check.disagreement, 3), rounded(check.limit, 3));
+      message += fmt::format("{}orbit {}: {}: {} is above {}", message.empty() ? "" : "; ", i + 1, check.name,
+                             rounded(check.disagreement, 3), rounded(check.limit, 3));
     }
   }
   set_status(result.json, status, message);
@@ -138,10 +152,14 @@ std::function<int(const Console&)> setup(CLI::App& app) {
 }  // namespace
 
 Command verify_command() {
-  return {"verify", "multipliers against finite differences, another integrator, and Liouville's identity",
-          "For the orbit that `graze orbit` finds (with --search, for all): the monodromy matrix by saltation against finite differences of the\n"
-          "return map and against the general integrator (GSL), and Liouville's identity. Exit 1 if any disagreement is above its bound.",
-          {"graze verify data/problems/hertz-damped.toml --set eta=0.925", "graze verify data/problems/newton-elastic.toml --period 2 --search"},
+  return {"verify",
+          "multipliers against finite differences, another integrator, and Liouville's identity",
+          "For the orbit that `graze orbit` finds (with --search, for all): the monodromy matrix by saltation against finite "
+          "differences of the\n"
+          "return map and against the general integrator (GSL), and Liouville's identity. Exit 1 if any disagreement is above "
+          "its bound.",
+          {"graze verify data/problems/hertz-damped.toml --set eta=0.925",
+           "graze verify data/problems/newton-elastic.toml --period 2 --search"},
           setup};
 }
 

@@ -14,14 +14,16 @@ namespace graze::apps {
 namespace {
 
 /// gnuplot's point types for the types of special points, told apart in black and white too.
-const std::map<std::string, int> type_marks = {{"PD", 7}, {"LP", 5}, {"BP", 13}, {"NS", 9}, {"GR", 11}, {"UZ", 6}, {"MX", 2}, {"EP", 1}};
+const std::map<std::string, int> type_marks = {{"PD", 7},  {"LP", 5}, {"BP", 13}, {"NS", 9},
+                                               {"GR", 11}, {"UZ", 6}, {"MX", 2},  {"EP", 1}};
 
 /// States of a point at forcing phase 0: one, or where the result has them, one per period of the orbit.
 std::vector<double> positions(const Json& point) {
   std::vector<double> list;
   if (point.contains("states"))
     for (const Json& state : point["states"]) list.push_back(state.at(0));
-  else list.push_back(point.at("state").at(0));
+  else
+    list.push_back(point.at("state").at(0));
   return list;
 }
 
@@ -99,7 +101,8 @@ Picture draw_branches(const Json& result) {
         curve.colour = colour_of(b);
         curve.size = 2.5;
         if (!titled[curve.stroke])
-          curve.title = fmt::format("branch {}: period {}, {}", branch.at("id").dump(), branch.at("period").dump(), stroke_name(curve.stroke));
+          curve.title = fmt::format("branch {}: period {}, {}", branch.at("id").dump(), branch.at("period").dump(),
+                                    stroke_name(curve.stroke));
         titled[curve.stroke] = true;
         picture.curves.push_back(std::move(curve));
       }
@@ -112,6 +115,16 @@ Picture draw_branches(const Json& result) {
       }
     }
   }
+  // The parameter's range ends where the branches do; above and below there is room for the labels.
+  std::array<double, 2> x = {HUGE_VAL, -HUGE_VAL}, y = x;
+  for (const Curve& curve : picture.curves)
+    for (const auto& point : curve.points) {
+      x = {std::min(x[0], point[0]), std::max(x[1], point[0])};
+      y = {std::min(y[0], point[1]), std::max(y[1], point[1])};
+    }
+  if (x[0] < x[1]) picture.x_range = x;
+  const double margin = 0.08 * std::max(y[1] - y[0], 1e-6);
+  if (y[0] <= y[1]) picture.y_range = {{y[0] - margin, y[1] + margin}};
   return picture;
 }
 
@@ -125,7 +138,8 @@ Picture draw_multipliers(const Json& result) {
   picture.colour_label = parameter_label(result);
   picture.unit_circle = picture.equal_axes = true;
   static const std::vector<int> marks = {7, 5, 9, 13, 11, 15};
-  double largest = 1.0;
+  double right = 1.0, up = 1.0;
+  std::array<double, 2> values = {HUGE_VAL, -HUGE_VAL};
   bool outside = false;
   for (std::size_t b = 0; b < result.at("branches").size(); ++b) {
     const Json& branch = result["branches"][b];
@@ -137,11 +151,12 @@ Picture draw_multipliers(const Json& result) {
     curve.title = fmt::format("branch {}: period {}", branch.at("id").dump(), branch.at("period").dump());
     for (const Json& point : branch.at("points"))
       for (const Json& mu : point.at("multipliers")) {
-        const double re = mu.at(0), im = mu.at(1);
-        curve.points.push_back({re, im, point.at("value").get<double>()});
-        const double size = std::max(std::abs(re), std::abs(im));
-        if (size > farthest) outside = true;
-        else largest = std::max(largest, size);
+        const double re = mu.at(0), im = mu.at(1), value = point.at("value");
+        curve.points.push_back({re, im, value});
+        values = {std::min(values[0], value), std::max(values[1], value)};
+        outside = outside || std::max(std::abs(re), std::abs(im)) > farthest;
+        right = std::max(right, std::min(std::abs(re), farthest));
+        up = std::max(up, std::min(std::abs(im), farthest));
       }
     picture.curves.push_back(std::move(curve));
     for (const Json& point : branch.at("special_points")) {
@@ -160,8 +175,10 @@ Picture draw_multipliers(const Json& result) {
         picture.labels.push_back({critical->at(0), critical->at(1), point.at("label"), type_marks.at(point.at("type")), "black"});
     }
   }
-  const double limit = 1.15 * largest;
-  picture.x_range = picture.y_range = {{-limit, limit}};
+  up = std::max(up, 0.65 * right);  // the shape of the paper
+  picture.x_range = {{-1.15 * right, 1.15 * right}};
+  picture.y_range = {{-1.15 * up, 1.15 * up}};
+  if (values[0] < values[1]) picture.colour_range = values;
   if (outside) picture.title += fmt::format(" (those beyond {} are not shown)", rounded(farthest, 3));
   return picture;
 }

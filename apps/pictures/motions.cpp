@@ -181,11 +181,13 @@ Picture draw_section(const Json& result) {
 }  // namespace
 
 PictureKind orbit_phase_picture() {
-  return {"graze.orbit/1", "phase", "phase portrait", [](const Json& result) { return phase_portrait(result, orbits_of(result)); }};
+  return {"graze.orbit/1", "phase", "phase portrait",
+          [](const Json& result) { return phase_portrait(result, orbits_of(result)); }};
 }
 
 PictureKind orbit_time_picture() {
-  return {"graze.orbit/1", "time", "displacement against time", [](const Json& result) { return time_series(result, orbits_of(result)); }};
+  return {"graze.orbit/1", "time", "displacement against time",
+          [](const Json& result) { return time_series(result, orbits_of(result)); }};
 }
 
 PictureKind point_phase_picture() { return {"graze.point/1", "phase", "phase portrait of the orbit at the point", draw_point}; }
@@ -196,7 +198,8 @@ PictureKind trajectory_time_picture() {
 }
 
 PictureKind trajectory_phase_picture() {
-  return {"graze.trajectory/1", "phase", "phase portrait", [](const Json& result) { return phase_portrait(result, {trajectory_of(result)}); }};
+  return {"graze.trajectory/1", "phase", "phase portrait",
+          [](const Json& result) { return phase_portrait(result, {trajectory_of(result)}); }};
 }
 
 PictureKind section_picture() { return {"graze.poincare/1", "section", "points of the section", draw_section}; }

@@ -12,9 +12,8 @@ namespace graze::apps {
 
 const std::vector<PictureKind>& picture_kinds() {
   static const std::vector<PictureKind> list = {
-      branch_picture(),      multipliers_picture(),     orbit_phase_picture(),      orbit_time_picture(),
-      point_phase_picture(), trajectory_time_picture(), trajectory_phase_picture(), section_picture(),
-      verify_picture(),
+      branch_picture(),          multipliers_picture(),      orbit_phase_picture(), orbit_time_picture(), point_phase_picture(),
+      trajectory_time_picture(), trajectory_phase_picture(), section_picture(),     verify_picture(),
   };
   return list;
 }
@@ -54,11 +53,15 @@ Picture picture_of(const Table& table, const std::string& x, const std::vector<s
     if (found == table.columns.end()) throw std::invalid_argument(unknown_name("column", name, table.columns));
     return static_cast<std::size_t>(found - table.columns.begin());
   };
-  const auto number = [&](const std::vector<std::string>& row, std::size_t i) { return parse_number(row[i]).value_or(std::nan("")); };
+  const auto number = [&](const std::vector<std::string>& row, std::size_t i) {
+    return parse_number(row[i]).value_or(std::nan(""));
+  };
   const auto numeric = [&](std::size_t i) {
     return std::any_of(table.rows.begin(), table.rows.end(), [&](const auto& row) { return std::isfinite(number(row, i)); });
   };
-  const std::size_t across = x.empty() ? 0 : column(x);
+  std::size_t across = 0;
+  while (across + 1 < table.columns.size() && !numeric(across)) ++across;
+  if (!x.empty()) across = column(x);
   std::vector<std::size_t> chosen;
   for (const std::string& name : y) chosen.push_back(column(name));
   if (y.empty())

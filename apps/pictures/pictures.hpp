@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Pictures of results, by their schema. To add one: a file in this folder that makes a PictureKind, and one line in picture_kinds().
+// Pictures of results, by their schema. To add one: a file in this folder that makes a PictureKind, and one line in
+// picture_kinds().
 #pragma once
 
 #include <graze/apps/json.hpp>
@@ -24,10 +25,11 @@ const std::vector<PictureKind>& picture_kinds();
 /// Names of the kinds that a schema has.
 std::vector<std::string> picture_names(const std::string& schema);
 
-/// The picture of a result. @throws std::invalid_argument for a schema or a kind there is none of, or a result without what it needs.
+/// The picture of a result. @throws std::invalid_argument for a schema or a kind there is none of, or a result without what it
+/// needs.
 Picture picture_of(const Json& result, const std::string& kind = {});
 
-/// Columns of a table against its first column, or those that are named.
+/// Columns of numbers of a table against the first of them, or those that are named.
 Picture picture_of(const Table& table, const std::string& x = {}, const std::vector<std::string>& y = {});
 
 /// Colours that are told apart, in turn.

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Where the words of labels go, so that they neither cover each other nor leave the picture.
+#pragma once
+
+#include <graze/apps/picture.hpp>
+
+#include <vector>
+
+namespace graze::apps {
+
+/// Place of a label's words relative to its mark, in characters.
+struct LabelPlace {
+  double right = 1.0, up = 0.7;  ///< from the mark to the near end of the words
+  bool leftwards = false;        ///< the words end there instead of beginning
+  bool far = false;              ///< so far that a line should lead to the mark
+};
+
+/// One place per label; `x` and `y` are the ranges of the axes.
+std::vector<LabelPlace> label_places(const std::vector<Label>& labels, const std::array<double, 2>& x,
+                                     const std::array<double, 2>& y);
+
+}  // namespace graze::apps

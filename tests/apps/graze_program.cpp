@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "graze_program.hpp"
+
+#include <graze/apps/program.hpp>
+
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <stdexcept>
+#include <thread>
+
+extern char** environ;
+
+namespace graze::support {
+
+Outcome call(const std::vector<std::string>& arguments) {
+  std::ostringstream out, err;
+  Outcome outcome;
+  outcome.code = apps::run_program(arguments, out, err);
+  outcome.out = out.str();
+  outcome.err = err.str();
+  return outcome;
+}
+
+Outcome spawn(const std::string& arguments, int signal, double delay) {
+  const TemporaryFolder folder;
+  const std::string out = folder.file("out"), err = folder.file("err");
+  // exec: the shell makes room for the program, so that a signal reaches it. Redirections in `arguments` come later and win.
+  std::string command = "exec '" GRAZE_PROGRAM "' >'" + out + "' 2>'" + err + "' </dev/null " + arguments;
+  char shell[] = "/bin/sh", option[] = "-c";
+  char* const argv[] = {shell, option, command.data(), nullptr};
+  pid_t child = 0;
+  if (posix_spawn(&child, shell, nullptr, nullptr, argv, environ) != 0) throw std::runtime_error("the program cannot be started");
+  if (signal > 0) {
+    std::this_thread::sleep_for(std::chrono::duration<double>(delay));
+    ::kill(child, signal);
+  }
+  int state = 0;
+  ::waitpid(child, &state, 0);
+  Outcome outcome;
+  outcome.code = WIFEXITED(state) ? WEXITSTATUS(state) : -WTERMSIG(state);
+  outcome.out = read_file(out);
+  outcome.err = read_file(err);
+  return outcome;
+}
+
+std::string problem(const std::string& id) { return std::string(GRAZE_DATA_DIR) + "/problems/" + id + ".toml"; }
+
+std::string read_file(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+TemporaryFolder::TemporaryFolder() {
+  std::string name = (std::filesystem::temp_directory_path() / "graze-test-XXXXXX").string();
+  if (!::mkdtemp(name.data())) throw std::runtime_error("no temporary folder can be made");
+  path_ = name;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code error;
+  std::filesystem::remove_all(path_, error);
+}
+
+std::string TemporaryFolder::write(const std::string& name, const std::string& content) const {
+  std::ofstream(file(name), std::ios::binary) << content;
+  return file(name);
+}
+
+std::size_t TemporaryFolder::files() const {
+  return static_cast<std::size_t>(
+      std::distance(std::filesystem::directory_iterator(path_), std::filesystem::directory_iterator()));
+}
+
+}  // namespace graze::support

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Running the program in tests: as a function (call) or as a process of its own (spawn); and a folder that is gone afterwards.
+#pragma once
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace graze::support {
+
+struct Outcome {
+  int code = -1;
+  std::string out, err;
+};
+
+/// run_program within this process.
+Outcome call(const std::vector<std::string>& arguments);
+
+/// The program as a child process: arguments as a shell understands them, redirections included; `signal` > 0 is sent to it after
+/// `delay` seconds.
+Outcome spawn(const std::string& arguments, int signal = 0, double delay = 0.0);
+
+/// data/problems/<id>.toml
+std::string problem(const std::string& id);
+
+std::string read_file(const std::filesystem::path& file);
+
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  std::string file(const std::string& name) const { return (path_ / name).string(); }
+  /// Makes a file and returns its name.
+  std::string write(const std::string& name, const std::string& content) const;
+  /// Number of files in the folder, hidden ones included.
+  std::size_t files() const;
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace graze::support

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The real program: exit codes, one sentence per mistake, and nothing lost that was computed.
+#include "graze_program.hpp"
+
+#include <graze/apps/json.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <csignal>
+
+using namespace graze;
+using namespace graze::apps;
+using namespace graze::support;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// Misuse: exit 2, nothing on stdout, one line on stderr.
+std::string misuse(const std::string& arguments) {
+  const Outcome outcome = spawn(arguments);
+  INFO(arguments << "\n" << outcome.err);
+  CHECK(outcome.code == 2);
+  CHECK(outcome.out.empty());
+  CHECK(std::count(outcome.err.begin(), outcome.err.end(), '\n') == 1);
+  return outcome.err;
+}
+
+const std::string hertz = problem("hertz-damped"), newton = problem("newton-elastic");
+
+}  // namespace
+
+TEST_CASE("bare graze prints its usage on stderr with exit 2") {
+  const Outcome outcome = spawn("");
+  CHECK(outcome.code == 2);
+  CHECK(outcome.out.empty());
+  CHECK_THAT(outcome.err, Contains("Usage: graze") && Contains("orbit") && Contains("locate"));
+}
+
+TEST_CASE("version and help go to stdout with exit 0") {
+  for (const char* arguments : {"--version", "orbit --version"}) CHECK_THAT(spawn(arguments).out, Contains("graze 0."));
+  const Outcome help = spawn("--help");
+  CHECK(help.code == 0);
+  CHECK_THAT(help.out, Contains("Usage: graze") && Contains("continue"));
+}
+
+TEST_CASE("wrong commands and options are misuse") {
+  CHECK_THAT(misuse("obrit " + hertz), Contains("no command \"obrit\"") && Contains("did you mean \"orbit\""));
+  CHECK_THAT(misuse("orbit " + hertz + " --perod 2"), Contains("no option --perod") && Contains("did you mean --period"));
+  CHECK_THAT(misuse("orbit"), Contains("graze orbit: PROBLEM is required"));
+  CHECK_THAT(misuse("orbit " + hertz + " again"), Contains("\"again\" is one argument too many"));
+  CHECK_THAT(misuse("orbit " + hertz + " --period two"), Contains("--period two") && Contains("whole number >= 1"));
+  CHECK_THAT(misuse("orbit " + hertz + " --period 0"), Contains("whole number >= 1"));
+  CHECK_THAT(misuse("orbit " + hertz + " --settle -5"), Contains("whole number >= 0"));
+  CHECK_THAT(misuse("orbit " + hertz + " --settle"), Contains("--settle"));
+  CHECK_THAT(misuse("orbit " + hertz + " --start 1"), Contains("--start 1") && Contains("two numbers x,v"));
+  CHECK_THAT(misuse("continue " + hertz), Contains("--to is required"));
+  CHECK_THAT(misuse("continue " + hertz + " --to 0.95"), Contains("eta is 0.95 at the start already"));
+  CHECK_THAT(misuse("continue " + hertz + " --to -1"), Contains("eta is -1") && Contains("> 0"));
+  CHECK_THAT(misuse("continue " + hertz + " --to 0.9 --param etta"),
+             Contains("no parameter \"etta\"") && Contains("did you mean \"eta\""));
+  CHECK_THAT(misuse("locate " + hertz + " --near 0.92 --type PB"), Contains("--type PB") && Contains("PD"));
+  CHECK_THAT(misuse("locate " + hertz + " --type PD"), Contains("--near is required"));
+}
+
+TEST_CASE("a missing problem file is misuse") {
+  CHECK_THAT(misuse("orbit nowhere.toml"), Contains("nowhere.toml: no such problem file"));
+}
+
+TEST_CASE("a problem file with a mistake is misuse") {
+  const TemporaryFolder folder;
+  const std::string head = "[model]\noscillator = \"linear\"\ncontact = \"newton\"\n[parameters]\n";
+  const auto refused = [&](const std::string& lines) { return misuse("orbit " + folder.write("p.toml", head + lines)); };
+  CHECK_THAT(refused("k_R = 0.5\n"), Contains("p.toml:5") && Contains("no key \"k_R\"") && Contains("did you mean \"k_r\""));
+  CHECK_THAT(refused("b = false\n"), Contains("b = false") && Contains("must be a number"));
+  CHECK_THAT(refused("k_r = 1.2\n"), Contains("k_r is 1.2; allowed is [0, 1]"));
+  CHECK_THAT(refused("b = -1\n"), Contains("b is -1; allowed is >= 0"));
+  CHECK_THAT(refused("eta = 0\n"), Contains("eta is 0; allowed is > 0"));
+  CHECK_THAT(refused("r = nan\n"), Contains("r is nan; allowed is any finite number"));
+}
+
+TEST_CASE("a wrong setting is misuse") {
+  CHECK_THAT(misuse("orbit " + newton + " --set k_r=1.2"), Contains("k_r is 1.2; allowed is [0, 1]"));
+  CHECK_THAT(misuse("orbit " + newton + " --set b=-0.1"), Contains("b is -0.1; allowed is >= 0"));
+  CHECK_THAT(misuse("orbit " + newton + " --set eta=0"), Contains("eta is 0; allowed is > 0"));
+  CHECK_THAT(misuse("orbit " + newton + " --set r=nan"), Contains("r is nan; allowed is any finite number"));
+  CHECK_THAT(misuse("orbit " + newton + " --set k_H=100"), Contains("no parameter \"k_H\"") && Contains("k_r"));
+}
+
+TEST_CASE("a start inside a hard barrier is misuse") {
+  CHECK_THAT(misuse("orbit " + newton + " --start 2.5,0"), Contains("--start") && Contains("barrier"));
+  CHECK_THAT(misuse("trajectory " + newton + " --start 2.5,0"), Contains("--start") && Contains("barrier"));
+  CHECK(spawn("orbit " + hertz + " --start 2.5,0 --settle 300").code == 0);  // a soft one may be entered
+}
+
+TEST_CASE("an output that cannot be written is found out before computing") {
+  const TemporaryFolder folder;
+  const std::string file = folder.write("file", "");
+  const std::string long_run = "orbit " + hertz + " --settle 100000000 ";  // would take minutes
+  CHECK_THAT(misuse(long_run + "--json /nowhere/x.json"),
+             Contains("/nowhere/x.json: cannot be written: there is no folder /nowhere"));
+  CHECK_THAT(misuse(long_run + "--csv " + file + "/x.csv"), Contains("cannot be written"));
+  CHECK_THAT(misuse(long_run + "--plot x.gif"), Contains("x.gif") && Contains(".png, .svg or .pdf"));
+  CHECK_THAT(misuse(long_run + "--out " + file), Contains("cannot be made as a folder"));
+  CHECK_THAT(misuse(long_run + "--json - --csv -"), Contains("cannot both go to stdout"));
+  CHECK_THAT(misuse("plot " + folder.file("none.json") + " -o " + folder.file("x.png")), Contains("no such file"));
+  CHECK(folder.files() == 1);
+}
+
+TEST_CASE("on a full disk the result still goes to stdout") {
+  const Outcome outcome = spawn("orbit " + hertz + " --settle 300 --json /dev/full");
+  CHECK(outcome.code == 1);
+  CHECK_THAT(outcome.err, Contains("/dev/full: cannot be written: No space left on device"));
+  CHECK_THAT(outcome.out, Contains("orbit z = 1/1"));
+}
+
+TEST_CASE("a stdout that is full is told") {
+  const Outcome outcome = spawn("orbit " + hertz + " --settle 300 --json - > /dev/full");
+  CHECK(outcome.code == 1);
+  CHECK_THAT(outcome.err, Contains("stdout: cannot be written"));
+}
+
+TEST_CASE("an orbit that does not exist is exit 1 with what was found instead") {
+  const TemporaryFolder folder;
+  const Outcome outcome = spawn("orbit " + hertz + " --set r=100 --period 2 --quiet --json " + folder.file("o.json"));
+  CHECK(outcome.code == 1);
+  CHECK_THAT(outcome.err,
+             Contains("no admissible orbit of period 2") && Contains("repeats after 1 forcing period (z = 0/1, stable)"));
+  const Json json = Json::parse(read_file(folder.file("o.json")));
+  CHECK(json["orbit"].is_null());
+  CHECK(json["status"] == "failed");
+  CHECK_THAT(json["message"].get<std::string>(), Contains("no admissible orbit of period 2"));
+}
+
+TEST_CASE("Ctrl-C keeps what was computed and exits with 130") {
+  const TemporaryFolder folder;
+  const std::string out = folder.file("r.json");
+  for (const std::string& arguments :
+       {"orbit " + hertz + " --settle 100000000", "trajectory " + newton + " --settle 0 --periods 100000000 --samples 1",
+        "poincare " + newton + " --settle 0 --points 100000000"}) {
+    INFO(arguments);
+    const Outcome outcome = spawn(arguments + " --json " + out, SIGINT, 0.4);
+    CHECK(outcome.code == 130);
+    const Json json = Json::parse(read_file(out), nullptr, false);
+    REQUIRE_FALSE(json.is_discarded());
+    CHECK(json["status"] == "interrupted");
+    CHECK(folder.files() == 1);
+  }
+  const Outcome search = spawn("orbit " + newton + " --period 30 --search --json " + out, SIGINT, 0.4);
+  CHECK(search.code == 130);
+  CHECK_THAT(search.err, Contains("interrupted after"));
+}
+
+TEST_CASE("a negative start may stand behind a blank or an equals sign") {
+  const Outcome blank = spawn("orbit " + newton + " --set eta=0.744 --period 4 --start -0.169,-0.962 --json -");
+  const Outcome equals = spawn("orbit " + newton + " --set eta=0.744 --period 4 --start=-0.169,-0.962 --json -");
+  CHECK(blank.code == 0);
+  CHECK(blank.out == equals.out);
+  CHECK_THAT(blank.out, Contains("\"start\": [-0.169,-0.962]"));
+  CHECK(spawn("orbit " + newton + " --start -.1,-.2 --settle 5 --set r=100").code == 0);
+}
+
+TEST_CASE("progress goes to stderr and quiet silences it") {
+  const Outcome loud = spawn("orbit " + hertz + " --set eta=0.91 --period 1 --json -");
+  CHECK_THAT(loud.err, Contains("searching for orbits of period 1"));
+  CHECK_FALSE(Json::parse(loud.out, nullptr, false).is_discarded());
+  CHECK(spawn("orbit " + hertz + " --set eta=0.91 --period 1 --quiet").err.empty());
+}

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The regularised Hertz contact: reference contacts in quadruple precision, order of convergence in state and event time, and
+// what the unregularised equations lose.
+#include "support/checks.hpp"
+#include "support/extrapolation.hpp"
+
+#include <graze/lib/detail/runge_kutta8.hpp>
+#include <graze/lib/flow.hpp>
+#include <graze/lib/oscillator.hpp>
+
+#include <toml++/toml.h>
+
+using namespace graze;
+using namespace graze::support;
+
+namespace {
+
+enum : Eigen::Index { b, beta, xi, eta, r, k_H, b_H };
+
+/// One contact from x = r at t0 with the given speed, to its end.
+Segment one_contact(const HybridSystem& system, const Vector& p, double t0, double speed, const FlowOptions& options = {}) {
+  Flow flow = make_flow(system, 1, p, {}, options);
+  Segment segment;
+  flow.carry({t0, t0 + 50.0, Sensitivity::none}, vector({p[r], speed}), segment);
+  return segment;
+}
+
+/// (y, v, t) in s: the equations of DESIGN, written once more.
+template <class Number> auto regularised(const Vector& p) {
+  return [=](const std::array<Number, 3>& z, std::array<Number, 3>& dz) {
+    const Number y = z[0], v = z[1], x = Number(p[r]) + y * y;
+    const Number f = Number(p[xi]) * std::cos(Number(p[eta]) * z[2]) - 2 * Number(p[b]) * v - x - Number(p[beta]) * x * x * x;
+    dz[0] = v / 2;
+    dz[1] = y * (f - Number(p[k_H]) * y * y * y * (1 + Number(p[b_H]) * v));
+    dz[2] = y;
+  };
+}
+
+struct Exit {
+  double t, v, s;
+};
+
+/// A contact with fixed steps h of rk8_step; the last step ends on y = 0 by Newton on its length.
+Exit fixed_step_contact(const Vector& p, double speed, double h) {
+  const auto field = regularised<double>(p);
+  detail::Stage<3> z{0.0, speed, 0.0}, k1, next, error;
+  for (double s = 0.0;; s += h, z = next) {
+    field(z, k1);
+    detail::rk8_step<3>(field, z, k1, h, next, error);
+    if (next[0] > 0.0) continue;
+    double part = h;
+    for (int i = 0; i < 20; ++i) {
+      detail::rk8_step<3>(field, z, k1, part, next, error);
+      part -= next[0] / (0.5 * next[1]);
+    }
+    detail::rk8_step<3>(field, z, k1, part, next, error);
+    return {next[2], next[1], s + part};
+  }
+}
+
+Vector damped_hertz(double barrier = 2.0) {
+  return parameters(make_oscillator("linear", "hertz"), {{"b_H", 0.1}, {"eta", 0.925}, {"r", barrier}});
+}
+
+double order(double coarse, double fine, double ratio = 2.0) { return std::log(coarse / fine) / std::log(ratio); }
+
+}  // namespace
+
+TEST_CASE("single Hertz contacts end at the speed and after the time of the reference, to 1e-12") {
+  const toml::table file = toml::parse_file(GRAZE_DATA_DIR "/reference.toml");
+  const toml::array* list = file["contact"].as_array();
+  REQUIRE(list != nullptr);
+  int compared = 0;
+  for (const toml::node& node : *list) {
+    const toml::table& entry = *node.as_table();
+    if (*entry["contact_force_only"].value<bool>()) continue;  // not a system of this library
+    const HybridSystem system = make_oscillator("linear", *entry["contact"].value<std::string>());
+    Vector p = default_parameters(system.parameters);
+    for (const auto& [name, value] : *entry["parameters"].as_table())
+      p[static_cast<Eigen::Index>(parameter_index(system.parameters, name.str()))] = *value.value<double>();
+    const double t0 = *entry["entry_time"].value<double>();
+    for (const FlowKind kind : {FlowKind::automatic, FlowKind::general}) {
+      const Segment contact = one_contact(system, p, t0, *entry["entry_speed"].value<double>(), {.kind = kind});
+      INFO(*entry["name"].value<std::string>() << (kind == FlowKind::general ? ", general flow" : ""));
+      REQUIRE(contact.end == FlowEnd::event);
+      REQUIRE(std::abs(contact.x1[1] - *entry["exit_speed"].value<double>()) < 1e-12);
+      REQUIRE(std::abs(contact.t1 - t0 - *entry["duration"].value<double>()) < 1e-12);
+      ++compared;
+    }
+  }
+  REQUIRE(compared >= 8);
+}
+
+TEST_CASE("the regularised contact has order 8 in the exit speed and in the exit time") {
+  for (const double speed : {1.5, 0.4}) {
+    for (const double barrier : {2.0, 0.5}) {
+      const Vector p = damped_hertz(barrier);
+      const Exit exact = fixed_step_contact(p, speed, 0.01);
+      // Steps that divide the passage into 8, 16, 32: beyond that the errors reach rounding.
+      const double S = exact.s;
+      const Exit coarse = fixed_step_contact(p, speed, S / 8), middle = fixed_step_contact(p, speed, S / 16),
+                 fine = fixed_step_contact(p, speed, S / 32);
+      INFO("speed " << speed << ", r " << barrier);
+      INFO("speed errors " << coarse.v - exact.v << " " << middle.v - exact.v << " " << fine.v - exact.v);
+      INFO("time errors " << coarse.t - exact.t << " " << middle.t - exact.t << " " << fine.t - exact.t);
+      CHECK(order(std::abs(coarse.v - exact.v), std::abs(fine.v - exact.v), 4.0) > 7.5);
+      CHECK(order(std::abs(coarse.t - exact.t), std::abs(fine.t - exact.t), 4.0) > 7.5);
+      CHECK(std::abs(middle.v - exact.v) < 1e-8);  // and the errors are those of a method that has begun to converge
+    }
+  }
+}
+
+TEST_CASE("the regularised contact keeps its accuracy through exit: an error in the root enters squared") {
+  // dt/ds = y and dv/ds ~ y vanish at y = 0: a root off by d moves time and speed by d^2 only.
+  const Vector p = damped_hertz();
+  const auto field = regularised<double>(p);
+  const Exit exact = fixed_step_contact(p, 1.0, 0.05);
+  detail::Stage<3> z{0.0, 1.0, 0.0}, k1, next, error;
+  const int steps = 40;
+  for (int i = 0; i < steps; ++i) {
+    field(z, k1);
+    detail::rk8_step<3>(field, z, k1, exact.s / steps, next, error);
+    z = next;
+  }
+  field(z, k1);
+  for (const double d : {1e-3, 1e-5}) {
+    detail::rk8_step<3>(field, z, k1, d, next, error);
+    CHECK(std::abs(next[2] - exact.t) < d * d);
+    CHECK(std::abs(next[1] - exact.v) < 5.0 * d * d);
+  }
+}
+
+TEST_CASE("integrated without regularisation, a method of order 4 or 8 loses its order at the entry into contact") {
+  // x'' = -k_H max(0, x)^(3/2), entered at speed 1 in the middle of a step: the error falls as h^(5/2), whatever the method.
+  constexpr double k = 100.0, D = 0.2;
+  const auto field = [](const detail::Stage<2>& z, detail::Stage<2>& dz) {
+    const double y = std::sqrt(std::max(0.0, z[0]));
+    dz = {z[1], -k * y * y * y};
+  };
+  // Exactly: from (0, 1) by extrapolation in s, up to the s where t = D.
+  const auto in_s = [](long double, const LongState<3>& z, LongState<3>& dz) {
+    dz = {z[1] / 2, -static_cast<long double>(k) * z[0] * z[0] * z[0] * z[0], z[0]};
+  };
+  LongState<3> exact{0.0L, 1.0L, 0.0L};
+  exact = extrapolate<3>(in_s, 0.0L, 0.8L, exact);
+  for (int i = 0; i < 8; ++i) exact = extrapolate<3>(in_s, 0.0L, (static_cast<long double>(D) - exact[2]) / exact[0], exact);
+  const auto rk4 = [&](const detail::Stage<2>& z, double h) {
+    detail::Stage<2> k1, k2, k3, k4, w;
+    const auto at = [&](const detail::Stage<2>& slope, double c) {
+      return detail::Stage<2>{z[0] + c * h * slope[0], z[1] + c * h * slope[1]};
+    };
+    field(z, k1);
+    field(at(k1, 0.5), k2);
+    field(at(k2, 0.5), k3);
+    field(at(k3, 1.0), k4);
+    for (std::size_t i = 0; i < 2; ++i) w[i] = z[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]);
+    return w;
+  };
+  const auto rk8 = [&](const detail::Stage<2>& z, double h) {
+    detail::Stage<2> k1, next, error;
+    field(z, k1);
+    detail::rk8_step<2>(field, z, k1, h, next, error);
+    return next;
+  };
+  const auto error_with = [&](const auto& method, int n) {
+    detail::Stage<2> z{-D, 1.0};
+    const double h = 2.0 * D / (2 * n + 1);  // contact begins in the middle of step n, counted from 0
+    for (int i = 0; i < 2 * n + 1; ++i) z = method(z, h);
+    return std::abs(z[1] - static_cast<double>(exact[1]));
+  };
+  const double lost4 = order(error_with(rk4, 100), error_with(rk4, 1600), 3201.0 / 201.0);
+  const double lost8 = order(error_with(rk8, 100), error_with(rk8, 1600), 3201.0 / 201.0);
+  CHECK(lost4 > 2.2);
+  CHECK(lost4 < 2.8);
+  CHECK(lost8 > 2.2);
+  CHECK(lost8 < 2.8);
+}
+
+TEST_CASE("a tighter tolerance of the contact flow brings state and exit time closer in proportion") {
+  const HybridSystem system = make_oscillator("linear", "hertz");
+  for (const double speed : {1.5, 0.2, 1e-3}) {
+    const Vector p = damped_hertz();
+    const Segment exact = one_contact(system, p, 0.3, speed, {.tolerance = 1e-15});
+    for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10, 1e-12}) {
+      const Segment contact = one_contact(system, p, 0.3, speed, {.tolerance = tolerance});
+      INFO("speed " << speed << ", tolerance " << tolerance);
+      // A handful of steps, each within the tolerance; what they leave grows little over one contact.
+      CHECK(std::abs(contact.t1 - exact.t1) < 5.0 * tolerance + 1e-15);
+      CHECK(std::abs(contact.x1[1] - exact.x1[1]) < 20.0 * tolerance + 2e-15);
+    }
+    const Segment loose = one_contact(system, p, 0.3, speed, {.tolerance = 1e-4});
+    if (speed > 0.1) CHECK(loose.evaluations < exact.evaluations / 2);  // a weak contact takes its few steps anyhow
+  }
+}
+
+TEST_CASE("a contact of any weakness is not stepped over") {
+  // Released just above rest on the barrier the mass stays in contact for 2 v/|a|, to first order in v.
+  const HybridSystem system = make_oscillator("linear", "hertz");
+  for (double speed = 1e-1; speed > 1e-13; speed /= 10.0) {
+    const Vector p = damped_hertz();
+    const Segment contact = one_contact(system, p, 0.0, speed);
+    INFO("speed " << speed);
+    REQUIRE(contact.end == FlowEnd::event);
+    REQUIRE(contact.t1 > 0.0);
+    if (speed < 1e-2) REQUIRE(contact.t1 == Approx(2.0 * speed / 1.0).epsilon(0.02 + 30.0 * std::sqrt(speed)));
+    REQUIRE(-contact.x1[1] == Approx(speed).epsilon(0.1));
+  }
+}
+
+TEST_CASE("contacts of extreme stiffness and speed are carried") {
+  const HybridSystem system = make_oscillator("linear", "hertz");
+  for (const double stiffness : {1e-2, 1.0, 1e4, 1e6, 1e9}) {
+    for (const double speed : {1e-6, 1e-2, 1.0, 10.0}) {
+      const Vector p = parameters(system, {{"k_H", stiffness}, {"eta", 0.925}});
+      const Segment fast = one_contact(system, p, 0.0, speed), general = one_contact(system, p, 0.0, speed, {.kind = FlowKind::general});
+      INFO("k_H " << stiffness << ", speed " << speed);
+      REQUIRE(fast.end == FlowEnd::event);
+      REQUIRE(general.end == FlowEnd::event);
+      REQUIRE(std::abs(fast.t1 - general.t1) < 1e-11);
+      REQUIRE(std::abs(fast.x1[1] - general.x1[1]) < 1e-11 * (1.0 + speed));
+    }
+  }
+}
+
+TEST_CASE("from rest on the barrier the contact's derivatives are those of the motion") {
+  const HybridSystem system = make_oscillator("linear", "hertz");
+  const Vector p = parameters(system, {{"r", 0.5}, {"xi", 1.2}, {"eta", 0.8}, {"b_H", 0.1}});
+  const std::vector<std::size_t> active = all_parameters(system);
+  Flow fast = make_flow(system, 1, p, active), general = make_flow(system, 1, p, active, {.kind = FlowKind::general});
+  Segment one, other;
+  const FlowTask task{0.0, 0.3, Sensitivity::state_and_parameters};
+  fast.carry(task, vector({0.5, 0.0}), one);
+  general.carry(task, vector({0.5, 0.0}), other);
+  REQUIRE(one.end == FlowEnd::time);
+  REQUIRE(other.end == FlowEnd::time);
+  REQUIRE((one.x1 - other.x1).norm() < 1e-12);
+  REQUIRE((one.Phi - other.Phi).norm() < 1e-11);
+  REQUIRE((one.Psi - other.Psi).norm() < 1e-11);
+  REQUIRE(std::abs(one.divergence - other.divergence) < 1e-12);
+}
