@@ -35,7 +35,9 @@ std::array<int, 3> unstable_kinds(const BranchPoint& point) {
 
 BranchFollower::BranchFollower(const HybridSystem& system, const ContinuationOptions& options, double low, double high,
                                std::function<std::string(PointType)> label)
-    : system_(system), options_(options), low_(low), high_(high), label_(std::move(label)) {}
+    : system_(system), options_(options), low_(low), high_(high), label_(std::move(label)),
+      hard_contacts_(
+          std::any_of(system.events.begin(), system.events.end(), [](const Event& event) { return !event.continuous; })) {}
 
 Vector BranchFollower::at_value(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after, double value) const {
   const double a = problem.value(before.u), b = problem.value(after.u);
@@ -243,6 +245,9 @@ Verdict BranchFollower::monitor(OrbitProblem& problem, const CurvePoint& before,
   if (skipped_something(a, b)) return Verdict::reject;
   // One grazing at a time: a step across several is halved, down to where they cannot be told apart.
   const int change = std::abs(point.isolated_impacts - branch.points.back().isolated_impacts);
+  // Orbits on both sides of a hard grazing are different families, even where the corrector finds its way across: never step over
+  // one.
+  if (change == 1 && hard_contacts_) return Verdict::reject;
   if (change > 1 && after.arclength - before.arclength > 1e-7) return Verdict::reject;
   const Vector difference = antisymmetric_part(branch, branch.points.back().nodes);
   if (difference.size() > 0 && difference.dot(antisymmetric_part(branch, point.nodes)) < 0.0) {
@@ -274,9 +279,7 @@ Verdict BranchFollower::monitor(OrbitProblem& problem, const CurvePoint& before,
 
 double BranchFollower::better_section(OrbitProblem& problem, const Vector& u) const {
   const double current = problem.equations().section_phase();
-  const bool jumps =
-      std::any_of(system_.events.begin(), system_.events.end(), [](const Event& event) { return !event.continuous; });
-  if (!jumps || problem.equations().autonomous() || !problem.evaluate(u, {.sensitivity = Sensitivity::none, .keep_events = true}))
+  if (!hard_contacts_ || problem.equations().autonomous() || !problem.evaluate(u, {.sensitivity = Sensitivity::none, .keep_events = true}))
     return current;
   // Places of the events within a stretch, as fractions of it, from its start.
   const Vector shortened = u.head(u.size() - 1);

@@ -44,6 +44,7 @@ class BranchFollower {
   const ContinuationOptions& options_;
   double low_, high_;
   std::function<std::string(PointType)> label_;
+  bool hard_contacts_ = false;
   bool interrupted_ = false, returned_ = false;
   bool section_blocked_ = false;  ///< an impact has come too close to a node
 };

@@ -3,8 +3,10 @@
 // or a forcing. All dimensionless; all derivatives by hand and checked in tests/lib/other_systems.cpp.
 //
 //   two_mass_oscillator    4 states, forced, two rigid barriers, one per mass (both may be struck at the same instant)
-//   two_sided_oscillator   2 states, forced, symmetric barriers at -r and +r, rigid or elastic: symmetry breaking (BP)
-//   driven_self_excited    4 states, forced: an impact oscillator driving a van der Pol oscillator: Neimark-Sacker (NS)
+//   two_sided_oscillator   2 states, forced, symmetric barriers at -r and +r, rigid or elastic: symmetry breaking (BP); rigid,
+//                          xi = 2 and the rest by default: at eta = 1.5299072088081 (closed form: two_sided_orbit.hpp)
+//   driven_self_excited    4 states, forced: an impact oscillator driving a van der Pol oscillator: Neimark-Sacker (NS); by
+//                          default in mu at mu = 0 exactly, multipliers exp(+-i omega T); with epsilon = 0.2 near mu = 0.164
 //   bouncing_ball          2 states, autonomous, chattering in closed form
 //   van_der_pol_stop       2 states, autonomous limit cycle with one impact: trivial multiplier
 //   relay_feedback         3 states, autonomous, discontinuous field, two modes: limit cycle in closed form

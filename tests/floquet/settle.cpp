@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Settled transients: what they settle on, how they end.
+#include <graze/floquet/settle.hpp>
+#include <graze/lib/oscillator.hpp>
+
+#include "support/checks.hpp"
+#include "support/systems.hpp"
+
+#include <catch2/catch.hpp>
+
+using namespace graze;
+using namespace graze::support;
+
+namespace {
+
+const HybridSystem& hertz() {
+  static const HybridSystem system = make_oscillator("linear", "hertz");
+  return system;
+}
+const Vector rest = Vector::Zero(2);
+
+}  // namespace
+
+TEST_CASE("a settled run finds the period of the attractor, and Newton confirms it") {
+  struct Case {
+    double eta, b_H;
+    int period;
+  };
+  for (const Case& c : {Case{0.925, 0.1, 1}, {0.91, 0.1, 2}, {0.95, 0.0, 1}, {0.736, 0.1, 8}}) {
+    INFO("eta " << c.eta << " b_H " << c.b_H);
+    const Vector p = parameters(hertz(), {{"eta", c.eta}, {"b_H", c.b_H}});
+    const Settled settled = settle(hertz(), p, rest, {.periods = 2000});
+    CHECK(settled.termination == Termination::time);
+    CHECK(settled.periods == 2000);
+    REQUIRE(settled.suspected_period == c.period);
+    const PeriodicOrbit orbit = shoot(hertz(), p, settled.state, settled.suspected_period);
+    REQUIRE(orbit.converged());
+    CHECK(orbit.period == c.period);
+    CHECK(orbit.stable());
+    // The run has come to the orbit itself, as near as the recurrence said.
+    CHECK((orbit.state - settled.state).lpNorm<Eigen::Infinity>() < 1e-5);
+  }
+}
+
+TEST_CASE("in chaos no period is suspected") {
+  // Largest exponent 0.028 (data/published.toml, undamped Hertz at 0.7114).
+  const Settled settled = settle(hertz(), parameters(hertz(), {{"eta", 0.7114}}), rest, {.periods = 500});
+  CHECK(settled.termination == Termination::time);
+  CHECK(settled.suspected_period == 0);
+}
+
+TEST_CASE("the state handed on is the one after the transient, not after the look at its recurrence") {
+  const Vector p = parameters(hertz(), {{"eta", 0.93}, {"b_H", 0.1}});
+  const Vector start = vector({0.5, -0.2});
+  const Settled settled = settle(hertz(), p, start, {.periods = 7});
+  Propagator propagator(hertz(), p);
+  Transition transition;
+  Vector x = start;
+  for (int k = 0; k < 7; ++k) {
+    carry(propagator, 0.0, forcing_period(hertz(), p), x, {.sensitivity = Sensitivity::none}, transition);
+    x = transition.x1;
+  }
+  CHECK(settled.state == x);
+  CHECK(settled.suspected_period == 0);
+}
+
+TEST_CASE("a transient of no periods looks at the recurrence of the start") {
+  const Vector p = parameters(hertz(), {{"eta", 0.91}, {"b_H", 0.1}});
+  const PeriodicOrbit orbit = shoot(hertz(), p, vector({2.2377, 1.8827}), 2);
+  const Settled settled = settle(hertz(), p, orbit.state, {.periods = 0});
+  CHECK(settled.periods == 0);
+  CHECK(settled.suspected_period == 2);
+  CHECK(settled.state == orbit.state);
+}
+
+TEST_CASE("a settled run that is interrupted keeps what it has") {
+  int asked = 0;
+  SettleOptions options;
+  options.periods = 100;
+  options.cancelled = [&] { return ++asked > 30; };
+  const Vector p = parameters(hertz());
+  const Settled settled = settle(hertz(), p, rest, options);
+  CHECK(settled.termination == Termination::interrupted);
+  CHECK(settled.periods == 30);
+  CHECK(settled.suspected_period == 0);
+  CHECK(settled.state == settle(hertz(), p, rest, {.periods = 30, .max_period = 0}).state);
+}
+
+TEST_CASE("misuse of settle is refused in a sentence") {
+  CHECK_THROWS_WITH(settle(hertz(), parameters(hertz()), rest, {.periods = -1}), "settle is -1 periods; allowed is 0 or more");
+  const HybridSystem rigid = make_oscillator("linear", "newton");
+  CHECK_THROWS_WITH(settle(rigid, parameters(rigid), vector({2.5, 0.0})),
+                    "the state (2.5, 0) lies inside the barrier; start on the free side of it");
+  const HybridSystem autonomous = van_der_pol_stop();
+  CHECK_THROWS_WITH(settle(autonomous, parameters(autonomous), rest),
+                    "system van-der-pol-stop is autonomous; it has no forcing period");
+}
+
+TEST_CASE("settling on a sticking orbit works") {
+  const HybridSystem rigid = make_oscillator("linear", "newton");
+  const Vector p = parameters(rigid, {{"k_r", 0.5}, {"eta", 0.4}, {"r", 0.5}});
+  const Settled settled = settle(rigid, p, rest, {.periods = 50});
+  CHECK(settled.termination == Termination::time);
+  CHECK(settled.suspected_period == 1);
+}
