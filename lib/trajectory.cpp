@@ -78,6 +78,7 @@ Matrix sample(const HybridSystem& system, const Vector& p, const Trajectory& tra
       started = false;
     }
     if (index == trajectory.segments.size()) break;
+    if (times[i] < trajectory.segments.front().t0) continue;
     const Segment& segment = trajectory.segments[index];
     if (!started) {
       t = segment.t0;

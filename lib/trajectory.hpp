@@ -47,7 +47,8 @@ struct Until {
 Trajectory simulate(const HybridSystem& system, const Vector& p, double t0, const Vector& x0, const Until& until,
                     const FlowOptions& options = {});
 
-/// States at increasing times within the run, by carrying on from the segments' starts. Rows (t, x), one per time.
+/// States at increasing times within the run, by carrying on from the segments' starts. Rows (t, x), one per time;
+/// NaN for times outside the run.
 Matrix sample(const HybridSystem& system, const Vector& p, const Trajectory& trajectory, const std::vector<double>& times,
               const FlowOptions& options = {});
 
