@@ -37,6 +37,7 @@ FiniteDifferenceCheck finite_difference_check(const HybridSystem& system, const 
     const Transition& base = equations.stretch(j);
     const double start = equations.node_time(u, j), length = orbit.duration / count;
     const double scale = 1.0 + base.Phi.cwiseAbs().maxCoeff();
+    Matrix factor = Matrix::Zero(n, n);
     for (int k = 0; k < n; ++k) {
       const double unit = 1.0 + std::abs(u[j * n + k]);
       const auto difference = [&](double h) -> std::optional<Vector> {
@@ -72,10 +73,15 @@ FiniteDifferenceCheck finite_difference_check(const HybridSystem& system, const 
         check.applicable = false;
         break;
       }
+      factor.col(k) = best.value;
       check.disagreement = std::max(check.disagreement, (best.value - base.Phi.col(k)).lpNorm<Eigen::Infinity>() / scale);
       check.error_estimate = std::max(check.error_estimate, best.error / scale);
     }
+    check.monodromy.factors.push_back(std::move(factor));
   }
+  check.monodromy.section = orbit.monodromy.section;
+  check.monodromy.trivial_direction = orbit.monodromy.trivial_direction;
+  if (!check.applicable) check.monodromy.factors.clear();
   return check;
 }
 

@@ -19,6 +19,7 @@ struct FiniteDifferenceCheck {
   bool applicable = false;
   double disagreement = 0.0;    ///< max|M - M_fd| / (1 + max|M|)
   double error_estimate = 0.0;  ///< of the Richardson extrapolation, on the same scale
+  MonodromyMatrix monodromy;    ///< its factors by differences, one per stretch between nodes; empty if not applicable
 };
 
 /// Proofs that come with an orbit; every number is a relative error.

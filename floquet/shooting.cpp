@@ -223,7 +223,12 @@ PeriodicOrbit shoot(const HybridSystem& system, const Vector& p, const std::vect
       ShootingOptions shorter = options;
       if (options.nodes % divisor != 0) shorter.nodes = 0;
       PeriodicOrbit candidate = shoot(system, p, Vector(0.5 * (later + orbit.state)), divisor, shorter);
-      if (candidate.converged() && (candidate.state - orbit.state).lpNorm<Eigen::Infinity>() < 1e-10 * scale) return candidate;
+      // Newton leaves an error of its rounding over the distance of the multipliers from 1: near a bifurcation that is not small.
+      double nearest = 1.0;
+      for (const auto& mu : candidate.multipliers.values)
+        nearest = std::min(nearest, std::abs(1.0 - std::pow(mu, period / divisor)));
+      const double same = std::clamp(1e-12 / nearest, 1e-10, 1e-6) * scale;
+      if (candidate.converged() && (candidate.state - orbit.state).lpNorm<Eigen::Infinity>() < same) return candidate;
     }
   }
   if (orbit.converged() && options.finite_differences)

@@ -32,7 +32,8 @@ struct Check {
 
 struct Verified {
   PeriodicOrbit orbit;
-  PeriodicOrbit general;  ///< the same nodes carried by the general integrator
+  PeriodicOrbit general;           ///< the same nodes carried by the general integrator
+  FloquetMultipliers differences;  ///< of the monodromy matrix by finite differences
   std::vector<Check> checks;
 };
 
@@ -53,11 +54,12 @@ PeriodicOrbit carried_by_general(const Problem& problem, const PeriodicOrbit& or
 }
 
 Verified verify(const Problem& problem, const PeriodicOrbit& orbit) {
-  Verified out{orbit, carried_by_general(problem, orbit), {}};
+  Verified out{orbit, carried_by_general(problem, orbit), {}, {}};
   out.checks.push_back({"residual", orbit.checks.residual, bound::residual});
   out.checks.push_back({"Liouville", orbit.checks.liouville, bound::liouville});
   const FiniteDifferenceCheck difference =
       orbit.checks.finite_difference.value_or(finite_difference_check(problem.system, orbit));
+  if (difference.applicable) out.differences = multipliers(difference.monodromy, orbit.duration);
   out.checks.push_back(
       {"finite differences", difference.applicable ? difference.disagreement : -1.0, finite_difference_bound(difference)});
   if (out.general.multipliers.valid && orbit.multipliers.valid) {
@@ -80,6 +82,7 @@ Json verified_json(const Verified& verified) {
               {"stable", orbit.stable()},
               {"admissible", orbit.admissible == Admissibility::admissible}};
   out["multipliers"] = {{"saltation", multipliers_json(orbit.multipliers)},
+                        {"finite_difference", multipliers_json(verified.differences)},
                         {"general", multipliers_json(verified.general.multipliers)}};
   out["checks"] = Json::array();
   for (const Check& check : verified.checks)
@@ -94,11 +97,12 @@ std::string verified_text(const Verified& verified) {
   const PeriodicOrbit& orbit = verified.orbit;
   std::string text = fmt::format("orbit {} at ({}, {}), {}\n", z_label(orbit.impacts, orbit.period), rounded(orbit.state[0]),
                                  rounded(orbit.state[1]), orbit.stable() ? "stable" : "unstable");
-  Table values{{"multiplier", "saltation, product form", "general integrator (GSL)"}, {}};
-  for (std::size_t i = 0; i < orbit.multipliers.values.size(); ++i)
+  Table values{{"multiplier", "saltation, product form", "finite differences", "general integrator (GSL)"}, {}};
+  for (std::size_t i = 0; i < orbit.multipliers.values.size(); ++i) {
+    const auto cell = [i](const FloquetMultipliers& list) { return i < list.values.size() ? rounded(list.values[i], 15) : "-"; };
     values.rows.push_back(
-        {std::to_string(i + 1), rounded(orbit.multipliers.values[i], 15),
-         i < verified.general.multipliers.values.size() ? rounded(verified.general.multipliers.values[i], 15) : "-"});
+        {std::to_string(i + 1), cell(orbit.multipliers), cell(verified.differences), cell(verified.general.multipliers)});
+  }
   Table checks{{"check", "disagreement", "bound", "verdict"}, {}};
   for (const Check& check : verified.checks)
     checks.rows.push_back({check.name, check.disagreement < 0.0 ? "-" : rounded(check.disagreement, 3), rounded(check.limit, 3),

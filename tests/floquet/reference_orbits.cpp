@@ -17,8 +17,9 @@ namespace {
 /// The 22 digits of the reference are good to all of a double's; Newton stops at the rounding of the map, a few 1e-15, and the
 /// orbit errs by that times |(M - I)^-1|, below 100 for all of them.
 constexpr double state_tolerance = 1e-12;
-/// Multipliers change with the state; the largest derivative (weak impacts at 0.711, period 24) is some 1e3, times 1e-14.
-constexpr double multiplier_tolerance = 1e-10;
+/// Multipliers change with the state: measured for the period-24 orbit at 0.7116, whose state Newton leaves off by up to 3e-13 (rounding
+/// 5e-15 of the map over the distance of its multipliers from 1), by 4e2 times that, 1.1e-10.
+constexpr double multiplier_tolerance = 3e-10;
 
 /// Off by 1e-5 in both entries. The windows of the long orbits are not much wider.
 PeriodicOrbit shoot_beside(const ReferenceOrbit& reference, const ShootingOptions& options = {}) {
@@ -73,7 +74,7 @@ TEST_CASE("the small multiplier of every reference orbit has relative accuracy")
     INFO(reference.name << ", " << small);
     // ln|mu_2| = ln det - ln|mu_1|: as good as the large one, whatever the size of the small one.
     CHECK(std::abs(orbit.multipliers.values[1] - small) <
-          1e-10 * std::max(1.0, 1.0 / std::abs(reference.multipliers[0])) * std::abs(small));
+          multiplier_tolerance * std::max(1.0, 1.0 / std::abs(reference.multipliers[0])) * std::abs(small));
   }
 }
 
