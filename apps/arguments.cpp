@@ -34,16 +34,14 @@ int count(const std::string& names, const std::string& text, int least) {
 
 /// The common part: an option whose text is handed to `take`.
 void add(CLI::App& app, const std::string& names, const std::string& placeholder, const std::string& help, Need need,
-         std::function<void(const std::string&)> take) {
-  CLI::Option* option = app.add_option_function<std::string>(names, std::move(take), help)->type_name(placeholder);
+         const std::function<void(const std::string&)>& take) {
+  CLI::Option* option = app.add_option_function<std::string>(names, take, help)->type_name(placeholder);
   if (need == Need::required) option->required();
 }
 
 void add_many(CLI::App& app, const std::string& names, const std::string& placeholder, const std::string& help,
-              std::function<void(const std::vector<std::string>&)> take) {
-  app.add_option_function<std::vector<std::string>>(names, std::move(take), help)
-      ->type_name(placeholder)
-      ->allow_extra_args(false);
+              const std::function<void(const std::vector<std::string>&)>& take) {
+  app.add_option_function<std::vector<std::string>>(names, take, help)->type_name(placeholder)->allow_extra_args(false);
 }
 
 }  // namespace

@@ -17,8 +17,6 @@
 #include <memory>
 #include <stdexcept>
 
-extern char** environ;
-
 namespace graze::apps {
 
 namespace {

@@ -9,8 +9,8 @@ Motion run_motion(const HybridSystem& system, const Vector& parameters, const Ve
   Vector x = state;
   motion.strobe.push_back(x);
   motion.termination = Termination::time;
-  std::vector<double> times;
-  for (int i = 0; i < options.samples; ++i) times.push_back(T * i / options.samples);
+  std::vector<double> times(static_cast<std::size_t>(options.samples));
+  for (int i = 0; i < options.samples; ++i) times[static_cast<std::size_t>(i)] = T * i / options.samples;
   for (; motion.periods < options.periods; ++motion.periods) {
     if (options.cancelled && options.cancelled()) {
       motion.termination = Termination::interrupted;

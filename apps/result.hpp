@@ -14,7 +14,7 @@ class App;
 
 namespace graze::apps {
 
-struct Result {
+struct Result {  // NOLINT(bugprone-exception-escape): of nlohmann's move constructor
   Json json;
   Table table;       ///< for --csv
   std::string text;  ///< for people

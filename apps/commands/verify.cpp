@@ -47,9 +47,12 @@ PeriodicOrbit carried_by_general(const Problem& problem, const PeriodicOrbit& or
   const FlowOptions flow{.kind = FlowKind::general};
   ShootingEquations equations(problem.system, orbit.parameters, orbit.period, static_cast<int>(orbit.nodes.size()), std::nullopt,
                               flow, orbit.section_phase);
-  const int n = equations.states();
   Vector u(equations.unknowns());
-  for (int j = 0; j < equations.nodes(); ++j) u.segment(j * n, n) = orbit.nodes[static_cast<std::size_t>(j)];
+  Eigen::Index filled = 0;
+  for (const Vector& node : orbit.nodes) {
+    u.segment(filled, node.size()) = node;
+    filled += node.size();
+  }
   return describe_orbit(equations, u, orbit.newton);
 }
 

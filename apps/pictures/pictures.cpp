@@ -62,8 +62,8 @@ Picture picture_of(const Table& table, const std::string& x, const std::vector<s
   std::size_t across = 0;
   while (across + 1 < table.columns.size() && !numeric(across)) ++across;
   if (!x.empty()) across = column(x);
-  std::vector<std::size_t> chosen;
-  for (const std::string& name : y) chosen.push_back(column(name));
+  std::vector<std::size_t> chosen(y.size());
+  std::transform(y.begin(), y.end(), chosen.begin(), column);
   if (y.empty())
     for (std::size_t i = 0; i < table.columns.size(); ++i)
       if (i != across && numeric(i)) chosen.push_back(i);

@@ -16,8 +16,6 @@
 #include <stdexcept>
 #include <thread>
 
-extern char** environ;
-
 namespace graze::support {
 
 Outcome call(const std::vector<std::string>& arguments) {
