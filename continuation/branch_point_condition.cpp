@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/branch_point_condition.hpp>
 
-#include <Eigen/SVD>
+#include <graze/continuation/null_vectors.hpp>
 
 #include <cmath>
 
@@ -38,8 +38,7 @@ LocatedPoint locate_branch_point(OrbitProblem& problem, const Vector& start) {
   located.newton.status = NewtonStatus::evaluation_failed;
   if (!problem.residual(start, residual, &jacobian)) return located;
   const Eigen::Index size = residual.size();
-  const Eigen::BDCSVD<Matrix> svd(jacobian.leftCols(size), Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Vector b = svd.matrixU().col(size - 1), c = svd.matrixV().col(size - 1);
+  const auto [c, b] = null_vectors(Matrix(jacobian.leftCols(size)));
   const double scale = 1.0 + start.head(size).lpNorm<Eigen::Infinity>();
   double unfolding = 0.0, last_step = std::numeric_limits<double>::infinity();
   for (int iteration = 0; iteration < 20; ++iteration) {

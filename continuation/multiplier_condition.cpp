@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/multiplier_condition.hpp>
 
-#include <Eigen/SVD>
+#include <graze/continuation/null_vectors.hpp>
 
 #include <cmath>
 
@@ -46,9 +46,7 @@ LocatedPoint locate_multiplier(OrbitProblem& problem, const Vector& start, const
   }
   const Eigen::Index unknowns = problem.unknowns(), extra = condition.theta_free ? 2 : 1;
   const Eigen::Index size = unknowns - 1 + extra;
-  const Eigen::BDCSVD<Eigen::MatrixXcd> svd(problem.cyclic(std::polar(1.0, located.theta)),
-                                            Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::VectorXcd b = svd.matrixU().col(svd.cols() - 1), c = svd.matrixV().col(svd.cols() - 1);
+  auto [c, b] = null_vectors(problem.cyclic(std::polar(1.0, located.theta)));
   const double scale = 1.0 + located.u.head(unknowns - 1).lpNorm<Eigen::Infinity>();
   double last_step = std::numeric_limits<double>::infinity();
   for (int iteration = 0; iteration < 20; ++iteration) {

@@ -27,6 +27,24 @@ std::string reason(const ZeroProblem& problem, NewtonStatus status) {
   return text;
 }
 
+/// True if the step from the last point to `next` passes through the curve's first point, which `next` then becomes. Being near
+/// it is not enough: another turn of the curve may be.
+bool return_to_start(const ZeroProblem& problem, const Vector& weights, const Curve& curve, CurvePoint& next,
+                     const TraceOptions& options) {
+  const CurvePoint &first = curve.points.front(), &last = curve.points.back();
+  const Vector normal = weights.cwiseProduct(first.tangent);
+  const double before = normal.dot(last.u - first.u), after = normal.dot(next.u - first.u);
+  if (!(before < 0.0 && after >= 0.0)) return false;
+  Vector u = last.u + before / (before - after) * (next.u - last.u);
+  if (norm(weights, u - first.u) > norm(weights, next.u - last.u)) return false;
+  if (!correct(problem, first.tangent, u, options).converged()) return false;
+  if (norm(weights, u - first.u) > 1e-8 * (1.0 + norm(weights, u))) return false;
+  next.u = first.u;
+  next.tangent = first.tangent;
+  next.arclength = last.arclength + norm(weights, first.u - last.u);
+  return true;
+}
+
 }  // namespace
 
 NewtonReport correct(const ZeroProblem& problem, const Vector& direction, Vector& u, const TraceOptions& options) {
@@ -107,6 +125,7 @@ Curve trace(const ZeroProblem& problem, const Vector& u0, const Vector& orientat
     next.u = predicted;
     next.newton = correct(problem, last.tangent, next.u, options);
     Verdict verdict = Verdict::reject;
+    bool closes = false;
     if (next.newton.converged()) {
       next.tangent = tangent_at(problem, next.u, last.tangent);
       next.arclength = last.arclength + norm(weights, next.u - last.u);
@@ -114,6 +133,7 @@ Curve trace(const ZeroProblem& problem, const Vector& u0, const Vector& orientat
       // A jump to a neighbouring curve shows as a correction longer than the step, a kink as a large angle.
       const bool smooth =
           std::acos(std::clamp(cosine, -1.0, 1.0)) <= options.max_angle && norm(weights, next.u - predicted) <= 0.5 * step;
+      if (smooth) closes = return_to_start(problem, weights, curve, next, options);
       if (smooth || (step <= options.min_step && next.tangent.size() > 0))
         verdict = monitor ? monitor(last, next) : Verdict::go_on;
       if (!smooth && verdict == Verdict::reject) curve.failure = "the curve turns too sharply";
@@ -136,10 +156,7 @@ Curve trace(const ZeroProblem& problem, const Vector& u0, const Vector& orientat
       curve.stop = TraceStop::monitor;
       return curve;
     }
-    const CurvePoint& first = curve.points.front();
-    const CurvePoint& reached = curve.points.back();
-    if (curve.points.size() > 10 && norm(weights, reached.u - first.u) < step &&
-        weights.cwiseProduct(reached.tangent).dot(first.tangent) > 0.9) {
+    if (closes) {
       curve.stop = TraceStop::closed;
       return curve;
     }

@@ -5,6 +5,7 @@
 // 3rd ed., eq. (5.46)-(5.47)): with M q = -q, M^T p = -p, p.q = 1,
 //     c = p . [C(q, q, q) + 3 B(q, (I - M)^{-1} B(q, q))] / 6;   c > 0: supercritical, c < 0: subcritical.
 // B and C come from central differences of the (exact) Jacobian of the period-n map along q.
+#include <graze/continuation/null_vectors.hpp>
 #include <graze/continuation/test_functions/test_function.hpp>
 
 #include <cmath>
@@ -38,9 +39,9 @@ std::optional<NormalForm> normal_form(OrbitProblem& problem, const LocatedPoint&
   const std::optional<Matrix> M = jacobian(x0);
   if (!M) return std::nullopt;
   // Left and right eigenvectors for -1: null vectors of M + I.
-  const Eigen::JacobiSVD<Matrix> svd(*M + Matrix::Identity(n, n), Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Vector q = svd.matrixV().col(n - 1);
-  Vector p = svd.matrixU().col(n - 1);
+  const NullVectors<Matrix> null = null_vectors(Matrix(*M + Matrix::Identity(n, n)));
+  const Vector& q = null.right;
+  Vector p = null.left;
   p /= p.dot(q);
   const Eigen::PartialPivLU<Matrix> second_order(Matrix::Identity(n, n) - *M);
   const auto coefficient = [&](double h) -> std::optional<double> {
