@@ -3,6 +3,8 @@
 
 #include <graze/apps/program.hpp>
 
+#include <fmt/format.h>
+
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -49,7 +51,7 @@ Outcome spawn(const std::string& arguments, int signal, double delay) {
   return outcome;
 }
 
-std::string problem(const std::string& id) { return std::string(GRAZE_DATA_DIR) + "/problems/" + id + ".toml"; }
+std::string problem(const std::string& id) { return fmt::format("{}/problems/{}.toml", GRAZE_DATA_DIR, id); }
 
 std::string read_file(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
