@@ -11,12 +11,12 @@ namespace graze {
 
 namespace {
 
-/// Half of a doubled orbit's nodes minus the other half: zero where it has collapsed onto its parent.
+/// Half of an orbit's nodes minus the other half: zero where a doubled orbit has collapsed onto its parent.
 Vector antisymmetric_part(const Branch& branch, const std::vector<Vector>& nodes) {
   const std::size_t half = nodes.size() / 2;
   const Eigen::Index n = nodes.front().size();
   Vector difference(n * static_cast<Eigen::Index>(half));
-  if (!branch.parent || nodes.size() % 2 != 0) return {};
+  if (branch.period % 2 != 0 || nodes.size() % 2 != 0) return {};
   for (std::size_t j = 0; j < half; ++j) difference.segment(static_cast<Eigen::Index>(j) * n, n) = nodes[j] - nodes[j + half];
   return difference;
 }
@@ -33,9 +33,8 @@ std::array<int, 3> unstable_kinds(const BranchPoint& point) {
 
 }  // namespace
 
-BranchFollower::BranchFollower(const HybridSystem& system, const ContinuationOptions& options, double low, double high,
-                               std::function<std::string(PointType)> label)
-    : system_(system), options_(options), low_(low), high_(high), label_(std::move(label)),
+BranchFollower::BranchFollower(const HybridSystem& system, const ContinuationOptions& options, double low, double high)
+    : system_(system), options_(options), low_(low), high_(high),
       hard_contacts_(
           std::any_of(system.events.begin(), system.events.end(), [](const Event& event) { return !event.continuous; })) {}
 
@@ -52,7 +51,6 @@ Vector BranchFollower::at_value(OrbitProblem& problem, const CurvePoint& before,
 void BranchFollower::mark_end(OrbitProblem& problem, const Vector& u, PointType type, Branch& branch) {
   SpecialPoint point;
   point.type = type;
-  point.label = label_(type);
   NewtonReport report;
   report.status = NewtonStatus::converged;
   point.orbit = problem.orbit(u, report);
@@ -143,7 +141,6 @@ void BranchFollower::locate(OrbitProblem& problem, const TestFunction& test, con
     report.status = NewtonStatus::converged;
     point.orbit = problem.orbit(best.u, report);
   }
-  point.label = label_(test.type);
   branch.special_points.push_back(std::move(point));
 }
 
@@ -151,7 +148,6 @@ void BranchFollower::add_grazing(const OrbitProblem& problem, const LocatedGrazi
                                  int impacts_after, Branch& branch) {
   SpecialPoint point;
   point.type = PointType::GR;
-  point.label = label_(PointType::GR);
   point.after_point = branch.points.size() - 1;
   point.status = PointStatus::converged;
   point.newton = located.newton;
@@ -187,7 +183,6 @@ void BranchFollower::locate_impact_change(OrbitProblem& problem, const CurvePoin
   }
   SpecialPoint point;
   point.type = PointType::GR;
-  point.label = label_(PointType::GR);
   point.after_point = branch.points.size() - 1;
   point.value = 0.5 * (low + high);
   point.precision = 0.5 * width;
@@ -279,7 +274,8 @@ Verdict BranchFollower::monitor(OrbitProblem& problem, const CurvePoint& before,
 
 double BranchFollower::better_section(OrbitProblem& problem, const Vector& u) const {
   const double current = problem.equations().section_phase();
-  if (!hard_contacts_ || problem.equations().autonomous() || !problem.evaluate(u, {.sensitivity = Sensitivity::none, .keep_events = true}))
+  if (!hard_contacts_ || problem.equations().autonomous() ||
+      !problem.evaluate(u, {.sensitivity = Sensitivity::none, .keep_events = true}))
     return current;
   // Places of the events within a stretch, as fractions of it, from its start.
   const Vector shortened = u.head(u.size() - 1);
@@ -387,9 +383,8 @@ std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const Ve
     if (grazing) {
       const SpecialPoint& point = branch.special_points.back();
       branch.stop_value = point.value;
-      stop(BranchStop::grazing,
-           fmt::format("{} at {} = {:.12g}: an impact is {} ({})", point.label, branch.parameter, point.value,
-                       grazing->lost ? "lost" : "gained", grazing_scenario_name(grazing->grazing.scenario)));
+      stop(BranchStop::grazing, fmt::format("grazing at {} = {:.12g}: an impact is {} ({})", branch.parameter, point.value,
+                                            grazing->lost ? "lost" : "gained", grazing_scenario_name(grazing->grazing.scenario)));
       break;
     }
     stop(BranchStop::step_too_small, fmt::format("no point is found beyond {} = {:.12g} even with the smallest step ({})",

@@ -17,13 +17,11 @@ struct GrazingEnd {
 
 class BranchFollower {
  public:
-  /// `low`, `high`: the range of the parameter. `label` gives the next label of a type.
-  BranchFollower(const HybridSystem& system, const ContinuationOptions& options, double low, double high,
-                 std::function<std::string(PointType)> label);
+  /// `low`, `high`: the range of the parameter.
+  BranchFollower(const HybridSystem& system, const ContinuationOptions& options, double low, double high);
 
-  /// Follows the branch through `u0` in the direction of `orientation`, into `branch` (id, parent, period and parameters are
-  /// set).
-  /// Returns the grazing on which it ended, if so.
+  /// Follows the branch through `u0` in the direction of `orientation`, into `branch` (parent, period and parameters are set;
+  /// its special points get no labels here). Returns the grazing on which it ended, if so.
   std::optional<GrazingEnd> follow(OrbitProblem& problem, const Vector& u0, const Vector& orientation, Branch& branch);
 
  private:
@@ -43,7 +41,6 @@ class BranchFollower {
   const HybridSystem& system_;
   const ContinuationOptions& options_;
   double low_, high_;
-  std::function<std::string(PointType)> label_;
   bool hard_contacts_ = false;
   bool interrupted_ = false, returned_ = false;
   bool section_blocked_ = false;  ///< an impact has come too close to a node

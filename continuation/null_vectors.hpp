@@ -17,14 +17,12 @@
 
 namespace graze {
 
-template <class SquareMatrix>
-struct NullVectors {
+template <class SquareMatrix> struct NullVectors {
   using Column = Eigen::Matrix<typename SquareMatrix::Scalar, Eigen::Dynamic, 1>;
   Column right, left;
 };
 
-template <class SquareMatrix>
-NullVectors<SquareMatrix> null_vectors(const SquareMatrix& A) {
+template <class SquareMatrix> NullVectors<SquareMatrix> null_vectors(const SquareMatrix& A) {
   NullVectors<SquareMatrix> null;
   const Eigen::Index n = A.rows();
   // A shift far below what the borders notice keeps the solutions finite where A is exactly singular.

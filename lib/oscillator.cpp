@@ -96,4 +96,9 @@ HybridSystem make_oscillator(const OscillatorKind& kind, const ContactLaw& law) 
   return system;
 }
 
+Vector steady_response(const Vector& p) {
+  const double w = p[eta], stiffness = 1.0 - w * w, damping = 2.0 * p[b] * w;
+  return p[xi] / (stiffness * stiffness + damping * damping) * Vector{{stiffness, damping * w}};
+}
+
 }  // namespace graze

@@ -34,4 +34,9 @@ inline HybridSystem make_oscillator(std::string_view kind, std::string_view law)
 /// Acceleration at the barrier of a mass at rest there: xi cos(eta t) - r - beta r^3; > 0 presses it against the barrier.
 double barrier_acceleration(double t, const Vector& p);
 
+/// The steady motion without barrier and without beta x^3, as a state at forcing phase 0:
+///     x = xi (1 - eta^2) / D,   x' = 2 b eta^2 xi / D,   D = (1 - eta^2)^2 + (2 b eta)^2.
+/// For beta = 0 it is the impactless orbit, as long as its amplitude xi / sqrt(D) stays below r.
+Vector steady_response(const Vector& p);
+
 }  // namespace graze

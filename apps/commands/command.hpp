@@ -31,6 +31,7 @@ Command models_command();
 Command orbit_command();
 Command continue_command();
 Command locate_command();
+Command diagram_command();
 Command verify_command();
 Command trajectory_command();
 Command poincare_command();

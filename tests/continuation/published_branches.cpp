@@ -177,8 +177,9 @@ TEST_CASE("misuse of continuation is refused in one sentence, interruption keeps
   options.to = 1.0;
   CHECK_THROWS_WITH(continue_orbit(system, orbit, options), Catch::Contains("the range of eta is empty"));
   options.to = 0.9;
-  int asked = 0;
-  options.cancelled = [&] { return ++asked > 5; };
+  int made = 0;
+  options.progress = [&](const Branch&) { ++made; };
+  options.cancelled = [&] { return made >= 5; };
   const std::vector<Branch> branches = continue_orbit(system, orbit, options);
   CHECK(branches[0].stop == BranchStop::interrupted);
   CHECK(branches[0].points.size() == 6);

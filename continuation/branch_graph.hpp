@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// BranchGraph: branches and how they hang together: which was born on which special point, and what was left out.
+//
+// From its seeds everything is followed that hangs together with them: doubled branches (and back from a doubled branch to the
+// one it was born on), and the orbits beyond a grazing of a hard contact. A family of orbits is kept once, whichever way it was
+// reached: a new branch is compared with those already there, orbit by orbit and up to a shift in time.
+//
+// Work is done in rounds of a fixed size, and what a round brings is taken up in order: the result does not depend on the number
+// of threads.
+#pragma once
+
+#include <graze/continuation/continuation.hpp>
+
+namespace graze {
+
+/// An orbit to start from, and the directions in which the parameter changes from it (+1, -1).
+struct BranchSeed {
+  PeriodicOrbit orbit;
+  std::vector<int> directions = {1, -1};
+};
+
+/// A special point at which more orbits begin that were not followed.
+struct CutOff {
+  int branch = 0;
+  std::string label;
+  std::string reason;
+};
+
+struct BranchGraph {
+  std::vector<Branch> branches;
+  std::vector<CutOff> cut_off;
+  bool interrupted = false;
+};
+
+/// Follows everything from the seeds (converged orbits) within the range options.from ... options.to.
+/// Misuse throws std::invalid_argument.
+BranchGraph follow_branches(const HybridSystem& system, const std::vector<BranchSeed>& seeds, const ContinuationOptions& options);
+
+/// True if the orbit (at that value of the parameter) is one of the branch's, up to a shift by forcing periods.
+bool lies_on(const HybridSystem& system, const Branch& branch, const PeriodicOrbit& orbit, double value);
+
+}  // namespace graze

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/continuation/grazing_edge.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace graze {
+
+bool same_edge(const GrazingEdge& a, const GrazingEdge& b) {
+  const auto near = [](const Vector& x, const Vector& y) {
+    return (x - y).lpNorm<Eigen::Infinity>() < 1e-9 * (1.0 + x.lpNorm<Eigen::Infinity>());
+  };
+  return a.period == b.period && a.impacts == b.impacts && std::abs(a.value - b.value) < 1e-9 * (1.0 + std::abs(a.value)) &&
+         std::any_of(b.states.begin(), b.states.end(), [&](const Vector& x) { return near(x, a.states.front()); });
+}
+
+int to_least_period(PeriodicOrbit& orbit, LocatedGrazing& grazing) {
+  const auto nodes = static_cast<Eigen::Index>(orbit.nodes.size()), n = orbit.state.size();
+  for (int period = 1; period <= orbit.period / 2; ++period) {
+    const Eigen::Index shift = nodes * period / orbit.period * n;
+    if (orbit.period % period != 0 || nodes * period % orbit.period != 0) continue;
+    const Vector u = grazing.u.head(nodes * n);
+    if ((u.tail(nodes * n - shift) - u.head(nodes * n - shift)).lpNorm<Eigen::Infinity>() > 1e-10) continue;
+    const auto shorten = [&](Vector& v) {
+      Vector kept(shift + 1);
+      kept << v.head(shift), v[v.size() - 1];
+      v = kept;
+    };
+    shorten(grazing.u);
+    shorten(grazing.family_dp);
+    orbit.period = period;
+    orbit.nodes.resize(static_cast<std::size_t>(shift / n));
+    orbit.states.resize(static_cast<std::size_t>(period));
+    return period;
+  }
+  return orbit.period;
+}
+
+}  // namespace graze

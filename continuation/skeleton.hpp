@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Skeleton: every branch of periodic orbits in a range of one parameter that hangs together with a set of seeds, stable and
+// unstable: the orbits without impact, the attractors of sweeps both ways and from rest, and orbits found by global search.
+#pragma once
+
+#include <graze/continuation/branch_graph.hpp>
+#include <graze/floquet/search.hpp>
+
+#include <string>
+
+namespace graze {
+
+struct SkeletonOptions {
+  /// from, to: the range. max_period, max_branches and threads hold for the seeds too.
+  ContinuationOptions continuation = {};
+  int settled_values = 31;  ///< values of the parameter at which attractors are looked for, ends included
+  int settle = 300;         ///< forcing periods of transient at each
+  int searched_values = 7;  ///< values at which orbits are searched, ends left out
+  int searched_period = 4;  ///< orbits of period 1 up to this one are searched
+  SearchOptions search = {};
+  std::vector<PeriodicOrbit> more_seeds = {};  ///< the user's own
+  /// Told what is being done, and how much of it (0 to 1); by one thread at a time.
+  std::function<void(const std::string& what, double part)> progress = {};
+};
+
+struct SkeletonSeed {
+  PeriodicOrbit orbit;
+  std::string origin;  ///< "given", "settled" or "searched"
+};
+
+/// The seeds alone: admissible orbits, in a fixed order, duplicates at one value left out.
+/// @throws std::invalid_argument for an autonomous system.
+std::vector<SkeletonSeed> skeleton_seeds(const HybridSystem& system, const Vector& p, const SkeletonOptions& options);
+
+struct Skeleton {
+  std::vector<SkeletonSeed> seeds;
+  BranchGraph graph;
+};
+
+/// Seeds and all that hangs together with them. `p`: values of the other parameters.
+Skeleton skeleton(const HybridSystem& system, const Vector& p, const SkeletonOptions& options);
+
+}  // namespace graze
