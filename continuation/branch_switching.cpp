@@ -23,8 +23,9 @@ std::optional<BranchStart> doubled_start(const SpecialPoint& pd, OrbitProblem& p
   direction.segment(v.size(), v.size()) = -v;
   const ZeroProblem zero = doubled.zero_problem();
   direction /= std::sqrt(zero.weights.dot(direction.cwiseAbs2()));
-  for (double push = 2e-3; push > 1e-6; push *= 0.5) {
-    BranchStart start{at_birth + push * direction, {}};
+  // Small, and small steps after it: in a cascade the next bifurcation may follow closely.
+  for (const double push : {2e-4, 5e-5, 1e-5, 1e-3, 2e-6}) {
+    BranchStart start{at_birth + push * direction, {}, push};
     if (!correct(zero, direction, start.u, options).converged()) continue;
     start.orientation = start.u - at_birth;
     const double length = std::sqrt(zero.weights.dot(start.orientation.cwiseAbs2()));

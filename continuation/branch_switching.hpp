@@ -12,6 +12,7 @@ namespace graze {
 
 struct BranchStart {
   Vector u, orientation;
+  double step = 0.0;  ///< first step of the tracer, where the usual one could pass over what lies close by; 0: the usual one
 };
 
 /// At a period doubling: the orbit run through twice, pushed apart along the eigenvector of -1. The corrector's arclength
