@@ -272,6 +272,22 @@ Verdict BranchFollower::monitor(OrbitProblem& problem, const CurvePoint& before,
   return verdict;
 }
 
+/// Where the model allows no value beyond the end of the range, no step leads across it: the last one is made onto it.
+bool BranchFollower::end_on_bound(OrbitProblem& problem, Branch& branch) {
+  const BranchPoint& end = branch.points.back();
+  for (const double bound : {low_, high_}) {
+    if (end.value == bound || std::abs(end.value - bound) > 1e-6 * (1.0 + std::abs(bound))) continue;
+    Vector u = problem.pack(end.nodes, end.duration, bound);
+    if (!correct(problem.zero_problem(), problem.parameter_direction(), u, options_.trace).converged()) return false;
+    u[u.size() - 1] = bound;
+    BranchPoint point = problem.branch_point(u, end.arclength + std::abs(end.value - bound) / problem.scale());
+    if (!point.multipliers.valid || point.signature != end.signature) return false;
+    branch.points.push_back(std::move(point));
+    return true;
+  }
+  return false;
+}
+
 double BranchFollower::better_section(OrbitProblem& problem, const Vector& u) const {
   const double current = problem.equations().section_phase();
   if (!hard_contacts_ || problem.equations().autonomous() ||
@@ -352,6 +368,7 @@ std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const Ve
     return std::nullopt;
   }
   if (branch.points.empty()) begin(curve.points.front().u);
+  if (curve.stop == TraceStop::min_step && end_on_bound(problem, branch)) curve.stop = TraceStop::monitor;
   branch.direction = branch.points.size() > 1 && branch.points[1].value < branch.points[0].value ? -1 : 1;
   const BranchPoint& end = branch.points.back();
   branch.stop_value = end.value;

@@ -36,6 +36,7 @@ class BranchFollower {
   void user_points(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after, Branch& branch);
   void mark_end(OrbitProblem& problem, const Vector& u, PointType type, Branch& branch);
   double better_section(OrbitProblem& problem, const Vector& u) const;
+  bool end_on_bound(OrbitProblem& problem, Branch& branch);
   Vector at_value(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after, double value) const;
 
   const HybridSystem& system_;

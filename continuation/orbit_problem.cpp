@@ -58,7 +58,12 @@ Vector OrbitProblem::pack(const std::vector<Vector>& nodes, double duration, dou
 Vector OrbitProblem::parameter_direction() const { return Vector::Unit(unknowns(), unknowns() - 1); }
 
 bool OrbitProblem::evaluate(const Vector& u, const TransitionOptions& options) {
-  p_[static_cast<Eigen::Index>(parameter_)] = value(u);
+  // The corrector's rounding must not carry a value that stands on the end of its range beyond it.
+  const ParameterInfo& info = system().parameters[parameter_];
+  const double at = value(u), slack = 1e-13;
+  p_[static_cast<Eigen::Index>(parameter_)] = at < info.lower && at > info.lower - slack && !info.lower_open ? info.lower
+                                              : at > info.upper && at < info.upper + slack                   ? info.upper
+                                                                                                             : at;
   try {
     equations_.set_parameters(p_);
   } catch (const std::invalid_argument& refused) {

@@ -21,8 +21,8 @@ FiniteDifferenceCheck finite_difference_check(const HybridSystem& system, const 
                                               const FlowOptions& options) {
   FiniteDifferenceCheck check;
   if (orbit.nodes.empty()) return check;
-  ShootingEquations equations(system, orbit.parameters, orbit.period, static_cast<int>(orbit.nodes.size()), std::nullopt,
-                              options, orbit.section_phase);
+  ShootingEquations equations(system, orbit.parameters, orbit.period, static_cast<int>(orbit.nodes.size()), std::nullopt, options,
+                              orbit.section_phase);
   const int n = equations.states(), count = equations.nodes();
   Vector u(equations.unknowns());
   for (int j = 0; j < count; ++j) u.segment(j * n, n) = orbit.nodes[static_cast<std::size_t>(j)];

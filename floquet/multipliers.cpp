@@ -42,9 +42,12 @@ double determinant(const Matrix& A) {
   return lu.isInvertible() ? std::ldexp(lu.determinant(), scale) : 0.0;
 }
 
-std::vector<double> determinants(const std::vector<Matrix>& factors) {
+std::vector<double> determinants(const std::vector<Matrix>& factors, const std::vector<double>& log_dets) {
   std::vector<double> list;
-  for (const Matrix& factor : factors) list.push_back(determinant(factor));
+  for (std::size_t k = 0; k < factors.size(); ++k) {
+    list.push_back(determinant(factors[k]));
+    if (list.back() == 0.0 && k < log_dets.size() && std::isfinite(log_dets[k])) list.back() = std::exp(log_dets[k]);
+  }
   return list;
 }
 
@@ -147,12 +150,12 @@ Matrix MonodromyMatrix::product() const {
   return M;
 }
 
-std::vector<std::complex<double>> product_eigenvalues(const std::vector<Matrix>& factors) {
+std::vector<std::complex<double>> product_eigenvalues(const std::vector<Matrix>& factors, const std::vector<double>& log_dets) {
   std::vector<std::complex<double>> values;
   if (factors.empty()) return values;
   const Eigen::Index n = factors.front().rows();
   Matrix start = Matrix::Identity(n, n), end;
-  const std::vector<double> dets = determinants(factors);
+  const std::vector<double> dets = determinants(factors, log_dets);
   TriangularForm form = sweep(factors, dets, start, end);
   const auto parted = [&] {
     return n < 2 || form.E.triangularView<Eigen::StrictlyLower>().toDenseMatrix().cwiseAbs().maxCoeff() < epsilon;
@@ -186,13 +189,13 @@ FloquetMultipliers multipliers(const MonodromyMatrix& monodromy, double duration
   for (const Matrix& factor : monodromy.factors)
     if (!factor.allFinite()) return result;
   if (monodromy.section == Section::stroboscopic) {
-    result.values = product_eigenvalues(monodromy.factors);
+    result.values = product_eigenvalues(monodromy.factors, monodromy.log_dets);
   } else {
     // The direction of the field is carried into itself: taken as first basis vector it splits off the trivial multiplier, and
     // what is left of the factors is their lower right block.
     const Eigen::Index n = monodromy.trivial_direction.size();
     Matrix start = Eigen::HouseholderQR<Matrix>(monodromy.trivial_direction).householderQ() * Matrix::Identity(n, n), end;
-    const TriangularForm form = sweep(monodromy.factors, determinants(monodromy.factors), start, end);
+    const TriangularForm form = sweep(monodromy.factors, determinants(monodromy.factors, monodromy.log_dets), start, end);
     std::vector<Matrix> rest;
     double along = form.E(0, 0);
     for (const Matrix& R : form.R) {

@@ -21,8 +21,11 @@ enum class Section { stroboscopic, autonomous };
 
 struct MonodromyMatrix {
   Section section = Section::stroboscopic;
-  std::vector<Matrix> factors;  ///< M = factors.back() ... factors.front()
-  Vector trivial_direction;     ///< autonomous: the field at the start, which M carries into itself
+  std::vector<Matrix> factors;    ///< M = factors.back() ... factors.front()
+  Vector trivial_direction = {};  ///< autonomous: the field at the start, which M carries into itself
+  /// ln|det| of each factor as Liouville's identity has it, NaN where it says nothing; may be empty. Used where the determinant
+  /// is lost in the rounding of a factor's entries (strong damping), so that a small multiplier is not taken for zero.
+  std::vector<double> log_dets = {};
   Matrix product() const;
 };
 
@@ -41,7 +44,8 @@ struct FloquetMultipliers {
 /// Multipliers of an orbit of the given duration (dimensionless time).
 FloquetMultipliers multipliers(const MonodromyMatrix& monodromy, double duration);
 
-/// Eigenvalues of a product of square matrices, from its factors, by decreasing modulus.
-std::vector<std::complex<double>> product_eigenvalues(const std::vector<Matrix>& factors);
+/// Eigenvalues of a product of square matrices, from its factors, by decreasing modulus; `log_dets` as in MonodromyMatrix.
+std::vector<std::complex<double>> product_eigenvalues(const std::vector<Matrix>& factors,
+                                                      const std::vector<double>& log_dets = {});
 
 }  // namespace graze

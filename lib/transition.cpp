@@ -12,9 +12,14 @@ namespace graze {
 
 namespace {
 
+/// From the entries of a segment's matrix; NaN where so much cancels that the entries' own error (1e-13) would show.
 double log_abs_det(const Matrix& matrix) {
-  const double det = matrix.rows() == 2 ? matrix(0, 0) * matrix(1, 1) - matrix(0, 1) * matrix(1, 0) : matrix.determinant();
-  return std::log(std::abs(det));
+  const bool small = matrix.rows() == 2;
+  const double det = small ? matrix(0, 0) * matrix(1, 1) - matrix(0, 1) * matrix(1, 0) : matrix.determinant();
+  const double size =
+      small ? std::abs(matrix(0, 0) * matrix(1, 1)) + std::abs(matrix(0, 1) * matrix(1, 0)) : matrix.rowwise().norm().prod();
+  constexpr double cancelled = 1e-3;
+  return small && std::abs(det) < cancelled * size ? std::numeric_limits<double>::quiet_NaN() : std::log(std::abs(det));
 }
 
 /// One run of carry(): the state on its way, and the map composed so far.
@@ -28,6 +33,7 @@ class Composer {
     const auto n = static_cast<Eigen::Index>(propagator.system().states);
     out.termination = Termination::failed;
     out.factors.clear();
+    out.factor_log_dets.clear();
     out.events.clear();
     out.event_sequence.clear();
     out.log_det = out.liouville = 0.0;
@@ -38,8 +44,8 @@ class Composer {
 
   bool start(double t0, const Vector& x0) {
     if (static_cast<std::size_t>(x0.size()) != propagator_.system().states)
-      throw std::invalid_argument(
-          fmt::format("the state has {} entries; system {} has {}", x0.size(), propagator_.system().name, propagator_.system().states));
+      throw std::invalid_argument(fmt::format("the state has {} entries; system {} has {}", x0.size(), propagator_.system().name,
+                                              propagator_.system().states));
     state_ = {t0, x0, 0};
     const auto& choose = propagator_.system().initial_mode;
     const std::optional<std::size_t> mode = !x0.allFinite() ? std::nullopt
@@ -92,7 +98,9 @@ class Composer {
     if (parameters_ > 0) out_.Psi = segment.Phi * out_.Psi + segment.Psi;
     out_.log_det += log_abs_det(segment.Phi);
     out_.liouville += segment.divergence;
-    if (options_.keep_factors) out_.factors.push_back(segment.Phi);
+    if (!options_.keep_factors) return;
+    out_.factors.push_back(segment.Phi);
+    out_.factor_log_dets.push_back(segment.divergence);
   }
 
   bool compose_event() {
@@ -106,11 +114,14 @@ class Composer {
     if (event.continuous) return true;  // S is the identity
     out_.Phi = saltation.S * out_.Phi;
     if (parameters_ > 0) out_.Psi = saltation.S * out_.Psi + saltation.Sp;
-    const double volume = log_abs_det(saltation.S);
+    const double volume = std::log(std::abs(saltation.S.determinant()));
     out_.log_det += volume;
     const bool known = event.log_volume_change && record.kind != EventKind::stick;
     out_.liouville += known ? event.log_volume_change(propagator_.parameters()) : volume;
-    if (options_.keep_factors) out_.factors.push_back(saltation.S);
+    if (options_.keep_factors) {
+      out_.factors.push_back(saltation.S);
+      out_.factor_log_dets.push_back(std::numeric_limits<double>::quiet_NaN());
+    }
     return true;
   }
 

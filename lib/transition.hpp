@@ -32,11 +32,12 @@ struct Transition {
   Matrix Phi;
   Matrix Psi;
   std::vector<Matrix> factors;              ///< Phi = factors.back() ... factors.front(); if TransitionOptions::keep_factors
+  std::vector<double> factor_log_dets;      ///< their ln|det| from Liouville's identity; NaN where it says nothing
   std::vector<EventRecord> events;          ///< if TransitionOptions::keep_events
   std::vector<std::size_t> event_sequence;  ///< indices of the events, always
   Touch touch;                              ///< if TransitionOptions::left_out
-  double log_det = 0.0;                     ///< sum of ln|det| of the factors, taken from the factors
-  double liouville = 0.0;                   ///< the same from Liouville's identity: divergence and the laws' volume changes
+  double log_det = 0.0;    ///< sum of ln|det| of the factors, taken from the factors; NaN: lost in their rounding
+  double liouville = 0.0;  ///< the same from Liouville's identity: divergence and the laws' volume changes
 };
 
 struct TransitionOptions {

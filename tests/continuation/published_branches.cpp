@@ -185,6 +185,23 @@ TEST_CASE("misuse of continuation is refused in one sentence, interruption keeps
   CHECK(branches[0].points.size() == 6);
 }
 
+TEST_CASE("a branch reaches the end of what the model allows, and stands on it exactly") {
+  const HybridSystem system = make_oscillator("linear", "newton");
+  for (const double to : {1.0, 0.0}) {
+    const Vector p = parameters(system, {{"k_r", 0.6}, {"eta", 0.95}});
+    const PeriodicOrbit orbit = shoot(system, p, Vector{{1.5, 1.5}}, 1);
+    REQUIRE(orbit.converged());
+    ContinuationOptions options;
+    options.parameter = "k_r";
+    options.to = to;
+    options.switch_generations = 0;
+    const std::vector<Branch> branches = continue_orbit(system, orbit, options);
+    CHECK(branches[0].stop == BranchStop::reached_bound);
+    CHECK(branches[0].points.back().value == to);
+    CHECK(check_branch(system, branches[0]).empty());
+  }
+}
+
 TEST_CASE("check_branch finds what has been tampered with") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   const Vector p = parameters(system, {{"b_H", 0.1}, {"eta", 0.95}});

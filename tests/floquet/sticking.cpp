@@ -107,3 +107,29 @@ TEST_CASE("the search finds a sticking orbit once") {
   CHECK(same_orbit(result.orbits[0], sticking_orbit(0.5), 1e-10));
   CHECK(result.complete);
 }
+
+TEST_CASE("a mass held against its stop for good: a disturbance is forgotten where impacts lose energy, and only there") {
+  const HybridSystem system = make_oscillator("linear", "newton");
+  const Vector held{{-2.0, 0.0}};
+  const PeriodicOrbit forgetful = shoot(system, parameters(system, {{"r", -2.0}, {"k_r", 0.5}, {"xi", 0.3}}), held, 1);
+  REQUIRE(forgetful.converged());
+  CHECK(forgetful.impacts == 0);
+  REQUIRE(forgetful.multipliers.valid);
+  for (const auto& mu : forgetful.multipliers.values) CHECK(mu == 0.0);
+  const PeriodicOrbit lossless = shoot(system, parameters(system, {{"r", -2.0}, {"k_r", 1.0}, {"xi", 0.3}}), held, 1);
+  CHECK_FALSE(lossless.multipliers.valid);
+  CHECK_FALSE(lossless.stable());
+}
+
+TEST_CASE("strong damping: a multiplier far below the rounding of its matrix is that of Liouville's identity") {
+  const HybridSystem system = make_oscillator("linear", "hertz");
+  const Vector p = parameters(system, {{"b", 5.0}, {"eta", 0.95}});
+  const PeriodicOrbit orbit = shoot(system, p, Vector{{0.0, 0.0}}, 1);
+  REQUIRE(orbit.converged());
+  REQUIRE(orbit.multipliers.values.size() == 2);
+  // exp((-b +- sqrt(b^2 - 1)) T)
+  const double T = forcing_period(system, p), root = std::sqrt(24.0);
+  CHECK(orbit.multipliers.values[0].real() == Approx(std::exp((-5.0 + root) * T)).epsilon(1e-13));
+  CHECK(orbit.multipliers.values[1].real() == Approx(std::exp((-5.0 - root) * T)).epsilon(1e-11));
+  CHECK(orbit.checks.liouville == -1.0);  // the entries no longer hold the determinant: nothing to compare
+}
