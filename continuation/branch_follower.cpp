@@ -5,19 +5,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace graze {
 
 namespace {
 
-/// Half of an orbit's nodes minus the other half: zero where a doubled orbit has collapsed onto its parent.
-Vector antisymmetric_part(const Branch& branch, const std::vector<Vector>& nodes) {
-  const std::size_t half = nodes.size() / 2;
-  const Eigen::Index n = nodes.front().size();
+/// Half of an orbit's states minus the other half: zero where a doubled orbit has collapsed onto its parent.
+Vector antisymmetric_part(const Branch& branch, const std::vector<Vector>& states) {
+  const std::size_t half = states.size() / 2;
+  if (branch.period % 2 != 0 || states.size() % 2 != 0) return {};
+  const Eigen::Index n = states.front().size();
   Vector difference(n * static_cast<Eigen::Index>(half));
-  if (branch.period % 2 != 0 || nodes.size() % 2 != 0) return {};
-  for (std::size_t j = 0; j < half; ++j) difference.segment(static_cast<Eigen::Index>(j) * n, n) = nodes[j] - nodes[j + half];
+  for (std::size_t j = 0; j < half; ++j) difference.segment(static_cast<Eigen::Index>(j) * n, n) = states[j] - states[j + half];
   return difference;
 }
 
@@ -31,6 +30,12 @@ std::array<int, 3> unstable_kinds(const BranchPoint& point) {
   return count;
 }
 
+/// Two multipliers through the same point within one step leave the test function's sign as it was.
+bool skipped_something(const BranchPoint& before, const BranchPoint& after) {
+  const auto a = unstable_kinds(before), b = unstable_kinds(after);
+  return std::abs(a[0] - b[0]) > 1 || std::abs(a[1] - b[1]) > 1 || std::abs(a[2] - b[2]) > 2;
+}
+
 }  // namespace
 
 BranchFollower::BranchFollower(const HybridSystem& system, const ContinuationOptions& options, double low, double high)
@@ -38,223 +43,55 @@ BranchFollower::BranchFollower(const HybridSystem& system, const ContinuationOpt
       hard_contacts_(
           std::any_of(system.events.begin(), system.events.end(), [](const Event& event) { return !event.continuous; })) {}
 
-Vector BranchFollower::at_value(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after, double value) const {
-  const double a = problem.value(before.u), b = problem.value(after.u);
-  Vector u = before.u + (value - a) / (b - a) * (after.u - before.u);
-  u[u.size() - 1] = value;
-  const NewtonReport report = correct(problem.zero_problem(), problem.parameter_direction(), u, options_.trace);
-  if (!report.converged()) return {};
-  u[u.size() - 1] = value;
-  return u;
+bool BranchFollower::interrupted_now() {
+  interrupted_ = interrupted_ || (options_.cancelled && options_.cancelled());
+  return interrupted_;
 }
 
-void BranchFollower::mark_end(OrbitProblem& problem, const Vector& u, PointType type, Branch& branch) {
-  SpecialPoint point;
-  point.type = type;
-  NewtonReport report;
-  report.status = NewtonStatus::converged;
-  point.orbit = problem.orbit(u, report);
-  point.value = point.interval[0] = point.interval[1] = problem.value(u);
-  point.status = PointStatus::converged;
-  point.after_point = branch.points.empty() ? 0 : branch.points.size() - 1;
-  branch.special_points.push_back(std::move(point));
-}
-
-bool BranchFollower::skipped_something(const TestPoint& before, const TestPoint& after) const {
-  // Two multipliers through the same point within one step leave the test function's sign as it was.
-  const auto a = unstable_kinds(before.branch), b = unstable_kinds(after.branch);
-  return std::abs(a[0] - b[0]) > 1 || std::abs(a[1] - b[1]) > 1 || std::abs(a[2] - b[2]) > 2;
-}
-
-void BranchFollower::user_points(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after, Branch& branch) {
-  const double a = problem.value(before.u), b = problem.value(after.u);
-  std::vector<double> inside;
-  for (const double value : options_.user_values)
-    if ((a < value) != (b < value)) inside.push_back(value);
-  std::sort(inside.begin(), inside.end(), [&](double x, double y) { return a < b ? x < y : x > y; });
-  for (const double value : inside) {
-    const Vector u = at_value(problem, before, after, value);
-    if (u.size() > 0) mark_end(problem, u, PointType::UZ, branch);
-  }
-}
-
-void BranchFollower::locate(OrbitProblem& problem, const TestFunction& test, const TestPoint& before, const TestPoint& after,
-                            Branch& branch) {
-  // Close in on the sign change along the curve (Illinois), until Newton on the extended system has an easy start.
-  const ZeroProblem zero = problem.zero_problem();
-  const double length = after.curve.arclength - before.curve.arclength;
-  double lo = 0.0, hi = 1.0, f_lo = test.value(before), f_hi = test.value(after);
-  double value_lo = problem.value(before.curve.u), value_hi = problem.value(after.curve.u);
-  CurvePoint best = after.curve;
-  BranchPoint best_branch = after.branch;
-  int side = 0;
-  for (int i = 0; i < 8; ++i) {
-    const double s = std::clamp((lo * f_hi - hi * f_lo) / (f_hi - f_lo), lo + 0.01 * (hi - lo), hi - 0.01 * (hi - lo));
-    CurvePoint trial;
-    trial.u = before.curve.u + s * (after.curve.u - before.curve.u);
-    if (!correct(zero, after.curve.u - before.curve.u, trial.u, options_.trace).converged()) break;
-    trial.tangent = tangent_at(zero, trial.u, before.curve.tangent);
-    if (trial.tangent.size() == 0) break;
-    trial.arclength = before.curve.arclength + s * length;
-    const BranchPoint here = problem.branch_point(trial.u, trial.arclength);
-    if (!here.multipliers.valid) break;
-    const double f = test.value({trial, here});
-    best = trial;
-    best_branch = here;
-    if ((f < 0.0) == (f_lo < 0.0)) {
-      lo = s;
-      f_lo = f;
-      value_lo = here.value;
-      if (side == 1) f_hi *= 0.5;
-      side = 1;
-    } else {
-      hi = s;
-      f_hi = f;
-      value_hi = here.value;
-      if (side == -1) f_lo *= 0.5;
-      side = -1;
-    }
-    if (std::abs(f) < 1e-5 || hi - lo < 1e-7) break;
-  }
-  SpecialPoint point;
-  point.type = test.type;
-  point.after_point = branch.points.size() - 1;
-  point.interval[0] = std::min(value_lo, value_hi);
-  point.interval[1] = std::max(value_lo, value_hi);
-  LocatedPoint located = test.locate(problem, best.u, {best, best_branch});
-  // Newton must not have left for another point of the kind: it stays within the step that announced this one.
-  const Vector away = located.u - best.u;
-  const bool near = away.size() > 0 && std::sqrt(zero.weights.dot(away.cwiseAbs2())) <= length;
-  point.newton = located.newton;
-  if (located.newton.converged() && near) {
-    point.status = PointStatus::converged;
-    point.precision = std::max(located.precision, 4e-16 * std::abs(problem.value(located.u)));
-    point.value = problem.value(located.u);
-    point.interval[0] = point.value - point.precision;
-    point.interval[1] = point.value + point.precision;
-    point.orbit = problem.orbit(located.u, located.newton);
-    if (test.describe) test.describe(problem, located, point);
-  } else {
-    point.value = problem.value(best.u);
-    point.precision = 0.5 * (point.interval[1] - point.interval[0]);
-    NewtonReport report;
-    report.status = NewtonStatus::converged;
-    point.orbit = problem.orbit(best.u, report);
-  }
-  branch.special_points.push_back(std::move(point));
-}
-
-void BranchFollower::add_grazing(const OrbitProblem& problem, const LocatedGrazing& located, int impacts_before,
-                                 int impacts_after, Branch& branch) {
-  SpecialPoint point;
-  point.type = PointType::GR;
-  point.after_point = branch.points.size() - 1;
-  point.status = PointStatus::converged;
-  point.newton = located.newton;
-  point.value = problem.value(located.u);
-  point.precision = std::max(located.precision, 4e-16 * std::abs(point.value));
-  point.interval[0] = point.value - point.precision;
-  point.interval[1] = point.value + point.precision;
-  point.orbit = located.orbit;
-  point.orbit.impacts = impacts_before;
-  point.orbit.admissible = branch.points.back().admissible;
-  point.details["kind"] = impacts_after < impacts_before ? "lost" : "gained";
-  point.details["impacts"] = std::vector<double>{static_cast<double>(impacts_before), static_cast<double>(impacts_after)};
-  point.details["scenario"] = std::string(grazing_scenario_name(located.scenario));
-  point.details["time"] = located.t;
-  if (system_.forcing_frequency) {
-    const double T = forcing_period(system_, point.orbit.parameters);
-    point.details["phase"] = 2.0 * std::numbers::pi * std::fmod(located.t / T, 1.0);
-  }
-  branch.special_points.push_back(std::move(point));
-}
-
-void BranchFollower::locate_impact_change(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after,
-                                          const BranchPoint& reached, Branch& branch) {
-  const BranchPoint& last = branch.points.back();
-  const bool lost = reached.impacts < last.impacts;
-  const Vector& with_impact = lost ? before.u : after.u;
-  const double low = std::min(last.value, reached.value), high = std::max(last.value, reached.value), width = high - low;
-  if (const std::optional<GrazingGuess> guess = weakest_contact(problem, with_impact)) {
-    const LocatedGrazing located = locate_grazing(problem, with_impact, *guess);
-    const double value = located.newton.converged() ? problem.value(located.u) : 0.0;
-    if (located.newton.converged() && value >= low - 0.01 * width && value <= high + 0.01 * width)
-      return add_grazing(problem, located, last.impacts, reached.impacts, branch);
-  }
-  SpecialPoint point;
-  point.type = PointType::GR;
-  point.after_point = branch.points.size() - 1;
-  point.value = 0.5 * (low + high);
-  point.precision = 0.5 * width;
-  point.interval[0] = low;
-  point.interval[1] = high;
-  point.orbit = problem.orbit(with_impact, {});
-  point.details["kind"] = lost ? "lost" : "gained";
-  point.details["impacts"] = std::vector<double>{static_cast<double>(last.impacts), static_cast<double>(reached.impacts)};
-  branch.special_points.push_back(std::move(point));
-}
-
-std::optional<GrazingEnd> BranchFollower::broken_off_at_grazing(OrbitProblem& problem, Branch& branch) {
-  const BranchPoint& end = branch.points.back();
-  const Vector u = problem.pack(end.nodes, end.duration, end.value);
-  const ZeroProblem zero = problem.zero_problem();
-  // The impact about to be lost, or else the maximum about to become one: whichever grazing lies right beyond the last point.
-  constexpr double near = 0.02;
-  for (const bool lost : {true, false}) {
-    const std::optional<GrazingGuess> guess = lost ? weakest_contact(problem, u) : nearest_miss(problem, u);
-    if (!guess) continue;
-    LocatedGrazing located = locate_grazing(problem, u, *guess);
-    if (!located.newton.converged() || located.scenario == GrazingScenario::smooth) continue;
-    const Vector away = located.u - u;
-    if (std::sqrt(zero.weights.dot(away.cwiseAbs2())) > near) continue;
-    add_grazing(problem, located, end.impacts, end.impacts + (lost ? -1 : 1), branch);
-    return GrazingEnd{std::move(located), lost};
-  }
-  return std::nullopt;
-}
-
-Verdict BranchFollower::monitor(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch) {
-  if (options_.cancelled && options_.cancelled()) {
-    interrupted_ = true;
-    return Verdict::stop;
-  }
-  // The end of the range: the last point lies on it.
-  Verdict verdict = Verdict::go_on;
+/// The end of the range: the step's end is moved onto it. Empty: not there yet.
+std::optional<Verdict> BranchFollower::end_of_range(BranchProblem& problem, const CurvePoint& before, CurvePoint& after) const {
   const double value = problem.value(after.u), last = problem.value(before.u);
   const double tolerance = 1e-14 * (1.0 + std::abs(high_));
-  if ((value >= high_ - tolerance && last < high_ && value > last) ||
-      (value <= low_ + tolerance && last > low_ && value < last)) {
-    const double bound = value > last ? high_ : low_;
-    const Vector u = at_value(problem, before, after, bound);
-    if (u.size() == 0) return Verdict::reject;
-    const double length = after.arclength - before.arclength;
-    after.arclength = before.arclength + length * std::clamp((bound - last) / (value - last), 0.0, 1.0);
-    after.u = u;
-    after.tangent = tangent_at(problem.zero_problem(), u, before.tangent);
-    if (after.tangent.size() == 0) return Verdict::reject;
-    verdict = Verdict::stop;
-  }
-  BranchPoint point = problem.branch_point(after.u, branch.points.back().arclength + after.arclength - before.arclength);
-  if (!point.multipliers.valid) return Verdict::reject;
-  const TestPoint a{before, branch.points.back()}, b{after, point};
-  if (skipped_something(a, b)) return Verdict::reject;
-  // One grazing at a time: a step across several is halved, down to where they cannot be told apart.
-  const int change = std::abs(point.isolated_impacts - branch.points.back().isolated_impacts);
-  // Orbits on both sides of a hard grazing are different families, even where the corrector finds its way across: never step over
-  // one.
-  if (change == 1 && hard_contacts_) return Verdict::reject;
-  if (change > 1 && after.arclength - before.arclength > 1e-7) return Verdict::reject;
-  const Vector difference = antisymmetric_part(branch, branch.points.back().nodes);
-  if (difference.size() > 0 && difference.dot(antisymmetric_part(branch, point.nodes)) < 0.0) {
-    returned_ = true;
-    return Verdict::stop;
-  }
+  const bool above = value >= high_ - tolerance && last < high_ && value > last;
+  const bool below = value <= low_ + tolerance && last > low_ && value < last;
+  if (!above && !below) return std::nullopt;
+  const double bound = above ? high_ : low_;
+  const Vector u = at_value(problem, before, after, bound);
+  if (u.size() == 0) return Verdict::reject;
+  const double length = after.arclength - before.arclength;
+  after.arclength = before.arclength + length * std::clamp((bound - last) / (value - last), 0.0, 1.0);
+  after.u = u;
+  after.tangent = tangent_at(problem.zero_problem(), u, before.tangent);
+  return after.tangent.size() == 0 ? Verdict::reject : Verdict::stop;
+}
+
+bool BranchFollower::returns_to_parent(const Branch& branch, const BranchPoint& next) {
+  const BranchPoint& last = branch.points.back();
+  const Vector before = antisymmetric_part(branch, last.states), after = antisymmetric_part(branch, next.states);
+  // Through zero, and not over it: where an impact passes phase 0 the states jump.
+  const double within = 6.0 * std::sqrt(static_cast<double>(next.states.size())) * (next.arclength - last.arclength);
+  returned_ = before.size() > 0 && before.dot(after) < 0.0 && before.lpNorm<Eigen::Infinity>() < within &&
+              after.lpNorm<Eigen::Infinity>() < within;
+  return returned_;
+}
+
+void BranchFollower::begin(BranchProblem& problem, const Vector& u, Branch& branch) {
+  branch.points.push_back(problem.branch_point(u, 0.0));
+  last_ = u;
+  mark(problem, u, PointType::EP, branch);
+}
+
+/// Locates what lies between the last point and the next, and takes the next one up.
+void BranchFollower::take(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, BranchPoint point,
+                          Branch& branch) {
+  const double value = point.value, last = branch.points.back().value;
+  const BranchPoint here = branch.points.back();
+  const TestPoint a{before, here}, b{after, point};
   for (const TestFunction& test : test_functions()) {
     const double f_a = test.value(a), f_b = test.value(b);
     if (std::isfinite(f_a) && std::isfinite(f_b) && (f_a < 0.0) != (f_b < 0.0) && test.confirm(a, b))
       locate(problem, test, a, b, branch);
   }
-  if (change == 1) locate_impact_change(problem, before, after, point, branch);
   user_points(problem, before, after, branch);
   const auto in_this_step =
       std::find_if(branch.special_points.begin(), branch.special_points.end(), [&](const SpecialPoint& special) {
@@ -264,25 +101,64 @@ Verdict BranchFollower::monitor(OrbitProblem& problem, const CurvePoint& before,
     return value > last ? x.value < y.value : x.value > y.value;
   });
   branch.points.push_back(std::move(point));
+  last_ = after.u;
   if (options_.progress) options_.progress(branch);
-  if (verdict == Verdict::go_on && better_section(problem, after.u) != problem.equations().section_phase()) {
-    section_blocked_ = true;
-    return Verdict::stop;
+}
+
+Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch) {
+  if (interrupted_now()) return Verdict::stop;
+  const std::optional<Verdict> end = end_of_range(problem, before, after);
+  if (end == Verdict::reject) return Verdict::reject;
+  BranchPoint point = problem.branch_point(after.u, branch.points.back().arclength + after.arclength - before.arclength);
+  if (!point.multipliers.valid || skipped_something(branch.points.back(), point)) return Verdict::reject;
+  // One grazing at a time: a step across several is halved, down to where they cannot be told apart.
+  const int change = std::abs(point.isolated_impacts - branch.points.back().isolated_impacts);
+  // Orbits on both sides of a hard grazing are different families, even where the corrector finds its way across: never step over
+  // one.
+  if (change == 1 && hard_contacts_) return Verdict::reject;
+  if (change > 1 && after.arclength - before.arclength > 1e-7) return Verdict::reject;
+  if (returns_to_parent(branch, point)) return Verdict::stop;
+  if (change == 1) locate_impact_change(problem, before, after, point, branch);
+  take(problem, before, after, std::move(point), branch);
+  if (end) return *end;
+  section_blocked_ = better_section(problem, after.u) != problem.equations().section_phase();
+  return section_blocked_ ? Verdict::stop : Verdict::go_on;
+}
+
+Verdict BranchFollower::monitor_signature(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after,
+                                          Branch& branch) {
+  if (interrupted_now()) return Verdict::stop;
+  // A branch that starts on its grazing begins with the first orbit beyond it.
+  const bool first = branch.points.empty();
+  if (first && problem.violation(after.u)) return Verdict::reject;
+  if (first && problem.least_speed(after.u) < weakest_kept) return Verdict::go_on;
+  if (first) {
+    begin(problem, after.u, branch);
+    return Verdict::go_on;
   }
-  return verdict;
+  const std::optional<Verdict> end = end_of_range(problem, before, after);
+  if (end == Verdict::reject) return Verdict::reject;
+  if (problem.violation(after.u)) return reaches_grazing(problem, before, after, branch) ? Verdict::stop : Verdict::reject;
+  BranchPoint point = problem.branch_point(after.u, branch.points.back().arclength + after.arclength - before.arclength);
+  if (!point.multipliers.valid || skipped_something(branch.points.back(), point)) return Verdict::reject;
+  if (returns_to_parent(branch, point)) return Verdict::stop;
+  take(problem, before, after, std::move(point), branch);
+  return end.value_or(Verdict::go_on);
 }
 
 /// Where the model allows no value beyond the end of the range, no step leads across it: the last one is made onto it.
-bool BranchFollower::end_on_bound(OrbitProblem& problem, Branch& branch) {
+bool BranchFollower::end_on_bound(BranchProblem& problem, Branch& branch) {
   const BranchPoint& end = branch.points.back();
   for (const double bound : {low_, high_}) {
     if (end.value == bound || std::abs(end.value - bound) > 1e-6 * (1.0 + std::abs(bound))) continue;
-    Vector u = problem.pack(end.nodes, end.duration, bound);
+    Vector u = last_;
+    u[u.size() - 1] = bound;
     if (!correct(problem.zero_problem(), problem.parameter_direction(), u, options_.trace).converged()) return false;
     u[u.size() - 1] = bound;
-    BranchPoint point = problem.branch_point(u, end.arclength + std::abs(end.value - bound) / problem.scale());
+    BranchPoint point = problem.branch_point(u, end.arclength + std::abs(end.value - bound) / (high_ - low_));
     if (!point.multipliers.valid || point.signature != end.signature) return false;
     branch.points.push_back(std::move(point));
+    last_ = u;
     return true;
   }
   return false;
@@ -316,10 +192,8 @@ double BranchFollower::better_section(OrbitProblem& problem, const Vector& u) co
   return std::fmod(current + middle * problem.period() / problem.nodes(), 1.0);
 }
 
-std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const Vector& u0, const Vector& orientation,
-                                                 Branch& branch) {
-  interrupted_ = returned_ = false;
-  Vector start = u0, direction = orientation;
+Curve BranchFollower::follow_states(OrbitProblem& problem, const BranchStart& given, Branch& branch) {
+  Vector start = given.u, direction = given.orientation;
   // Moves start and direction to a section clear of impacts, if need be.
   const auto clear_section = [&] {
     const double section = better_section(problem, start);
@@ -340,11 +214,8 @@ std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const Ve
     section_blocked_ = false;
     const ZeroProblem zero = problem.zero_problem();
     curve = trace(zero, start, direction, options_.trace, [&](const CurvePoint& before, CurvePoint& after) {
-      if (branch.points.empty()) {
-        branch.points.push_back(problem.branch_point(before.u, 0.0));
-        mark_end(problem, before.u, PointType::EP, branch);
-      }
-      return monitor(problem, before, after, branch);
+      if (branch.points.empty()) begin(problem, before.u, branch);
+      return monitor_states(problem, before, after, branch);
     });
     const Vector plain = std::copysign(1.0, direction[direction.size() - 1]) * problem.parameter_direction();
     if (curve.stop == TraceStop::start_failed && branch.points.empty() && direction != plain) {
@@ -357,18 +228,71 @@ std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const Ve
     const double arclength = branch.points.back().arclength;
     clear_section();
     branch.points.back() = problem.branch_point(start, arclength);
+    last_ = start;
   }
-  const auto begin = [&](const Vector& u) {
-    branch.points.push_back(problem.branch_point(u, 0.0));
-    mark_end(problem, u, PointType::EP, branch);
-  };
-  if (curve.points.empty()) {
+  return curve;
+}
+
+/// The start in the coordinates of its signature; nullopt where it has none without sticking.
+std::optional<BranchStart> BranchFollower::to_signature(OrbitProblem& problem, const BranchStart& start) const {
+  const std::optional<EventNodes> here = event_nodes(problem.orbit(start.u, {}));
+  if (!here) return std::nullopt;
+  BranchStart out;
+  out.sequence = here->sequence;
+  out.step = start.step;
+  const SignatureProblem moved(system_, problem.equations().parameters(), problem.period(), here->sequence, problem.parameter(),
+                               problem.scale(), problem.equations().options());
+  out.u = moved.pack(*here, problem.value(start.u));
+  // The direction by differences: small against the square of the speed of a weak impact, which lives within that distance of the
+  // barrier.
+  const double small = 1e-8 / std::max(1e-300, start.orientation.lpNorm<Eigen::Infinity>());
+  const Vector u_before = start.u - small * start.orientation;
+  const std::optional<EventNodes> before = event_nodes(problem.orbit(u_before, {}));
+  out.orientation = start.orientation[start.orientation.size() - 1] * moved.parameter_direction();
+  if (before && before->sequence == here->sequence) {
+    const Vector direction = (out.u - moved.pack(*before, problem.value(u_before))) / small;
+    if (direction.allFinite() && direction.lpNorm<Eigen::Infinity>() < 1e6) out.orientation = direction;
+  }
+  return out;
+}
+
+Curve BranchFollower::follow_signature(SignatureProblem& problem, const BranchStart& start, Branch& branch) {
+  const bool on_grazing = problem.least_speed(start.u) < 1e-9;
+  return trace(problem.zero_problem(), start.u, start.orientation, options_.trace,
+               [&](const CurvePoint& before, CurvePoint& after) {
+                 if (branch.points.empty() && !on_grazing) begin(problem, before.u, branch);
+                 return monitor_signature(problem, before, after, branch);
+               });
+}
+
+std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const BranchStart& start, Branch& branch) {
+  interrupted_ = returned_ = false;
+  grazing_.reset();
+  std::optional<BranchStart> by_events;
+  if (start.sequence) {
+    by_events = start;
+  } else if (hard_contacts_ && !problem.equations().autonomous()) {
+    by_events = to_signature(problem, start);
+  }
+  if (by_events) {
+    SignatureProblem signature(system_, branch.parameters, problem.period(), *by_events->sequence, problem.parameter(),
+                               problem.scale(), problem.equations().options());
+    const Curve curve = follow_signature(signature, *by_events, branch);
+    if (!branch.points.empty() || start.sequence) return finish(signature, curve, branch);
+  }
+  const Curve curve = follow_states(problem, start, branch);
+  return finish(problem, curve, branch);
+}
+
+std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const Curve& curve, Branch& branch) {
+  TraceStop why = curve.stop;
+  if (branch.points.empty() && !curve.points.empty()) begin(problem, curve.points.front().u, branch);
+  if (branch.points.empty()) {
     branch.stop = BranchStop::start_failed;
     branch.message = "the first point did not converge: " + curve.failure;
     return std::nullopt;
   }
-  if (branch.points.empty()) begin(curve.points.front().u);
-  if (curve.stop == TraceStop::min_step && end_on_bound(problem, branch)) curve.stop = TraceStop::monitor;
+  if (why == TraceStop::min_step && end_on_bound(problem, branch)) why = TraceStop::monitor;
   branch.direction = branch.points.size() > 1 && branch.points[1].value < branch.points[0].value ? -1 : 1;
   const BranchPoint& end = branch.points.back();
   branch.stop_value = end.value;
@@ -376,51 +300,38 @@ std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const Ve
     branch.stop = reason;
     branch.message = std::move(message);
   };
-  std::optional<GrazingEnd> grazing;
-  switch (curve.stop) {
-  case TraceStop::monitor:
-    if (interrupted_) {
-      stop(BranchStop::interrupted, "it was interrupted");
-    } else if (returned_) {
-      stop(BranchStop::returned,
-           fmt::format("the doubled orbit has returned to its parent near {} = {:.12g}", branch.parameter, end.value));
-    } else {
-      stop(BranchStop::reached_bound,
-           fmt::format("the end of the range, {} = {:.12g}, was reached", branch.parameter, end.value));
-    }
-    break;
-  case TraceStop::closed:
+  auto* states = dynamic_cast<OrbitProblem*>(&problem);
+  if (why == TraceStop::min_step && states) grazing_ = broken_off_at_grazing(*states, branch);
+  if (grazing_) {
+    const SpecialPoint& point = branch.special_points.back();
+    branch.stop_value = point.value;
+    stop(BranchStop::grazing, fmt::format("grazing at {} = {:.12g}: an impact is {} ({})", branch.parameter, point.value,
+                                          grazing_->lost ? "lost" : "gained", grazing_scenario_name(grazing_->grazing.scenario)));
+    return std::move(grazing_);
+  }
+  if (interrupted_) {
+    stop(BranchStop::interrupted, "it was interrupted");
+  } else if (returned_) {
+    stop(BranchStop::returned,
+         fmt::format("the doubled orbit has returned to its parent near {} = {:.12g}", branch.parameter, end.value));
+  } else if (why == TraceStop::monitor) {
+    stop(BranchStop::reached_bound, fmt::format("the end of the range, {} = {:.12g}, was reached", branch.parameter, end.value));
+  } else if (why == TraceStop::closed) {
     stop(BranchStop::returned, "the branch is closed: it is back at its start");
-    break;
-  case TraceStop::point_limit:
+  } else if (why == TraceStop::point_limit) {
     stop(BranchStop::point_limit, fmt::format("{} points were computed, the limit", branch.points.size()));
-    break;
-  default: {
-    grazing = broken_off_at_grazing(problem, branch);
-    if (grazing) {
-      const SpecialPoint& point = branch.special_points.back();
-      branch.stop_value = point.value;
-      stop(BranchStop::grazing, fmt::format("grazing at {} = {:.12g}: an impact is {} ({})", branch.parameter, point.value,
-                                            grazing->lost ? "lost" : "gained", grazing_scenario_name(grazing->grazing.scenario)));
-      break;
-    }
+  } else {
     stop(BranchStop::step_too_small, fmt::format("no point is found beyond {} = {:.12g} even with the smallest step ({})",
                                                  branch.parameter, end.value, curve.failure));
     if (curve.first_failed) {
       BranchPoint failed;
-      const Vector& u = *curve.first_failed;
-      failed.value = problem.value(u);
-      for (int j = 0; j < problem.nodes(); ++j) failed.nodes.emplace_back(u.segment(j * problem.states(), problem.states()));
+      failed.value = problem.value(*curve.first_failed);
       failed.duration = end.duration;
-      failed.section_phase = problem.equations().section_phase();
-      if (failed.section_phase == 0.0) failed.states = {failed.nodes.front()};
+      if (states && states->equations().section_phase() == 0.0) failed.states = {curve.first_failed->head(states->states())};
       branch.first_failed = std::move(failed);
     }
   }
-  }
-  if (grazing) return grazing;
-  const PointType type = branch.stop == BranchStop::step_too_small ? PointType::MX : PointType::EP;
-  mark_end(problem, problem.pack(end.nodes, end.duration, end.value), type, branch);
+  mark(problem, last_, branch.stop == BranchStop::step_too_small ? PointType::MX : PointType::EP, branch);
   return std::nullopt;
 }
 

@@ -1,15 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// BranchFollower: one branch of orbits from its first point to its end: the tracer's monitor that turns curve points into branch
-// points, evaluates the test functions, locates what they announce, and knows the ends of the parameter's range.
+// BranchFollower: one branch from its start to its end: the tracer with a monitor that watches the range, the test functions, the
+// impacts and the return to a parent, and that locates what it meets.
+//
+// Orbits with hard impacts are followed in the coordinates of their signature, in which nothing is singular at a grazing; where
+// one impact's speed goes to zero, or a flight meets the barrier, the grazing is located and the branch ends there. All other
+// orbits (soft contacts, sticking, no impact) are followed in their states at fixed phases.
 #pragma once
 
+#include <graze/continuation/branch_switching.hpp>
 #include <graze/continuation/continuation.hpp>
 #include <graze/continuation/grazing.hpp>
+#include <graze/continuation/signature_problem.hpp>
 #include <graze/continuation/test_functions/test_function.hpp>
 
 namespace graze {
 
-/// The grazing of a hard contact on which a branch has ended, for whoever goes on from there.
+/// Speed of the weakest impact of an orbit that is kept as a point of a branch. Below it a free run no longer reproduces the
+/// orbit: rounding of the state over that speed is what the instant of the impact is known to.
+inline constexpr double weakest_kept = 1e-5;
+
 struct GrazingEnd {
   LocatedGrazing grazing;
   bool lost = false;  ///< the branch had the impact; otherwise the orbits beyond gain it
@@ -20,31 +29,47 @@ class BranchFollower {
   /// `low`, `high`: the range of the parameter.
   BranchFollower(const HybridSystem& system, const ContinuationOptions& options, double low, double high);
 
-  /// Follows the branch through `u0` in the direction of `orientation`, into `branch` (parent, period and parameters are set;
-  /// its special points get no labels here). Returns the grazing on which it ended, if so.
-  std::optional<GrazingEnd> follow(OrbitProblem& problem, const Vector& u0, const Vector& orientation, Branch& branch);
+  /// Follows the branch from `start` into `branch` (parent, period and parameters are set; its special points get no labels
+  /// here). Returns the grazing on which it ended, if so.
+  std::optional<GrazingEnd> follow(OrbitProblem& problem, const BranchStart& start, Branch& branch);
 
  private:
-  Verdict monitor(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
-  bool skipped_something(const TestPoint& before, const TestPoint& after) const;
-  void locate(OrbitProblem& problem, const TestFunction& test, const TestPoint& before, const TestPoint& after, Branch& branch);
+  // The two ways of following, and what both do at each step.
+  Curve follow_states(OrbitProblem& problem, const BranchStart& start, Branch& branch);
+  Curve follow_signature(SignatureProblem& problem, const BranchStart& start, Branch& branch);
+  Verdict monitor_states(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
+  Verdict monitor_signature(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
+  bool interrupted_now();
+  std::optional<Verdict> end_of_range(BranchProblem& problem, const CurvePoint& before, CurvePoint& after) const;
+  bool returns_to_parent(const Branch& branch, const BranchPoint& next);
+  void take(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, BranchPoint point, Branch& branch);
+  void begin(BranchProblem& problem, const Vector& u, Branch& branch);
+  bool end_on_bound(BranchProblem& problem, Branch& branch);
+  std::optional<GrazingEnd> finish(BranchProblem& problem, const Curve& curve, Branch& branch);
+  double better_section(OrbitProblem& problem, const Vector& u) const;
+  std::optional<BranchStart> to_signature(OrbitProblem& problem, const BranchStart& start) const;
+
+  // Special points (branch_follower_points.cpp).
+  void locate(BranchProblem& problem, const TestFunction& test, const TestPoint& before, const TestPoint& after, Branch& branch);
   void locate_impact_change(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after, const BranchPoint& reached,
                             Branch& branch);
+  bool reaches_grazing(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
   std::optional<GrazingEnd> broken_off_at_grazing(OrbitProblem& problem, Branch& branch);
   void add_grazing(const OrbitProblem& problem, const LocatedGrazing& located, int impacts_before, int impacts_after,
                    Branch& branch);
-  void user_points(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after, Branch& branch);
-  void mark_end(OrbitProblem& problem, const Vector& u, PointType type, Branch& branch);
-  double better_section(OrbitProblem& problem, const Vector& u) const;
-  bool end_on_bound(OrbitProblem& problem, Branch& branch);
-  Vector at_value(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after, double value) const;
+  void user_points(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, Branch& branch);
+  void mark(BranchProblem& problem, const Vector& u, PointType type, Branch& branch);
+  Vector at_value(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, double value) const;
 
   const HybridSystem& system_;
   const ContinuationOptions& options_;
   double low_, high_;
   bool hard_contacts_ = false;
+  // Of the branch being followed.
+  Vector last_;  ///< unknowns of its last point
   bool interrupted_ = false, returned_ = false;
   bool section_blocked_ = false;  ///< an impact has come too close to a node
+  std::optional<GrazingEnd> grazing_;
 };
 
 }  // namespace graze

@@ -189,7 +189,7 @@ class Graph {
     ContinuationOptions options = options_;
     if (start.step > 0.0) options.trace.initial_step = start.step;
     BranchFollower follower(system_, options, low_, high_);
-    out.grazing = follower.follow(problem, start.u, start.orientation, branch);
+    out.grazing = follower.follow(problem, start, branch);
     if (out.grazing)
       out.ends = edge_at(branch.special_points.back(), branch.special_points.back().orbit, branch.points.back().impacts);
     if (branch.stop == BranchStop::returned && branch.period % 2 == 0 && options_.follow_parents) out.half = half_of(branch);
@@ -203,7 +203,7 @@ class Graph {
     if (is_known(task.orbit, value, task.seed)) return out;
     OrbitProblem problem = problem_at(task.orbit);
     const Vector u = problem.pack(task.orbit.nodes, task.orbit.duration, value);
-    follow_from({u, task.direction * problem.parameter_direction(), 0.0}, problem,
+    follow_from({u, task.direction * problem.parameter_direction()}, problem,
                 new_branch(task.orbit, task.orbit.period, provisional_id), out);
     return out;
   }

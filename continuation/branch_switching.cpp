@@ -2,11 +2,19 @@
 #include <graze/continuation/branch_switching.hpp>
 
 #include <graze/continuation/multiplier_condition.hpp>
+#include <graze/continuation/signature_problem.hpp>
 
 #include <cmath>
 #include <numbers>
 
 namespace graze {
+
+namespace {
+
+/// From a grazing on steps begin small: folds and period doublings may follow within a speed of a thousandth.
+constexpr double first_step = 1e-5;
+
+}  // namespace
 
 std::optional<BranchStart> doubled_start(const SpecialPoint& pd, OrbitProblem& parent, OrbitProblem& doubled,
                                          const TraceOptions& options) {
@@ -25,7 +33,7 @@ std::optional<BranchStart> doubled_start(const SpecialPoint& pd, OrbitProblem& p
   direction /= std::sqrt(zero.weights.dot(direction.cwiseAbs2()));
   // Small, and small steps after it: in a cascade the next bifurcation may follow closely.
   for (const double push : {2e-4, 5e-5, 1e-5, 1e-3, 2e-6}) {
-    BranchStart start{at_birth + push * direction, {}, push};
+    BranchStart start{at_birth + push * direction, {}, {}, push};
     if (!correct(zero, direction, start.u, options).converged()) continue;
     start.orientation = start.u - at_birth;
     const double length = std::sqrt(zero.weights.dot(start.orientation.cwiseAbs2()));
@@ -42,15 +50,29 @@ std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGra
     // Without the impact: where the free maximum stays short of the barrier.
     const double side = grazing.top_dp > 0.0 ? -1.0 : 1.0;
     for (double distance = 1e-7; distance < 1e-3; distance *= 10.0) {
-      BranchStart start{grazing.u + side * distance * grazing.family_dp, side * grazing.family_dp};
+      BranchStart start{grazing.u + side * distance * grazing.family_dp, side * grazing.family_dp, {}, first_step};
       if (correct(zero, problem.parameter_direction(), start.u, options).converged()) return start;
     }
     return std::nullopt;
   }
-  // With it: first order in its speed (LocatedGrazing::response).
+  // With it: the grazing itself is the orbit with that impact, at speed zero, and the speed grows from there.
+  EventNodes nodes = event_nodes(grazing.orbit).value_or(EventNodes{});
+  const bool sticks = nodes.sequence.size() != grazing.orbit.events.size();
+  if (!sticks && !problem.equations().autonomous()) {
+    const std::size_t place = nodes.insert(grazing.event, grazing.t, grazing.touch);
+    SignatureProblem signature(problem.system(), grazing.orbit.parameters, problem.period(), nodes.sequence, problem.parameter(),
+                               problem.scale(), problem.equations().options());
+    BranchStart start;
+    start.u = signature.pack(nodes, problem.value(grazing.u));
+    start.orientation = signature.speed_gradient(start.u, static_cast<int>(place));
+    start.sequence = nodes.sequence;
+    start.step = first_step;
+    return start;
+  }
+  // An orbit that sticks elsewhere: first order in the impact's speed (LocatedGrazing::response).
   for (const double speed : {1e-3, 3e-3, 3e-4, 1e-2, 3e-2}) {
     const double change = grazing.response * speed / grazing.top_dp;
-    BranchStart start{grazing.u + change * grazing.family_dp + speed * grazing.impulse, {}};
+    BranchStart start{grazing.u + change * grazing.family_dp + speed * grazing.impulse, {}, {}, first_step};
     if (!correct(zero, problem.parameter_direction(), start.u, options).converged()) continue;
     start.orientation = start.u - grazing.u;
     if (problem.orbit(start.u, {}).impacts == grazing.orbit.impacts + 1) return start;

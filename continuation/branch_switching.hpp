@@ -11,7 +11,9 @@
 namespace graze {
 
 struct BranchStart {
-  Vector u, orientation;
+  Vector u, orientation = {};
+  /// Set: u and orientation are in the coordinates of this signature (see SignatureEquations).
+  std::optional<std::vector<std::size_t>> sequence = {};
   double step = 0.0;  ///< first step of the tracer, where the usual one could pass over what lies close by; 0: the usual one
 };
 

@@ -23,7 +23,11 @@ std::vector<std::string> check_branch(const HybridSystem& system, const Branch& 
     const BranchPoint& point = branch.points[k];
     if (point.section_phase != problem.equations().section_phase()) problem = problem_of(point);
     const BranchPoint again = problem.branch_point(problem.pack(point.nodes, point.duration, point.value), point.arclength);
-    if (!(again.checks.residual >= 0.0 && again.checks.residual < 1e-11))
+    // The state after a weak impact is known to its rounding over the impact's speed.
+    double weakest = 1.0;
+    for (const EventRecord& event : problem.orbit(problem.pack(point.nodes, point.duration, point.value), {}).events)
+      if (event.kind == EventKind::impact) weakest = std::min(weakest, event.normal_speed);
+    if (!(again.checks.residual >= 0.0 && again.checks.residual < 1e-11 + 1e-14 / weakest))
       violated(fmt::format("point {} leaves a residual of {:.3g}", k, again.checks.residual));
     if (again.stable != point.stable)
       violated(fmt::format("point {} is stored as {}stable and is not", k, point.stable ? "" : "un"));

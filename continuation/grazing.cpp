@@ -169,6 +169,7 @@ std::optional<GrazingGuess> nearest_miss(OrbitProblem& problem, const Vector& u)
 LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const GrazingGuess& guess) {
   LocatedGrazing located;
   located.u = start;
+  located.event = guess.event;
   const HybridSystem& system = problem.system();
   ShootingEquations& equations = problem.equations();
   const Guard& guard = system.events[guess.event].guard;
@@ -233,6 +234,7 @@ LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const 
   if (located.newton.converged()) {
     leave_out();
     located.orbit = problem.orbit(located.u, located.newton);
+    located.touch = equations.stretch(j).touch.x;
     const double duration = equations.duration(shortened);
     located.t = std::fmod(equations.orbit_time(shortened, j) + t - equations.node_time(shortened, j), duration);
     if (located.t < 0.0) located.t += duration;

@@ -55,15 +55,15 @@ Vector OrbitProblem::pack(const std::vector<Vector>& nodes, double duration, dou
   return u;
 }
 
-Vector OrbitProblem::parameter_direction() const { return Vector::Unit(unknowns(), unknowns() - 1); }
+double within_range(const ParameterInfo& parameter, double value) {
+  constexpr double slack = 1e-13;
+  if (value < parameter.lower && value > parameter.lower - slack && !parameter.lower_open) return parameter.lower;
+  if (value > parameter.upper && value < parameter.upper + slack) return parameter.upper;
+  return value;
+}
 
 bool OrbitProblem::evaluate(const Vector& u, const TransitionOptions& options) {
-  // The corrector's rounding must not carry a value that stands on the end of its range beyond it.
-  const ParameterInfo& info = system().parameters[parameter_];
-  const double at = value(u), slack = 1e-13;
-  p_[static_cast<Eigen::Index>(parameter_)] = at < info.lower && at > info.lower - slack && !info.lower_open ? info.lower
-                                              : at > info.upper && at < info.upper + slack                   ? info.upper
-                                                                                                             : at;
+  p_[static_cast<Eigen::Index>(parameter_)] = within_range(system().parameters[parameter_], value(u));
   try {
     equations_.set_parameters(p_);
   } catch (const std::invalid_argument& refused) {
@@ -96,7 +96,7 @@ ZeroProblem OrbitProblem::zero_problem() {
 }
 
 PeriodicOrbit OrbitProblem::orbit(const Vector& u, NewtonReport report) {
-  p_[static_cast<Eigen::Index>(parameter_)] = value(u);
+  p_[static_cast<Eigen::Index>(parameter_)] = within_range(system().parameters[parameter_], value(u));
   equations_.set_parameters(p_);
   if (equations_.autonomous()) equations_.set_phase_reference(u.head(states()));
   return describe_orbit(equations_, u.head(u.size() - 1), std::move(report));

@@ -4,8 +4,7 @@
 //     K(sigma) v = (Phi_j v_j - v_{j+1}, j < N - 1;  Phi_{N-1} v_{N-1} - sigma v_0),   singular where sigma is a multiplier.
 #pragma once
 
-#include <graze/continuation/branch.hpp>
-#include <graze/continuation/zero_problem.hpp>
+#include <graze/continuation/branch_problem.hpp>
 #include <graze/floquet/shooting.hpp>
 
 #include <complex>
@@ -13,7 +12,7 @@
 
 namespace graze {
 
-class OrbitProblem {
+class OrbitProblem : public BranchProblem {
  public:
   /// `scale`: length by which changes of the parameter are measured in the arclength (usually the range that is followed).
   OrbitProblem(const HybridSystem& system, const Vector& p, int period, int nodes, std::size_t parameter, double scale,
@@ -23,7 +22,7 @@ class OrbitProblem {
   OrbitProblem with_section(double section_phase) const;
   std::optional<Vector> to_section(OrbitProblem& other, const Vector& u);
 
-  Eigen::Index unknowns() const { return equations_.unknowns() + 1; }
+  Eigen::Index unknowns() const override { return equations_.unknowns() + 1; }
   int period() const { return equations_.period(); }
   int nodes() const { return equations_.nodes(); }
   int states() const { return equations_.states(); }
@@ -33,19 +32,18 @@ class OrbitProblem {
   double scale() const { return scale_; }
 
   Vector pack(const std::vector<Vector>& nodes, double duration, double value) const;
-  double value(const Vector& u) const { return u[u.size() - 1]; }
-  /// Direction in which only the parameter changes.
-  Vector parameter_direction() const;
-
   /// Sets the parameter and evaluates the stretches; false where that is not possible (see failure()).
   bool evaluate(const Vector& u, const TransitionOptions& options);
   bool residual(const Vector& u, Vector& residual, Matrix* jacobian);
-  ZeroProblem zero_problem();
+  ZeroProblem zero_problem() override;
   std::string failure() const;
 
-  /// The orbit at u with everything known of it, and the small record of it that a branch keeps.
-  PeriodicOrbit orbit(const Vector& u, NewtonReport report);
-  BranchPoint branch_point(const Vector& u, double arclength);
+  PeriodicOrbit orbit(const Vector& u, NewtonReport report) override;
+  BranchPoint branch_point(const Vector& u, double arclength) override;
+  OrbitProblem& stroboscopic(const Vector& u, Vector& out) override {
+    out = u;
+    return *this;
+  }
 
   /// K(sigma) from the stretches evaluated last.
   Eigen::MatrixXcd cyclic(std::complex<double> sigma) const;

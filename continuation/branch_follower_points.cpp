@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The special points of a branch being followed.
+#include <graze/continuation/branch_follower.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace graze {
+
+Vector BranchFollower::at_value(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, double value) const {
+  const double a = problem.value(before.u), b = problem.value(after.u);
+  Vector u = before.u + (value - a) / (b - a) * (after.u - before.u);
+  u[u.size() - 1] = value;
+  const NewtonReport report = correct(problem.zero_problem(), problem.parameter_direction(), u, options_.trace);
+  if (!report.converged()) return {};
+  u[u.size() - 1] = value;
+  return u;
+}
+
+void BranchFollower::mark(BranchProblem& problem, const Vector& u, PointType type, Branch& branch) {
+  SpecialPoint point;
+  point.type = type;
+  NewtonReport report;
+  report.status = NewtonStatus::converged;
+  point.orbit = problem.orbit(u, report);
+  point.value = point.interval[0] = point.interval[1] = problem.value(u);
+  point.status = PointStatus::converged;
+  point.after_point = branch.points.empty() ? 0 : branch.points.size() - 1;
+  branch.special_points.push_back(std::move(point));
+}
+
+void BranchFollower::user_points(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, Branch& branch) {
+  const double a = problem.value(before.u), b = problem.value(after.u);
+  std::vector<double> inside;
+  for (const double value : options_.user_values)
+    if ((a < value) != (b < value)) inside.push_back(value);
+  std::sort(inside.begin(), inside.end(), [&](double x, double y) { return a < b ? x < y : x > y; });
+  for (const double value : inside) {
+    const Vector u = at_value(problem, before, after, value);
+    if (u.size() > 0) mark(problem, u, PointType::UZ, branch);
+  }
+}
+
+void BranchFollower::locate(BranchProblem& problem, const TestFunction& test, const TestPoint& before, const TestPoint& after,
+                            Branch& branch) {
+  const ZeroProblem zero = problem.zero_problem();
+  const double length = after.curve.arclength - before.curve.arclength;
+  double lo = 0.0, hi = 1.0, f_lo = test.value(before), f_hi = test.value(after);
+  double value_lo = problem.value(before.curve.u), value_hi = problem.value(after.curve.u);
+  CurvePoint best = after.curve;
+  BranchPoint best_branch = after.branch;
+  int side = 0;
+  // Closes in on the sign change along the curve (Illinois).
+  const auto close_in = [&](int steps, double small, double narrow) {
+    for (int i = 0; i < steps && hi - lo > narrow; ++i) {
+      const double s = std::clamp((lo * f_hi - hi * f_lo) / (f_hi - f_lo), lo + 0.01 * (hi - lo), hi - 0.01 * (hi - lo));
+      CurvePoint trial;
+      trial.u = before.curve.u + s * (after.curve.u - before.curve.u);
+      if (!correct(zero, after.curve.u - before.curve.u, trial.u, options_.trace).converged()) break;
+      trial.tangent = tangent_at(zero, trial.u, before.curve.tangent);
+      if (trial.tangent.size() == 0) break;
+      trial.arclength = before.curve.arclength + s * length;
+      const BranchPoint here = problem.branch_point(trial.u, trial.arclength);
+      if (!here.multipliers.valid) break;
+      const double f = test.value({trial, here});
+      best = trial;
+      best_branch = here;
+      if ((f < 0.0) == (f_lo < 0.0)) {
+        lo = s;
+        f_lo = f;
+        value_lo = here.value;
+        if (side == 1) f_hi *= 0.5;
+        side = 1;
+      } else {
+        hi = s;
+        f_hi = f;
+        value_hi = here.value;
+        if (side == -1) f_lo *= 0.5;
+        side = -1;
+      }
+      if (std::abs(f) < small) break;
+    }
+  };
+  close_in(8, 1e-5, 1e-7);
+  SpecialPoint point;
+  point.type = test.type;
+  point.after_point = branch.points.size() - 1;
+  Vector u;
+  OrbitProblem& states = problem.stroboscopic(best.u, u);
+  LocatedPoint located = test.locate(states, u, {best, best_branch});
+  // Newton must not have left for another point of the kind: it stays within the step that announced this one.
+  const Vector away = located.u - u;
+  const bool near = away.size() > 0 && std::sqrt(states.zero_problem().weights.dot(away.cwiseAbs2())) <= length;
+  point.newton = located.newton;
+  if (located.newton.converged() && near) {
+    point.status = PointStatus::converged;
+    point.precision = std::max(located.precision, 4e-16 * std::abs(problem.value(located.u)));
+    point.value = problem.value(located.u);
+    point.orbit = states.orbit(located.u, located.newton);
+    if (test.describe) test.describe(states, located, point);
+  } else {
+    // Close to a grazing the states at fixed phases are steep in the impact's speed, and Newton there may fail: the sign change
+    // along the curve is then followed down to rounding.
+    close_in(60, 0.0, 1e-12);
+    point.value = problem.value(best.u);
+    point.precision = std::max(std::abs(value_hi - value_lo), 1e-13 * (1.0 + std::abs(point.value)));
+    point.status = hi - lo <= 1e-10 ? PointStatus::converged : PointStatus::bracketed;
+    NewtonReport report;
+    report.status = NewtonStatus::converged;
+    point.orbit = problem.orbit(best.u, report);
+    point.orbit.multipliers = best_branch.multipliers;
+  }
+  point.interval[0] = point.value - point.precision;
+  point.interval[1] = point.value + point.precision;
+  branch.special_points.push_back(std::move(point));
+}
+
+void BranchFollower::add_grazing(const OrbitProblem& problem, const LocatedGrazing& located, int impacts_before,
+                                 int impacts_after, Branch& branch) {
+  SpecialPoint point;
+  point.type = PointType::GR;
+  point.after_point = branch.points.size() - 1;
+  point.status = PointStatus::converged;
+  point.newton = located.newton;
+  point.value = problem.value(located.u);
+  point.precision = std::max(located.precision, 4e-16 * std::abs(point.value));
+  point.interval[0] = point.value - point.precision;
+  point.interval[1] = point.value + point.precision;
+  point.orbit = located.orbit;
+  point.orbit.impacts = impacts_before;
+  point.orbit.admissible = branch.points.back().admissible;
+  point.details["kind"] = impacts_after < impacts_before ? "lost" : "gained";
+  point.details["impacts"] = std::vector<double>{static_cast<double>(impacts_before), static_cast<double>(impacts_after)};
+  point.details["scenario"] = std::string(grazing_scenario_name(located.scenario));
+  point.details["time"] = located.t;
+  if (system_.forcing_frequency) {
+    const double T = forcing_period(system_, point.orbit.parameters);
+    point.details["phase"] = 2.0 * std::numbers::pi * std::fmod(located.t / T, 1.0);
+  }
+  branch.special_points.push_back(std::move(point));
+}
+
+void BranchFollower::locate_impact_change(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after,
+                                          const BranchPoint& reached, Branch& branch) {
+  const BranchPoint& last = branch.points.back();
+  const bool lost = reached.impacts < last.impacts;
+  const Vector& with_impact = lost ? before.u : after.u;
+  const double low = std::min(last.value, reached.value), high = std::max(last.value, reached.value), width = high - low;
+  if (const std::optional<GrazingGuess> guess = weakest_contact(problem, with_impact)) {
+    const LocatedGrazing located = locate_grazing(problem, with_impact, *guess);
+    const double value = located.newton.converged() ? problem.value(located.u) : 0.0;
+    if (located.newton.converged() && value >= low - 0.01 * width && value <= high + 0.01 * width)
+      return add_grazing(problem, located, last.impacts, reached.impacts, branch);
+  }
+  SpecialPoint point;
+  point.type = PointType::GR;
+  point.after_point = branch.points.size() - 1;
+  point.value = 0.5 * (low + high);
+  point.precision = 0.5 * width;
+  point.interval[0] = low;
+  point.interval[1] = high;
+  point.orbit = problem.orbit(with_impact, {});
+  point.details["kind"] = lost ? "lost" : "gained";
+  point.details["impacts"] = std::vector<double>{static_cast<double>(last.impacts), static_cast<double>(reached.impacts)};
+  branch.special_points.push_back(std::move(point));
+}
+
+namespace {
+
+/// Where the weak contact of event k of u lies in the stroboscopic equations.
+GrazingGuess guess_of_event(SignatureProblem& problem, const Vector& u, int k, OrbitProblem& states, const Vector& v) {
+  const SignatureEquations& equations = problem.equations();
+  const double duration = equations.duration(), length = duration / states.nodes();
+  const double section = states.equations().section_phase() * duration / equations.period();
+  const auto since_section = [&](int event) {
+    const double t = std::fmod(equations.time(u, event) - section, duration);
+    return t < 0.0 ? t + duration : t;
+  };
+  const double here = since_section(k);
+  GrazingGuess guess;
+  guess.event = equations.sequence()[static_cast<std::size_t>(k)];
+  guess.stretch = std::min(static_cast<int>(here / length), states.nodes() - 1);
+  double next = (guess.stretch + 1) * length;
+  for (int other = 0; other < equations.events(); ++other) {
+    const double t = since_section(other);
+    if (t < here && t >= guess.stretch * length) ++guess.events_before;
+    if (t > here) next = std::min(next, t);
+  }
+  const Vector shortened = v.head(v.size() - 1);
+  guess.t = states.equations().node_time(shortened, guess.stretch) + here - guess.stretch * length;
+  guess.t_resume = guess.t + std::min(0.5 * (next - here), 0.05 * length);
+  return guess;
+}
+
+}  // namespace
+
+bool BranchFollower::reaches_grazing(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch) {
+  const ZeroProblem zero = problem.zero_problem();
+  const double length = after.arclength - before.arclength;
+  const Vector chord = after.u - before.u;
+  auto beyond = problem.violation(after.u);
+  Vector good = before.u;
+  double lo = 0.0, hi = 1.0;
+  // To where the last motion (with impacts of at least that speed) and the first solution that is none are next to each other.
+  const auto close_in = [&](double speed) {
+    for (int i = 0; i < 40 && (hi - lo) * length > 1e-9; ++i) {
+      const double middle = 0.5 * (lo + hi);
+      Vector u = before.u + middle * chord;
+      if (!correct(zero, chord, u, options_.trace).converged()) return false;
+      const auto violation = problem.violation(u);
+      if (violation) beyond = violation;
+      if (violation || problem.least_speed(u) < speed) {
+        hi = middle;
+      } else {
+        good = u;
+        lo = middle;
+      }
+    }
+    return true;
+  };
+  if (!close_in(weakest_kept)) return false;
+  CurvePoint last = before;
+  last.u = good;
+  last.arclength = before.arclength + lo * length;
+  last.tangent = tangent_at(zero, good, before.tangent);
+  BranchPoint point;
+  if (lo > 0.0 && last.tangent.size() > 0) point = problem.branch_point(good, branch.points.back().arclength + lo * length);
+  hi = 1.0;
+  if (!close_in(0.0)) return false;
+  Vector u;
+  OrbitProblem& states = problem.stroboscopic(good, u);
+  const std::optional<GrazingGuess> guess =
+      beyond->lost ? guess_of_event(problem, good, beyond->event, states, u) : nearest_miss(states, u);
+  if (!guess) return false;
+  LocatedGrazing located = locate_grazing(states, u, *guess);
+  constexpr double near = 0.02;
+  const Vector away = located.u - u;
+  if (!located.newton.converged() || located.scenario == GrazingScenario::smooth ||
+      std::sqrt(states.zero_problem().weights.dot(away.cwiseAbs2())) > near)
+    return false;
+  // What lies before the grazing on this step is taken up; the grazing's own multipliers are singular.
+  if (point.multipliers.valid) take(problem, before, last, std::move(point), branch);
+  const int impacts = branch.points.back().impacts;
+  Vector again;
+  add_grazing(problem.stroboscopic(good, again), located, impacts, impacts + (beyond->lost ? -1 : 1), branch);
+  after = std::move(last);
+  grazing_ = GrazingEnd{std::move(located), beyond->lost};
+  return true;
+}
+
+std::optional<GrazingEnd> BranchFollower::broken_off_at_grazing(OrbitProblem& problem, Branch& branch) {
+  const BranchPoint& end = branch.points.back();
+  const Vector u = problem.pack(end.nodes, end.duration, end.value);
+  const ZeroProblem zero = problem.zero_problem();
+  // The impact about to be lost, or else the maximum about to become one: whichever grazing lies right beyond the last point.
+  constexpr double near = 0.02;
+  for (const bool lost : {true, false}) {
+    const std::optional<GrazingGuess> guess = lost ? weakest_contact(problem, u) : nearest_miss(problem, u);
+    if (!guess) continue;
+    LocatedGrazing located = locate_grazing(problem, u, *guess);
+    if (!located.newton.converged() || located.scenario == GrazingScenario::smooth) continue;
+    const Vector away = located.u - u;
+    if (std::sqrt(zero.weights.dot(away.cwiseAbs2())) > near) continue;
+    add_grazing(problem, located, end.impacts, end.impacts + (lost ? -1 : 1), branch);
+    return GrazingEnd{std::move(located), lost};
+  }
+  return std::nullopt;
+}
+
+}  // namespace graze

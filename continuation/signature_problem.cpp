@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/continuation/signature_problem.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace graze {
+
+std::size_t EventNodes::insert(std::size_t event, double t, const Vector& x) {
+  const auto place = std::upper_bound(times.begin(), times.end(), t) - times.begin();
+  sequence.insert(sequence.begin() + place, event);
+  times.insert(times.begin() + place, t);
+  states.insert(states.begin() + place, x);
+  return static_cast<std::size_t>(place);
+}
+
+std::optional<EventNodes> event_nodes(const PeriodicOrbit& orbit) {
+  EventNodes nodes;
+  for (const EventRecord& event : orbit.events) {
+    if (event.kind == EventKind::stick || event.kind == EventKind::release) return std::nullopt;
+    nodes.sequence.push_back(event.event);
+    nodes.times.push_back(event.t);
+    nodes.states.push_back(event.x_minus);
+  }
+  if (nodes.sequence.empty()) return std::nullopt;
+  return nodes;
+}
+
+SignatureProblem::SignatureProblem(const HybridSystem& system, const Vector& p, int period, std::vector<std::size_t> sequence,
+                                   std::size_t parameter, double scale, const FlowOptions& options)
+    : equations_(system, p, period, std::move(sequence), parameter, options), p_(p), parameter_(parameter), scale_(scale),
+      options_(options) {}
+
+Vector SignatureProblem::pack(const EventNodes& nodes, double value) const {
+  const int block = equations_.states() + 1;
+  Vector u(unknowns());
+  for (int k = 0; k < equations_.events(); ++k) {
+    u[k * block] = nodes.times[static_cast<std::size_t>(k)];
+    u.segment(k * block + 1, block - 1) = nodes.states[static_cast<std::size_t>(k)];
+  }
+  u[u.size() - 1] = value;
+  return u;
+}
+
+bool SignatureProblem::set_value(const Vector& u) {
+  p_[static_cast<Eigen::Index>(parameter_)] = within_range(equations_.system().parameters[parameter_], value(u));
+  try {
+    equations_.set_parameters(p_);
+    return true;
+  } catch (const std::invalid_argument& refused) {
+    failure_ = refused.what();
+    return false;
+  }
+}
+
+ZeroProblem SignatureProblem::zero_problem() {
+  ZeroProblem problem;
+  problem.unknowns = unknowns();
+  problem.evaluate = [this](const Vector& u, Vector& residual, Matrix* jacobian) {
+    if (!set_value(u)) return false;
+    failure_ = "a flight between two impacts could not be carried out";
+    return equations_.evaluate(u, residual, jacobian);
+  };
+  problem.failure = [this] { return failure_; };
+  problem.weights = Vector::Constant(unknowns(), 1.0 / equations_.events());
+  problem.weights[unknowns() - 1] = 1.0 / (scale_ * scale_);
+  return problem;
+}
+
+std::optional<SignatureEquations::Violation> SignatureProblem::violation(const Vector& u) {
+  if (!set_value(u)) return SignatureEquations::Violation{};
+  return equations_.violation(u);
+}
+
+double SignatureProblem::least_speed(const Vector& u) {
+  double least = std::numeric_limits<double>::infinity();
+  if (!set_value(u)) return least;
+  for (int k = 0; k < equations_.events(); ++k) least = std::min(least, equations_.speed(u, k));
+  return least;
+}
+
+Vector SignatureProblem::speed_gradient(const Vector& u, int event) {
+  set_value(u);
+  return equations_.speed_gradient(u, event);
+}
+
+/// A forcing phase over 2 pi clear of impacts: 0 if it is, else the middle of the widest gap between them.
+double SignatureProblem::clear_section(const Vector& u) const {
+  const double T = equations_.duration() / equations_.period();
+  std::vector<double> phases;
+  for (int k = 0; k < equations_.events(); ++k) {
+    const double phase = std::fmod(equations_.time(u, k) / T, 1.0);
+    phases.push_back(phase < 0.0 ? phase + 1.0 : phase);
+  }
+  std::sort(phases.begin(), phases.end());
+  constexpr double room = 0.02;
+  if (phases.front() > room && phases.back() < 1.0 - room) return 0.0;
+  double widest = 1.0 - phases.back() + phases.front(), middle = phases.back() + 0.5 * widest;
+  for (std::size_t i = 0; i + 1 < phases.size(); ++i) {
+    if (phases[i + 1] - phases[i] <= widest) continue;
+    widest = phases[i + 1] - phases[i];
+    middle = 0.5 * (phases[i] + phases[i + 1]);
+  }
+  return std::fmod(middle, 1.0);
+}
+
+OrbitProblem& SignatureProblem::stroboscopic(const Vector& u, Vector& out) {
+  set_value(u);
+  const int n = equations_.period();
+  const double T = equations_.duration() / n, section = clear_section(u);
+  stroboscopic_ = std::make_unique<OrbitProblem>(equations_.system(), p_, n, n, parameter_, scale_, options_, section);
+  std::vector<double> times;
+  for (int j = 0; j < n; ++j) times.push_back((section + j) * T);
+  const std::vector<Vector> nodes = equations_.states_at(u, times);
+  out = stroboscopic_->pack(nodes, equations_.duration(), value(u));
+  return *stroboscopic_;
+}
+
+PeriodicOrbit SignatureProblem::orbit(const Vector& u, NewtonReport report) {
+  Vector states;
+  OrbitProblem& problem = stroboscopic(u, states);
+  return problem.orbit(states, std::move(report));
+}
+
+BranchPoint SignatureProblem::branch_point(const Vector& u, double arclength) {
+  BranchPoint point;
+  if (!set_value(u)) return point;
+  const HybridSystem& system = equations_.system();
+  const int n = equations_.period(), m = equations_.events();
+  const double T = equations_.duration() / n;
+  point.value = value(u);
+  point.arclength = arclength;
+  point.duration = equations_.duration();
+  point.section_phase = clear_section(u);
+  std::vector<double> phase_0, sections;
+  for (int j = 0; j < n; ++j) {
+    phase_0.push_back(j * T);
+    sections.push_back((point.section_phase + j) * T);
+  }
+  point.states = equations_.states_at(u, phase_0);
+  point.nodes = point.section_phase == 0.0 ? point.states : equations_.states_at(u, sections);
+  std::vector<std::pair<double, std::size_t>> events;
+  for (int k = 0; k < m; ++k) {
+    double t = std::fmod(equations_.time(u, k), point.duration);
+    if (t < 0.0) t += point.duration;
+    events.emplace_back(t, equations_.sequence()[static_cast<std::size_t>(k)]);
+  }
+  std::sort(events.begin(), events.end());
+  point.signature.mode = equations_.mode_at(u, 0.0);
+  for (const auto& event : events) point.signature.events.push_back(event.second);
+  point.impacts = point.isolated_impacts = impacts(system, point.signature);
+  Vector residual;
+  if (equations_.evaluate(u, residual, nullptr))
+    point.checks.residual = residual.lpNorm<Eigen::Infinity>() / (1.0 + u.lpNorm<Eigen::Infinity>());
+  point.multipliers = multipliers(equations_.monodromy(u, &point.checks.liouville), point.duration);
+  point.stable = point.multipliers.stable();
+  point.admissible = equations_.violation(u) ? Admissibility::inadmissible : Admissibility::admissible;
+  return point;
+}
+
+}  // namespace graze

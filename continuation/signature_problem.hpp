@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// SignatureProblem: orbits with hard impacts in one parameter, in the coordinates of SignatureEquations: smooth up to a grazing
+// and through it.
+#pragma once
+
+#include <graze/continuation/branch_problem.hpp>
+#include <graze/continuation/orbit_problem.hpp>
+#include <graze/floquet/signature_equations.hpp>
+
+#include <memory>
+#include <optional>
+
+namespace graze {
+
+/// Events of an orbit in order, with their instants and the states before them.
+struct EventNodes {
+  std::vector<std::size_t> sequence;
+  std::vector<double> times;
+  std::vector<Vector> states;
+  std::size_t insert(std::size_t event, double t, const Vector& x);  ///< in its place in time, which is returned
+};
+
+/// Of an orbit, from phase 0 on; nullopt where it has no events, or where it sticks (accumulation points are no nodes).
+std::optional<EventNodes> event_nodes(const PeriodicOrbit& orbit);
+
+class SignatureProblem : public BranchProblem {
+ public:
+  SignatureProblem(const HybridSystem& system, const Vector& p, int period, std::vector<std::size_t> sequence,
+                   std::size_t parameter, double scale, const FlowOptions& options = {});
+
+  Eigen::Index unknowns() const override { return equations_.unknowns() + 1; }
+  ZeroProblem zero_problem() override;
+  BranchPoint branch_point(const Vector& u, double arclength) override;
+  PeriodicOrbit orbit(const Vector& u, NewtonReport report) override;
+  OrbitProblem& stroboscopic(const Vector& u, Vector& out) override;
+
+  Vector pack(const EventNodes& nodes, double value) const;
+  /// See SignatureEquations; the parameter is set first.
+  std::optional<SignatureEquations::Violation> violation(const Vector& u);
+  double least_speed(const Vector& u);
+  Vector speed_gradient(const Vector& u, int event);
+  double event_time(const Vector& u, int event) const { return equations_.time(u, event); }
+  const SignatureEquations& equations() const { return equations_; }
+
+ private:
+  bool set_value(const Vector& u);
+  double clear_section(const Vector& u) const;
+
+  SignatureEquations equations_;
+  Vector p_;
+  std::size_t parameter_;
+  double scale_;
+  FlowOptions options_;
+  std::string failure_;
+  std::unique_ptr<OrbitProblem> stroboscopic_;
+};
+
+}  // namespace graze
