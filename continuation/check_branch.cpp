@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/continuation/continuation.hpp>
+#include <graze/continuation/branch_graph.hpp>
 #include <graze/continuation/orbit_problem.hpp>
 
 #include <fmt/format.h>
@@ -8,6 +8,55 @@
 #include <cmath>
 
 namespace graze {
+
+namespace {
+
+/// How far two points of a branch can be apart at the most, per unit of arclength, with room for what the norm leaves out.
+constexpr double speed_limit = 4.0;
+
+/// Largest difference of the nodes; nothing where they lie at different phases.
+std::optional<double> distance(const BranchPoint& a, const BranchPoint& b) {
+  if (a.section_phase != b.section_phase || a.nodes.size() != b.nodes.size()) return std::nullopt;
+  double largest = 0.0;
+  for (std::size_t j = 0; j < a.nodes.size(); ++j)
+    largest = std::max(largest, (a.nodes[j] - b.nodes[j]).lpNorm<Eigen::Infinity>());
+  return largest;
+}
+
+/// A step that is longer than its arclength has jumped to another branch. (A hard impact that passes a node makes a jump of its
+/// own, which is no such thing: nodes of hard systems keep clear of them.)
+void find_jumps(const Branch& branch, const auto& violated) {
+  for (std::size_t k = 1; k < branch.points.size(); ++k) {
+    const BranchPoint &a = branch.points[k - 1], &b = branch.points[k];
+    const double allowed = speed_limit * std::sqrt(static_cast<double>(b.nodes.size())) * (b.arclength - a.arclength) + 1e-9;
+    const std::optional<double> moved = distance(a, b);
+    if (moved && *moved > allowed)
+      violated(fmt::format("it jumps between points {} and {}: by {:.3g}, where {:.3g} is the most", k - 1, k, *moved, allowed));
+  }
+}
+
+/// A branch that meets orbits of its own again, shifted in time, runs back along itself (a doubled branch that missed its parent).
+void find_retraces(const HybridSystem& system, const Branch& branch, const auto& violated) {
+  constexpr std::size_t samples = 8, apart = 3;
+  const std::size_t size = branch.points.size();
+  for (std::size_t sample = 1; sample < samples; ++sample) {
+    const std::size_t k = size * sample / samples;
+    if (k < apart + 2) continue;
+    Branch earlier;
+    earlier.period = branch.period;
+    earlier.parameter = branch.parameter;
+    earlier.parameters = branch.parameters;
+    earlier.points.assign(branch.points.begin(), branch.points.begin() + static_cast<std::ptrdiff_t>(k - apart));
+    PeriodicOrbit orbit;
+    orbit.period = branch.period;
+    orbit.state = branch.points[k].state();
+    orbit.states = branch.points[k].states;
+    if (lies_on(system, earlier, orbit, branch.points[k].value))
+      violated(fmt::format("point {} is an orbit that the branch has met before", k));
+  }
+}
+
+}  // namespace
 
 std::vector<std::string> check_branch(const HybridSystem& system, const Branch& branch) {
   std::vector<std::string> violations;
@@ -35,6 +84,8 @@ std::vector<std::string> check_branch(const HybridSystem& system, const Branch& 
     if (k > 0 && !(point.arclength > branch.points[k - 1].arclength))
       violated(fmt::format("arclength does not grow at point {}", k));
   }
+  find_jumps(branch, violated);
+  find_retraces(system, branch, violated);
   for (const SpecialPoint& special : branch.special_points) {
     if (!(special.interval[0] <= special.value && special.value <= special.interval[1]))
       violated(fmt::format("{} lies outside its interval", special.label));
