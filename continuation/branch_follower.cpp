@@ -80,8 +80,8 @@ void BranchFollower::user_points(OrbitProblem& problem, const CurvePoint& before
   }
 }
 
-void BranchFollower::locate(OrbitProblem& problem, const TestFunction& test, const TestPoint& before, const TestPoint& after,
-                            Branch& branch) {
+SpecialPoint BranchFollower::locate(OrbitProblem& problem, const TestFunction& test, const TestPoint& before,
+                                    const TestPoint& after, const Branch& branch) const {
   // Close in on the sign change along the curve (Illinois), until Newton on the extended system has an easy start.
   const ZeroProblem zero = problem.zero_problem();
   const double length = after.curve.arclength - before.curve.arclength;
@@ -143,8 +143,7 @@ void BranchFollower::locate(OrbitProblem& problem, const TestFunction& test, con
     report.status = NewtonStatus::converged;
     point.orbit = problem.orbit(best.u, report);
   }
-  point.label = label_(test.type);
-  branch.special_points.push_back(std::move(point));
+  return point;
 }
 
 void BranchFollower::add_grazing(const OrbitProblem& problem, const LocatedGrazing& located, int impacts_before,
@@ -254,10 +253,19 @@ Verdict BranchFollower::monitor(OrbitProblem& problem, const CurvePoint& before,
     returned_ = true;
     return Verdict::stop;
   }
+  std::vector<SpecialPoint> located;
   for (const TestFunction& test : test_functions()) {
     const double f_a = test.value(a), f_b = test.value(b);
-    if (std::isfinite(f_a) && std::isfinite(f_b) && (f_a < 0.0) != (f_b < 0.0) && test.confirm(a, b))
-      locate(problem, test, a, b, branch);
+    if (!std::isfinite(f_a) || !std::isfinite(f_b) || (f_a < 0.0) == (f_b < 0.0) || !test.confirm(a, b)) continue;
+    located.push_back(locate(problem, test, a, b, branch));
+    // What is not found where it was announced may be no such point, but a step onto another branch close by.
+    constexpr double smallest_doubt = 1e-5;
+    if (located.back().status != PointStatus::converged && after.arclength - before.arclength > smallest_doubt)
+      return Verdict::reject;
+  }
+  for (SpecialPoint& special : located) {
+    special.label = label_(special.type);
+    branch.special_points.push_back(std::move(special));
   }
   if (change == 1) locate_impact_change(problem, before, after, point, branch);
   user_points(problem, before, after, branch);

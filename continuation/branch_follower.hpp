@@ -29,7 +29,8 @@ class BranchFollower {
  private:
   Verdict monitor(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
   bool skipped_something(const TestPoint& before, const TestPoint& after) const;
-  void locate(OrbitProblem& problem, const TestFunction& test, const TestPoint& before, const TestPoint& after, Branch& branch);
+  SpecialPoint locate(OrbitProblem& problem, const TestFunction& test, const TestPoint& before, const TestPoint& after,
+                      const Branch& branch) const;
   void locate_impact_change(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after, const BranchPoint& reached,
                             Branch& branch);
   std::optional<GrazingEnd> broken_off_at_grazing(OrbitProblem& problem, Branch& branch);

@@ -23,7 +23,8 @@ std::optional<BranchStart> doubled_start(const SpecialPoint& pd, OrbitProblem& p
   direction.segment(v.size(), v.size()) = -v;
   const ZeroProblem zero = doubled.zero_problem();
   direction /= std::sqrt(zero.weights.dot(direction.cwiseAbs2()));
-  for (double push = 2e-3; push > 1e-6; push *= 0.5) {
+  // The parameter follows with the square of the push, and fast beside a grazing: down to where rounding begins.
+  for (double push = 2e-3; push > 1e-8; push *= 0.5) {
     BranchStart start{at_birth + push * direction, {}};
     if (!correct(zero, direction, start.u, options).converged()) continue;
     start.orientation = start.u - at_birth;

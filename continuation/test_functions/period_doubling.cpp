@@ -72,12 +72,7 @@ TestFunction period_doubling_test() {
     return product.real();
   };
   test.confirm = [](const TestPoint& before, const TestPoint& after) {
-    const auto beyond = [](const TestPoint& point) {
-      int count = 0;
-      for (const auto& mu : nontrivial(point.branch.multipliers)) count += mu.imag() == 0.0 && mu.real() < -1.0 ? 1 : 0;
-      return count;
-    };
-    return (beyond(before) + beyond(after)) % 2 == 1;
+    return (real_beyond(before, -1) + real_beyond(after, -1)) % 2 == 1;
   };
   test.locate = [](OrbitProblem& problem, const Vector& u, const TestPoint&) {
     return locate_multiplier(problem, u, {.theta = std::numbers::pi});
