@@ -332,16 +332,24 @@ std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const Ve
   };
   clear_section();
   Curve curve;
+  // Where the branch began: a closed one comes back there, perhaps with its nodes on another section.
+  std::optional<CurvePoint> first, origin;
+  double first_section = 0.0;
+  TraceOptions trace_options = options_.trace;
   for (;;) {
     section_blocked_ = false;
     const ZeroProblem zero = problem.zero_problem();
-    curve = trace(zero, start, direction, options_.trace, [&](const CurvePoint& before, CurvePoint& after) {
+    trace_options.max_points = std::max(1, options_.trace.max_points - static_cast<int>(branch.points.size()) + 1);
+    const auto on_branch = [&](const CurvePoint& before, CurvePoint& after) {
       if (branch.points.empty()) {
         branch.points.push_back(problem.branch_point(before.u, 0.0));
         mark_end(problem, before.u, PointType::EP, branch);
+        first = before;
+        first_section = problem.equations().section_phase();
       }
       return monitor(problem, before, after, branch);
-    });
+    };
+    curve = trace(zero, start, direction, trace_options, on_branch, origin);
     const Vector plain = std::copysign(1.0, direction[direction.size() - 1]) * problem.parameter_direction();
     if (curve.stop == TraceStop::start_failed && branch.points.empty() && direction != plain) {
       direction = plain;
@@ -353,6 +361,15 @@ std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const Ve
     const double arclength = branch.points.back().arclength;
     clear_section();
     branch.points.back() = problem.branch_point(start, arclength);
+    origin.reset();
+    OrbitProblem at_first = problem.with_section(first_section);
+    if (const auto u = at_first.to_section(problem, first->u)) {
+      const double forward = std::copysign(1.0, first->tangent[first->tangent.size() - 1]);
+      origin.emplace();
+      origin->u = *u;
+      origin->tangent = tangent_at(problem.zero_problem(), *u, forward * problem.parameter_direction());
+      if (origin->tangent.size() == 0) origin.reset();
+    }
   }
   const auto begin = [&](const Vector& u) {
     branch.points.push_back(problem.branch_point(u, 0.0));
