@@ -55,7 +55,8 @@ std::optional<NormalForm> normal_form(OrbitProblem& problem, const LocatedPoint&
   // The step must stay within the orbit's signature, and be large against the rounding of second differences.
   for (double h = 4e-3; h > 1e-5; h *= 0.5) {
     const auto coarse = coefficient(h), fine = coefficient(h / 2);
-    if (coarse && fine) return NormalForm{(4.0 * *fine - *coarse) / 3.0, std::abs(*fine - *coarse)};
+    if (coarse && fine && std::isfinite(*coarse) && std::isfinite(*fine))
+      return NormalForm{(4.0 * *fine - *coarse) / 3.0, std::abs(*fine - *coarse)};
   }
   return std::nullopt;
 }

@@ -156,6 +156,9 @@ TEST_CASE("closed branches in eta are followed round once, whatever the section"
       {{.b = 0.02, .xi = 1.0, .eta = 4.0, .r = 2.0, .k_r = 1.0}, 3, 3.2, 4.8},
       {{.b = 0.02, .xi = 1.0, .eta = 5.5, .r = 1.0, .k_r = 1.0}, 4, 4.1, 7.0},
       {{.b = 0.05, .xi = 1.0, .eta = 6.6, .r = 0.5, .k_r = 1.0}, 5, 5.9, 7.4},
+      {{.b = 0.02, .xi = 1.0, .eta = 2.6, .r = 2.0, .k_r = 0.95}, 2, 2.05, 3.3},
+      {{.b = 0.02, .xi = 1.0, .eta = 3.7, .r = 1.0, .k_r = 0.8}, 3, 3.1, 4.4},
+      {{.b = 0.005, .xi = 1.0, .eta = 4.6, .r = 2.0, .k_r = 0.8}, 4, 4.1, 5.1},
   };
   for (const Closed& isola : list) {
     const double low = fold_in_eta(isola.q, isola.n, isola.q.eta, isola.low);
