@@ -39,9 +39,7 @@ BranchFollower::BranchFollower(const HybridSystem& system, const ContinuationOpt
       hard_contacts_(
           std::any_of(system.events.begin(), system.events.end(), [](const Event& event) { return !event.continuous; })) {}
 
-Vector BranchFollower::at_value(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after, double value) const {
-  const double a = problem.value(before.u), b = problem.value(after.u);
-  Vector u = before.u + (value - a) / (b - a) * (after.u - before.u);
+Vector BranchFollower::at_value(OrbitProblem& problem, Vector u, double value) const {
   u[u.size() - 1] = value;
   const NewtonReport report = correct(problem.zero_problem(), problem.parameter_direction(), u, options_.trace);
   if (!report.converged()) return {};
@@ -69,14 +67,26 @@ bool BranchFollower::skipped_something(const TestPoint& before, const TestPoint&
 }
 
 void BranchFollower::user_points(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after, Branch& branch) {
-  const double a = problem.value(before.u), b = problem.value(after.u);
-  std::vector<double> inside;
-  for (const double value : options_.user_values)
-    if ((a < value) != (b < value)) inside.push_back(value);
-  std::sort(inside.begin(), inside.end(), [&](double x, double y) { return a < b ? x < y : x > y; });
-  for (const double value : inside) {
-    const Vector u = at_value(problem, before, after, value);
-    if (u.size() > 0) mark_end(problem, u, PointType::UZ, branch);
+  if (options_.user_values.empty()) return;
+  // Where the branch turns within the step, a value may be passed on both sides of the fold.
+  std::vector<Vector> course{before.u};
+  for (const SpecialPoint& point : branch.special_points)
+    if (point.type == PointType::LP && point.status == PointStatus::converged && point.after_point + 1 == branch.points.size())
+      course.push_back(problem.pack(point.orbit.nodes, point.orbit.duration, point.value));
+  course.push_back(after.u);
+  for (std::size_t k = 0; k + 1 < course.size(); ++k) {
+    const double a = problem.value(course[k]), b = problem.value(course[k + 1]);
+    std::vector<double> inside;
+    for (const double value : options_.user_values)
+      if ((a < value) != (b < value)) inside.push_back(value);
+    std::sort(inside.begin(), inside.end(), [&](double x, double y) { return a < b ? x < y : x > y; });
+    for (const double value : inside) {
+      // From a fold on the state goes with the root of the distance in the parameter.
+      const double way = (value - a) / (b - a);
+      const double part = k > 0 ? std::sqrt(way) : k + 2 < course.size() ? 1.0 - std::sqrt(1.0 - way) : way;
+      const Vector u = at_value(problem, course[k] + part * (course[k + 1] - course[k]), value);
+      if (u.size() > 0) mark_end(problem, u, PointType::UZ, branch);
+    }
   }
 }
 
@@ -229,7 +239,7 @@ Verdict BranchFollower::monitor(OrbitProblem& problem, const CurvePoint& before,
   if ((value >= high_ - tolerance && last < high_ && value > last) ||
       (value <= low_ + tolerance && last > low_ && value < last)) {
     const double bound = value > last ? high_ : low_;
-    const Vector u = at_value(problem, before, after, bound);
+    const Vector u = at_value(problem, before.u + (bound - last) / (value - last) * (after.u - before.u), bound);
     if (u.size() == 0) return Verdict::reject;
     const double length = after.arclength - before.arclength;
     after.arclength = before.arclength + length * std::clamp((bound - last) / (value - last), 0.0, 1.0);
@@ -273,9 +283,15 @@ Verdict BranchFollower::monitor(OrbitProblem& problem, const CurvePoint& before,
       std::find_if(branch.special_points.begin(), branch.special_points.end(), [&](const SpecialPoint& special) {
         return special.after_point + 1 == branch.points.size() && special.type != PointType::EP;
       });
-  std::stable_sort(in_this_step, branch.special_points.end(), [&](const SpecialPoint& x, const SpecialPoint& y) {
-    return value > last ? x.value < y.value : x.value > y.value;
-  });
+  const bool turns = std::any_of(in_this_step, branch.special_points.end(),
+                                 [](const SpecialPoint& special) { return special.type == PointType::LP; });
+  const auto advance = [&](const SpecialPoint& special) {
+    if (!turns) return value > last ? special.value : -special.value;
+    const Vector u = problem.pack(special.orbit.nodes, special.orbit.duration, special.value);
+    return problem.zero_problem().weights.cwiseProduct(before.tangent).dot(u - before.u);
+  };
+  std::stable_sort(in_this_step, branch.special_points.end(),
+                   [&](const SpecialPoint& x, const SpecialPoint& y) { return advance(x) < advance(y); });
   branch.points.push_back(std::move(point));
   if (options_.progress) options_.progress(branch);
   if (verdict == Verdict::go_on && better_section(problem, after.u) != problem.equations().section_phase()) {

@@ -39,7 +39,7 @@ class BranchFollower {
   void user_points(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after, Branch& branch);
   void mark_end(OrbitProblem& problem, const Vector& u, PointType type, Branch& branch);
   double better_section(OrbitProblem& problem, const Vector& u) const;
-  Vector at_value(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after, double value) const;
+  Vector at_value(OrbitProblem& problem, Vector guess, double value) const;
 
   const HybridSystem& system_;
   const ContinuationOptions& options_;
