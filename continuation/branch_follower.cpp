@@ -56,7 +56,7 @@ std::optional<Verdict> BranchFollower::end_of_range(BranchProblem& problem, cons
   const bool below = value <= low_ + tolerance && last > low_ && value < last;
   if (!above && !below) return std::nullopt;
   const double bound = above ? high_ : low_;
-  const Vector u = at_value(problem, before, after, bound);
+  const Vector u = at_value(problem, before.u + (bound - last) / (value - last) * (after.u - before.u), bound);
   if (u.size() == 0) return Verdict::reject;
   const double length = after.arclength - before.arclength;
   after.arclength = before.arclength + length * std::clamp((bound - last) / (value - last), 0.0, 1.0);
@@ -81,28 +81,26 @@ void BranchFollower::begin(BranchProblem& problem, const Vector& u, Branch& bran
   mark(problem, u, PointType::EP, branch);
 }
 
-/// Locates what lies between the last point and the next, and takes the next one up.
-void BranchFollower::take(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, BranchPoint point,
-                          Branch& branch) {
-  const double value = point.value, last = branch.points.back().value;
-  const BranchPoint here = branch.points.back();
-  const TestPoint a{before, here}, b{after, point};
+/// Locates what lies between the last point and the next, and takes the next one up; false where the step is to be halved. `met`:
+/// what is known already to lie there.
+bool BranchFollower::take(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, BranchPoint point,
+                          std::vector<MetPoint> met, Branch& branch) {
+  const TestPoint a{before, branch.points.back()}, b{after, point};
   for (const TestFunction& test : test_functions()) {
     const double f_a = test.value(a), f_b = test.value(b);
-    if (std::isfinite(f_a) && std::isfinite(f_b) && (f_a < 0.0) != (f_b < 0.0) && test.confirm(a, b))
-      locate(problem, test, a, b, branch);
+    if (!std::isfinite(f_a) || !std::isfinite(f_b) || (f_a < 0.0) == (f_b < 0.0) || !test.confirm(a, b)) continue;
+    met.push_back(locate(problem, test, a, b, branch));
+    // What is not found where it was announced may be no such point, but a step onto another branch close by.
+    constexpr double smallest_doubt = 1e-5;
+    if (met.back().point.status != PointStatus::converged && after.arclength - before.arclength > smallest_doubt) return false;
   }
-  user_points(problem, before, after, branch);
-  const auto in_this_step =
-      std::find_if(branch.special_points.begin(), branch.special_points.end(), [&](const SpecialPoint& special) {
-        return special.after_point + 1 == branch.points.size() && special.type != PointType::EP;
-      });
-  std::stable_sort(in_this_step, branch.special_points.end(), [&](const SpecialPoint& x, const SpecialPoint& y) {
-    return value > last ? x.value < y.value : x.value > y.value;
-  });
+  user_points(problem, before, after, branch, met);
+  std::stable_sort(met.begin(), met.end(), [](const MetPoint& x, const MetPoint& y) { return x.place < y.place; });
+  for (MetPoint& special : met) branch.special_points.push_back(std::move(special.point));
   branch.points.push_back(std::move(point));
   last_ = after.u;
   if (options_.progress) options_.progress(branch);
+  return true;
 }
 
 Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch) {
@@ -118,8 +116,9 @@ Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& 
   if (change == 1 && hard_contacts_) return Verdict::reject;
   if (change > 1 && after.arclength - before.arclength > 1e-7) return Verdict::reject;
   if (returns_to_parent(branch, point)) return Verdict::stop;
-  if (change == 1) locate_impact_change(problem, before, after, point, branch);
-  take(problem, before, after, std::move(point), branch);
+  std::vector<MetPoint> met;
+  if (change == 1) met.push_back(locate_impact_change(problem, before, after, point, branch));
+  if (!take(problem, before, after, std::move(point), std::move(met), branch)) return Verdict::reject;
   if (end) return *end;
   section_blocked_ = better_section(problem, after.u) != problem.equations().section_phase();
   return section_blocked_ ? Verdict::stop : Verdict::go_on;
@@ -142,7 +141,7 @@ Verdict BranchFollower::monitor_signature(SignatureProblem& problem, const Curve
   BranchPoint point = problem.branch_point(after.u, branch.points.back().arclength + after.arclength - before.arclength);
   if (!point.multipliers.valid || skipped_something(branch.points.back(), point)) return Verdict::reject;
   if (returns_to_parent(branch, point)) return Verdict::stop;
-  take(problem, before, after, std::move(point), branch);
+  if (!take(problem, before, after, std::move(point), {}, branch)) return Verdict::reject;
   return end.value_or(Verdict::go_on);
 }
 
@@ -210,13 +209,23 @@ Curve BranchFollower::follow_states(OrbitProblem& problem, const BranchStart& gi
   };
   clear_section();
   Curve curve;
+  // Where the branch began: a closed one comes back there, perhaps with its nodes on another section.
+  std::optional<CurvePoint> first, origin;
+  double first_section = 0.0;
+  TraceOptions trace_options = options_.trace;
   for (;;) {
     section_blocked_ = false;
     const ZeroProblem zero = problem.zero_problem();
-    curve = trace(zero, start, direction, options_.trace, [&](const CurvePoint& before, CurvePoint& after) {
-      if (branch.points.empty()) begin(problem, before.u, branch);
+    trace_options.max_points = std::max(1, options_.trace.max_points - static_cast<int>(branch.points.size()) + 1);
+    const auto on_branch = [&](const CurvePoint& before, CurvePoint& after) {
+      if (branch.points.empty()) {
+        begin(problem, before.u, branch);
+        first = before;
+        first_section = problem.equations().section_phase();
+      }
       return monitor_states(problem, before, after, branch);
-    });
+    };
+    curve = trace(zero, start, direction, trace_options, on_branch, origin);
     const Vector plain = std::copysign(1.0, direction[direction.size() - 1]) * problem.parameter_direction();
     if (curve.stop == TraceStop::start_failed && branch.points.empty() && direction != plain) {
       direction = plain;
@@ -229,6 +238,15 @@ Curve BranchFollower::follow_states(OrbitProblem& problem, const BranchStart& gi
     clear_section();
     branch.points.back() = problem.branch_point(start, arclength);
     last_ = start;
+    origin.reset();
+    OrbitProblem at_first = problem.with_section(first_section);
+    if (const auto u = at_first.to_section(problem, first->u)) {
+      const double forward = std::copysign(1.0, first->tangent[first->tangent.size() - 1]);
+      origin.emplace();
+      origin->u = *u;
+      origin->tangent = tangent_at(problem.zero_problem(), *u, forward * problem.parameter_direction());
+      if (origin->tangent.size() == 0) origin.reset();
+    }
   }
   return curve;
 }

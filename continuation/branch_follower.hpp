@@ -24,6 +24,13 @@ struct GrazingEnd {
   bool lost = false;  ///< the branch had the impact; otherwise the orbits beyond gain it
 };
 
+/// A special point met within a step: `place` along the step orders it among the others, `u` is the orbit there.
+struct MetPoint {
+  double place = 0.0;
+  Vector u;
+  SpecialPoint point;
+};
+
 class BranchFollower {
  public:
   /// `low`, `high`: the range of the parameter.
@@ -42,7 +49,8 @@ class BranchFollower {
   bool interrupted_now();
   std::optional<Verdict> end_of_range(BranchProblem& problem, const CurvePoint& before, CurvePoint& after) const;
   bool returns_to_parent(const Branch& branch, const BranchPoint& next);
-  void take(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, BranchPoint point, Branch& branch);
+  bool take(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, BranchPoint point,
+            std::vector<MetPoint> met, Branch& branch);
   void begin(BranchProblem& problem, const Vector& u, Branch& branch);
   bool end_on_bound(BranchProblem& problem, Branch& branch);
   std::optional<GrazingEnd> finish(BranchProblem& problem, const Curve& curve, Branch& branch);
@@ -50,16 +58,19 @@ class BranchFollower {
   std::optional<BranchStart> to_signature(OrbitProblem& problem, const BranchStart& start) const;
 
   // Special points (branch_follower_points.cpp).
-  void locate(BranchProblem& problem, const TestFunction& test, const TestPoint& before, const TestPoint& after, Branch& branch);
-  void locate_impact_change(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after, const BranchPoint& reached,
-                            Branch& branch);
+  MetPoint locate(BranchProblem& problem, const TestFunction& test, const TestPoint& before, const TestPoint& after,
+                  const Branch& branch) const;
+  MetPoint locate_impact_change(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after,
+                                const BranchPoint& reached, const Branch& branch) const;
   bool reaches_grazing(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
   std::optional<GrazingEnd> broken_off_at_grazing(OrbitProblem& problem, Branch& branch);
-  void add_grazing(const OrbitProblem& problem, const LocatedGrazing& located, int impacts_before, int impacts_after,
-                   Branch& branch);
-  void user_points(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, Branch& branch);
+  SpecialPoint grazing_point(const OrbitProblem& problem, const LocatedGrazing& located, int impacts_before, int impacts_after,
+                             const Branch& branch) const;
+  void user_points(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, const Branch& branch,
+                   std::vector<MetPoint>& met) const;
+  SpecialPoint plain_point(BranchProblem& problem, const Vector& u, PointType type, const Branch& branch) const;
   void mark(BranchProblem& problem, const Vector& u, PointType type, Branch& branch);
-  Vector at_value(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, double value) const;
+  Vector at_value(BranchProblem& problem, Vector guess, double value) const;
 
   const HybridSystem& system_;
   const ContinuationOptions& options_;

@@ -8,9 +8,16 @@
 
 namespace graze {
 
-Vector BranchFollower::at_value(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, double value) const {
-  const double a = problem.value(before.u), b = problem.value(after.u);
-  Vector u = before.u + (value - a) / (b - a) * (after.u - before.u);
+namespace {
+
+/// How far along the step from `before` u lies, in arclength.
+double place_of(const ZeroProblem& zero, const CurvePoint& before, const Vector& u) {
+  return zero.weights.cwiseProduct(before.tangent).dot(u - before.u);
+}
+
+}  // namespace
+
+Vector BranchFollower::at_value(BranchProblem& problem, Vector u, double value) const {
   u[u.size() - 1] = value;
   const NewtonReport report = correct(problem.zero_problem(), problem.parameter_direction(), u, options_.trace);
   if (!report.converged()) return {};
@@ -18,32 +25,46 @@ Vector BranchFollower::at_value(BranchProblem& problem, const CurvePoint& before
   return u;
 }
 
-void BranchFollower::mark(BranchProblem& problem, const Vector& u, PointType type, Branch& branch) {
+SpecialPoint BranchFollower::plain_point(BranchProblem& problem, const Vector& u, PointType type, const Branch& branch) const {
   SpecialPoint point;
   point.type = type;
   NewtonReport report;
   report.status = NewtonStatus::converged;
   point.orbit = problem.orbit(u, report);
   point.value = point.interval[0] = point.interval[1] = problem.value(u);
-  point.status = PointStatus::converged;
+  point.status = type == PointType::MX ? PointStatus::bracketed : PointStatus::converged;
   point.after_point = branch.points.empty() ? 0 : branch.points.size() - 1;
-  branch.special_points.push_back(std::move(point));
+  return point;
 }
 
-void BranchFollower::user_points(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, Branch& branch) {
-  const double a = problem.value(before.u), b = problem.value(after.u);
-  std::vector<double> inside;
-  for (const double value : options_.user_values)
-    if ((a < value) != (b < value)) inside.push_back(value);
-  std::sort(inside.begin(), inside.end(), [&](double x, double y) { return a < b ? x < y : x > y; });
-  for (const double value : inside) {
-    const Vector u = at_value(problem, before, after, value);
-    if (u.size() > 0) mark(problem, u, PointType::UZ, branch);
+void BranchFollower::mark(BranchProblem& problem, const Vector& u, PointType type, Branch& branch) {
+  branch.special_points.push_back(plain_point(problem, u, type, branch));
+}
+
+void BranchFollower::user_points(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, const Branch& branch,
+                                 std::vector<MetPoint>& met) const {
+  if (options_.user_values.empty()) return;
+  // Where the branch turns within the step, a value may be passed on both sides of the fold.
+  std::vector<Vector> course{before.u};
+  for (const MetPoint& point : met)
+    if (point.point.type == PointType::LP && point.point.status == PointStatus::converged) course.push_back(point.u);
+  course.push_back(after.u);
+  for (std::size_t k = 0; k + 1 < course.size(); ++k) {
+    const double a = problem.value(course[k]), b = problem.value(course[k + 1]);
+    for (const double value : options_.user_values) {
+      if ((a < value) == (b < value)) continue;
+      // From a fold on the state goes with the root of the distance in the parameter.
+      const double way = (value - a) / (b - a);
+      const double part = k > 0 ? std::sqrt(way) : k + 2 < course.size() ? 1.0 - std::sqrt(1.0 - way) : way;
+      const Vector u = at_value(problem, course[k] + part * (course[k + 1] - course[k]), value);
+      if (u.size() > 0)
+        met.push_back({place_of(problem.zero_problem(), before, u), u, plain_point(problem, u, PointType::UZ, branch)});
+    }
   }
 }
 
-void BranchFollower::locate(BranchProblem& problem, const TestFunction& test, const TestPoint& before, const TestPoint& after,
-                            Branch& branch) {
+MetPoint BranchFollower::locate(BranchProblem& problem, const TestFunction& test, const TestPoint& before, const TestPoint& after,
+                                const Branch& branch) const {
   const ZeroProblem zero = problem.zero_problem();
   const double length = after.curve.arclength - before.curve.arclength;
   double lo = 0.0, hi = 1.0, f_lo = test.value(before), f_hi = test.value(after);
@@ -113,11 +134,11 @@ void BranchFollower::locate(BranchProblem& problem, const TestFunction& test, co
   }
   point.interval[0] = point.value - point.precision;
   point.interval[1] = point.value + point.precision;
-  branch.special_points.push_back(std::move(point));
+  return {place_of(zero, before.curve, best.u), best.u, std::move(point)};
 }
 
-void BranchFollower::add_grazing(const OrbitProblem& problem, const LocatedGrazing& located, int impacts_before,
-                                 int impacts_after, Branch& branch) {
+SpecialPoint BranchFollower::grazing_point(const OrbitProblem& problem, const LocatedGrazing& located, int impacts_before,
+                                           int impacts_after, const Branch& branch) const {
   SpecialPoint point;
   point.type = PointType::GR;
   point.after_point = branch.points.size() - 1;
@@ -138,11 +159,11 @@ void BranchFollower::add_grazing(const OrbitProblem& problem, const LocatedGrazi
     const double T = forcing_period(system_, point.orbit.parameters);
     point.details["phase"] = 2.0 * std::numbers::pi * std::fmod(located.t / T, 1.0);
   }
-  branch.special_points.push_back(std::move(point));
+  return point;
 }
 
-void BranchFollower::locate_impact_change(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after,
-                                          const BranchPoint& reached, Branch& branch) {
+MetPoint BranchFollower::locate_impact_change(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after,
+                                              const BranchPoint& reached, const Branch& branch) const {
   const BranchPoint& last = branch.points.back();
   const bool lost = reached.impacts < last.impacts;
   const Vector& with_impact = lost ? before.u : after.u;
@@ -151,7 +172,8 @@ void BranchFollower::locate_impact_change(OrbitProblem& problem, const CurvePoin
     const LocatedGrazing located = locate_grazing(problem, with_impact, *guess);
     const double value = located.newton.converged() ? problem.value(located.u) : 0.0;
     if (located.newton.converged() && value >= low - 0.01 * width && value <= high + 0.01 * width)
-      return add_grazing(problem, located, last.impacts, reached.impacts, branch);
+      return {place_of(problem.zero_problem(), before, located.u), located.u,
+              grazing_point(problem, located, last.impacts, reached.impacts, branch)};
   }
   SpecialPoint point;
   point.type = PointType::GR;
@@ -163,7 +185,8 @@ void BranchFollower::locate_impact_change(OrbitProblem& problem, const CurvePoin
   point.orbit = problem.orbit(with_impact, {});
   point.details["kind"] = lost ? "lost" : "gained";
   point.details["impacts"] = std::vector<double>{static_cast<double>(last.impacts), static_cast<double>(reached.impacts)};
-  branch.special_points.push_back(std::move(point));
+  const Vector middle = 0.5 * (before.u + after.u);
+  return {place_of(problem.zero_problem(), before, middle), middle, std::move(point)};
 }
 
 namespace {
@@ -240,10 +263,11 @@ bool BranchFollower::reaches_grazing(SignatureProblem& problem, const CurvePoint
       std::sqrt(states.zero_problem().weights.dot(away.cwiseAbs2())) > near)
     return false;
   // What lies before the grazing on this step is taken up; the grazing's own multipliers are singular.
-  if (point.multipliers.valid) take(problem, before, last, std::move(point), branch);
+  if (point.multipliers.valid && !take(problem, before, last, std::move(point), {}, branch)) return false;
   const int impacts = branch.points.back().impacts;
   Vector again;
-  add_grazing(problem.stroboscopic(good, again), located, impacts, impacts + (beyond->lost ? -1 : 1), branch);
+  branch.special_points.push_back(
+      grazing_point(problem.stroboscopic(good, again), located, impacts, impacts + (beyond->lost ? -1 : 1), branch));
   after = std::move(last);
   grazing_ = GrazingEnd{std::move(located), beyond->lost};
   return true;
@@ -262,7 +286,7 @@ std::optional<GrazingEnd> BranchFollower::broken_off_at_grazing(OrbitProblem& pr
     if (!located.newton.converged() || located.scenario == GrazingScenario::smooth) continue;
     const Vector away = located.u - u;
     if (std::sqrt(zero.weights.dot(away.cwiseAbs2())) > near) continue;
-    add_grazing(problem, located, end.impacts, end.impacts + (lost ? -1 : 1), branch);
+    branch.special_points.push_back(grazing_point(problem, located, end.impacts, end.impacts + (lost ? -1 : 1), branch));
     return GrazingEnd{std::move(located), lost};
   }
   return std::nullopt;

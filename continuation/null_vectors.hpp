@@ -13,7 +13,6 @@
 #include <Eigen/LU>
 
 #include <cmath>
-#include <limits>
 
 namespace graze {
 
@@ -25,8 +24,9 @@ template <class SquareMatrix> struct NullVectors {
 template <class SquareMatrix> NullVectors<SquareMatrix> null_vectors(const SquareMatrix& A) {
   NullVectors<SquareMatrix> null;
   const Eigen::Index n = A.rows();
-  // A shift far below what the borders notice keeps the solutions finite where A is exactly singular.
-  const double shift = 1e-13 * A.cwiseAbs().maxCoeff() + std::numeric_limits<double>::min();
+  // A shift far below what the borders notice keeps the solutions finite where A is exactly singular, and their squares where it
+  // is zero altogether.
+  const double shift = 1e-13 * A.cwiseAbs().maxCoeff() + 1e-100;
   SquareMatrix shifted = A;
   shifted.diagonal().array() += shift;
   const Eigen::PartialPivLU<SquareMatrix> direct(shifted), adjoint(SquareMatrix(shifted.adjoint()));

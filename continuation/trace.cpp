@@ -27,11 +27,10 @@ std::string reason(const ZeroProblem& problem, NewtonStatus status) {
   return text;
 }
 
-/// True if the step from the last point to `next` passes through the curve's first point, which `next` then becomes. Being near
-/// it is not enough: another turn of the curve may be.
-bool return_to_start(const ZeroProblem& problem, const Vector& weights, const Curve& curve, CurvePoint& next,
-                     const TraceOptions& options) {
-  const CurvePoint &first = curve.points.front(), &last = curve.points.back();
+/// True if the step from `last` to `next` passes through the curve's first point, which `next` then becomes. Being near it is not
+/// enough: another turn of the curve may be.
+bool return_to_start(const ZeroProblem& problem, const Vector& weights, const CurvePoint& first, const CurvePoint& last,
+                     CurvePoint& next, const TraceOptions& options) {
   const Vector normal = weights.cwiseProduct(first.tangent);
   const double before = normal.dot(last.u - first.u), after = normal.dot(next.u - first.u);
   if (!(before < 0.0 && after >= 0.0)) return false;
@@ -103,7 +102,7 @@ Vector tangent_at(const ZeroProblem& problem, const Vector& u, const Vector& ori
 }
 
 Curve trace(const ZeroProblem& problem, const Vector& u0, const Vector& orientation, const TraceOptions& options,
-            const Monitor& monitor) {
+            const Monitor& monitor, const std::optional<CurvePoint>& origin) {
   Curve curve;
   const Vector weights = weights_of(problem);
   CurvePoint start;
@@ -133,7 +132,7 @@ Curve trace(const ZeroProblem& problem, const Vector& u0, const Vector& orientat
       // A jump to a neighbouring curve shows as a correction longer than the step, a kink as a large angle.
       const bool smooth =
           std::acos(std::clamp(cosine, -1.0, 1.0)) <= options.max_angle && norm(weights, next.u - predicted) <= 0.5 * step;
-      if (smooth) closes = return_to_start(problem, weights, curve, next, options);
+      if (smooth) closes = return_to_start(problem, weights, origin ? *origin : curve.points.front(), last, next, options);
       if (smooth || (step <= options.min_step && next.tangent.size() > 0))
         verdict = monitor ? monitor(last, next) : Verdict::go_on;
       if (!smooth && verdict == Verdict::reject) curve.failure = "the curve turns too sharply";

@@ -46,9 +46,10 @@ struct Curve {
 };
 
 /// Follows the curve through (near) u0 in the direction of `orientation` (a vector whose inner product with the tangent is to be
-/// positive; it need not be tangent). `monitor` may be empty.
+/// positive; it need not be tangent). `monitor` may be empty. The curve is closed when it passes through `origin`, or if that is
+/// empty through its own first point.
 Curve trace(const ZeroProblem& problem, const Vector& u0, const Vector& orientation, const TraceOptions& options = {},
-            const Monitor& monitor = {});
+            const Monitor& monitor = {}, const std::optional<CurvePoint>& origin = {});
 
 /// Newton on H(u) = 0 with (u - u_predicted) . W direction = 0; u is changed in place.
 NewtonReport correct(const ZeroProblem& problem, const Vector& direction, Vector& u, const TraceOptions& options);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// BP: two branches cross; a multiplier passes +1 while the branch does not turn. Test: det(M - I) divided by the parameter's
-// component of the tangent, which keeps its sign at a fold (both change) and changes it at a branch point.
+// BP: two branches cross; a multiplier passes +1 while the branch does not turn, or (on the branch that turns in a pitchfork) the
+// branch turns while a multiplier only touches +1. Test: det(M - I) with the sign of the parameter's component of the tangent,
+// which keeps its sign at a fold (both change) and changes it at a branch point: the sign of the determinant of the equations'
+// Jacobian bordered by the tangent.
 #include <graze/continuation/test_functions/test_function.hpp>
 
 #include <graze/continuation/branch_point_condition.hpp>
@@ -12,7 +14,7 @@ namespace graze {
 TestFunction branch_point_test() {
   TestFunction test;
   test.type = PointType::BP;
-  test.summary = "branch point: the product of (multiplier - 1) passes zero where the branch does not turn";
+  test.summary = "branch point: the product of (multiplier - 1) passes zero, or the branch turns, but not both";
   test.value = [](const TestPoint& point) {
     std::complex<double> product = 1.0;
     for (const auto& mu : nontrivial(point.branch.multipliers)) product *= (mu - 1.0) / (1.0 + std::abs(mu));
@@ -20,13 +22,9 @@ TestFunction branch_point_test() {
     return std::copysign(product.real(), product.real() * turning);
   };
   test.confirm = [](const TestPoint& before, const TestPoint& after) {
-    const auto beyond = [](const TestPoint& point) {
-      int count = 0;
-      for (const auto& mu : nontrivial(point.branch.multipliers)) count += mu.imag() == 0.0 && mu.real() > 1.0 ? 1 : 0;
-      return count;
-    };
     const auto turning = [](const TestPoint& point) { return point.curve.tangent[point.curve.tangent.size() - 1] > 0.0; };
-    return (beyond(before) + beyond(after)) % 2 == 1 && turning(before) == turning(after);
+    const bool passes = (real_beyond(before, 1) + real_beyond(after, 1)) % 2 == 1, turns = turning(before) != turning(after);
+    return passes != turns;
   };
   test.locate = [](OrbitProblem& problem, const Vector& u, const TestPoint&) { return locate_branch_point(problem, u); };
   return test;

@@ -55,7 +55,8 @@ std::optional<NormalForm> normal_form(OrbitProblem& problem, const LocatedPoint&
   // The step must stay within the orbit's signature, and be large against the rounding of second differences.
   for (double h = 4e-3; h > 1e-5; h *= 0.5) {
     const auto coarse = coefficient(h), fine = coefficient(h / 2);
-    if (coarse && fine) return NormalForm{(4.0 * *fine - *coarse) / 3.0, std::abs(*fine - *coarse)};
+    if (coarse && fine && std::isfinite(*coarse) && std::isfinite(*fine))
+      return NormalForm{(4.0 * *fine - *coarse) / 3.0, std::abs(*fine - *coarse)};
   }
   return std::nullopt;
 }
@@ -72,12 +73,7 @@ TestFunction period_doubling_test() {
     return product.real();
   };
   test.confirm = [](const TestPoint& before, const TestPoint& after) {
-    const auto beyond = [](const TestPoint& point) {
-      int count = 0;
-      for (const auto& mu : nontrivial(point.branch.multipliers)) count += mu.imag() == 0.0 && mu.real() < -1.0 ? 1 : 0;
-      return count;
-    };
-    return (beyond(before) + beyond(after)) % 2 == 1;
+    return (real_beyond(before, -1) + real_beyond(after, -1)) % 2 == 1;
   };
   test.locate = [](OrbitProblem& problem, const Vector& u, const TestPoint&) {
     return locate_multiplier(problem, u, {.theta = std::numbers::pi});

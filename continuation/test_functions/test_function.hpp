@@ -43,4 +43,8 @@ const std::vector<TestFunction>& test_functions();
 /// Nontrivial multipliers of a point.
 std::vector<std::complex<double>> nontrivial(const FloquetMultipliers& multipliers);
 
+/// Number of real nontrivial multipliers above +1 (unit = 1) or below -1 (unit = -1). Whether it is odd is the sign of
+/// det(M - I), of det(M + I): complex pairs do not change them.
+int real_beyond(const TestPoint& point, int unit);
+
 }  // namespace graze

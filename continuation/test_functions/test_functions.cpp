@@ -13,4 +13,10 @@ std::vector<std::complex<double>> nontrivial(const FloquetMultipliers& multiplie
           multipliers.values.end() - std::min<std::ptrdiff_t>(multipliers.trivial, std::ssize(multipliers.values))};
 }
 
+int real_beyond(const TestPoint& point, int unit) {
+  int count = 0;
+  for (const auto& mu : nontrivial(point.branch.multipliers)) count += mu.imag() == 0.0 && unit * mu.real() > 1.0 ? 1 : 0;
+  return count;
+}
+
 }  // namespace graze

@@ -6,7 +6,8 @@
 
 #include "support/checks.hpp"
 #include "support/reference.hpp"
-#include "support/systems.hpp"
+#include "support/two_mass_oscillator.hpp"
+#include "support/van_der_pol_stop.hpp"
 
 #include <catch2/catch.hpp>
 

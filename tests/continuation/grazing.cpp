@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "support/one_impact_orbits.hpp"
+#include "support/one_impact_orbit.hpp"
 
 #include <graze/continuation/continuation.hpp>
 #include <graze/continuation/grazing.hpp>
@@ -129,7 +129,8 @@ TEST_CASE("a located grazing is a tangency of the free motion, and the general i
     CHECK(std::abs(run.x[0] - 2.0) < 1e-12);  // on the barrier ...
     CHECK(std::abs(run.x[1]) < 1e-12);        // ... at zero speed
   }
-  CHECK(std::abs(values[0] - values[1]) < 1e-11);  // the general integrator's accuracy over two periods, amplified by d(eta)/d(gap)
+  CHECK(std::abs(values[0] - values[1]) <
+        1e-11);  // the general integrator's accuracy over two periods, amplified by d(eta)/d(gap)
 }
 
 TEST_CASE("restitution 0.8 in xi: fold and grazing 3e-5 apart agree with the closed form, and the impactless orbit takes over") {
@@ -137,7 +138,7 @@ TEST_CASE("restitution 0.8 in xi: fold and grazing 3e-5 apart agree with the clo
   c["k_r"] = 0.8;
   c["r"] = 1.0;
   c["eta"] = 1.0;
-  const one_impact::Family exact = one_impact::family({0.05, 1.0, 1.0, 0.8, 1});
+  const support::OneImpactFamily exact = support::one_impact_family({.b = 0.05, .eta = 1.0, .r = 1.0, .k_r = 0.8}, 1);
   ContinuationOptions options;
   options.parameter = "xi";
   options.to = 0.05;
@@ -174,7 +175,7 @@ TEST_CASE("the scenario of a lost impact follows the sign of sin(w n T), both si
         c["k_r"] = k_r;
         c["r"] = r;
         c["eta"] = eta;
-        const one_impact::Family exact = one_impact::family({0.05, eta, r, k_r, 1});
+        const support::OneImpactFamily exact = support::one_impact_family({.b = 0.05, .eta = eta, .r = r, .k_r = k_r}, 1);
         // The impactless orbit from below its grazing amplitude: it gains an impact there.
         c["xi"] = 0.9 * exact.xi_grazing();
         const double detuning = 1.0 - eta * eta, drag = 2.0 * 0.05 * eta, D = detuning * detuning + drag * drag;
@@ -189,7 +190,7 @@ TEST_CASE("the scenario of a lost impact follows the sign of sin(w n T), both si
         INFO("k_r " << k_r << " eta " << eta << " r " << r);
         REQUIRE(grazings.size() == 1);
         CHECK(std::abs(grazings[0]->value - exact.xi_grazing()) < 1e-13);
-        const bool persistence = std::sin(exact.w_n_T) > 0.0;
+        const bool persistence = std::sin(exact.turn) > 0.0;
         CHECK(text(*grazings[0], "scenario") == (persistence ? "persistence" : "nonsmooth-fold"));
         ++seen[persistence];
       }

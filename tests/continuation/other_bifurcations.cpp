@@ -3,7 +3,8 @@
 #include <graze/continuation/continuation.hpp>
 #include <graze/floquet/settle.hpp>
 
-#include "support/systems.hpp"
+#include "support/driven_self_excited.hpp"
+#include "support/two_sided_oscillator.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -6,6 +6,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -219,4 +220,17 @@ TEST_CASE("check_branch finds what has been tampered with") {
   CHECK_FALSE(check_branch(system, outside).empty());
   back.points[4].arclength = 0.0;
   CHECK_FALSE(check_branch(system, back).empty());
+  // Turned round in the middle, and run back along itself.
+  Branch again = good;
+  const std::size_t half = good.points.size() / 2;
+  for (std::size_t k = half; k < good.points.size(); ++k) {
+    again.points[k] = good.points[2 * half - k];
+    again.points[k].arclength = good.points[k].arclength;
+  }
+  const std::vector<std::string> violations = check_branch(system, again);
+  const auto says = [&](const char* words) {
+    return std::any_of(violations.begin(), violations.end(), [&](const std::string& v) { return v.find(words) != v.npos; });
+  };
+  CHECK(says("it may have jumped to another branch"));
+  CHECK(says("an orbit that the branch has met before"));
 }

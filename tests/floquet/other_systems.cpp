@@ -4,7 +4,11 @@
 #include <graze/floquet/settle.hpp>
 
 #include "support/checks.hpp"
-#include "support/systems.hpp"
+#include "support/driven_self_excited.hpp"
+#include "support/relay_feedback.hpp"
+#include "support/two_mass_oscillator.hpp"
+#include "support/two_sided_oscillator.hpp"
+#include "support/van_der_pol_stop.hpp"
 
 #include <catch2/catch.hpp>
 

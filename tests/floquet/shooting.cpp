@@ -4,7 +4,7 @@
 #include <graze/lib/oscillator.hpp>
 
 #include "support/checks.hpp"
-#include "support/systems.hpp"
+#include "support/van_der_pol_stop.hpp"
 
 #include <catch2/catch.hpp>
 

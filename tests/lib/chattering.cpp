@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Infinitely many impacts in finite time, and what follows: sticking and release.
+#include "support/bouncing_ball.hpp"
 #include "support/checks.hpp"
-#include "support/systems.hpp"
 
 #include <graze/lib/oscillator.hpp>
 #include <graze/lib/trajectory.hpp>
@@ -15,7 +15,8 @@ using Long = long double;
 
 /// Pressed against a barrier at r = 0.5 from phase 0 on until cos(eta t) = r: room for a whole series of impacts.
 Vector pressed(const HybridSystem& system, double k_r, double eta = 0.3) {
-  return parameters(system, {{"r", 0.5}, {"eta", eta}, {"xi", 1.0 + 0.5 * 0.25 * default_parameters(system.parameters)[1]}, {"k_r", k_r}});
+  return parameters(
+      system, {{"r", 0.5}, {"eta", eta}, {"xi", 1.0 + 0.5 * 0.25 * default_parameters(system.parameters)[1]}, {"k_r", k_r}});
 }
 
 double release_time(const Vector& p) {
@@ -95,7 +96,8 @@ TEST_CASE("the accumulation time of an oscillator's impacts is that of an iterat
         const Trajectory run = simulate(system, p, 0.0, vector({0.5, v}), {.t_end = release_time(p)}, options);
         INFO("k_r " << k_r << ", speed " << v << ", accumulation at " << exact);
         REQUIRE(exact < 0.8 * release_time(p));
-        const auto stick = std::find_if(run.events.begin(), run.events.end(), [](const EventRecord& e) { return e.kind == EventKind::stick; });
+        const auto stick =
+            std::find_if(run.events.begin(), run.events.end(), [](const EventRecord& e) { return e.kind == EventKind::stick; });
         REQUIRE(stick != run.events.end());
         // The sum over the last millionth is known to its square times the relative change of the force, and of rounding.
         REQUIRE(std::abs(stick->t - exact) < 5e-12);

@@ -2,7 +2,6 @@
 // The first-order map along a motion through any number of events: Phi, and Psi in every parameter, against differences of the
 // motion itself; Liouville's identity; the factors.
 #include "support/checks.hpp"
-#include "support/systems.hpp"
 
 #include <graze/lib/oscillator.hpp>
 

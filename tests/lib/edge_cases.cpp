@@ -2,7 +2,7 @@
 // Starts, ends and coincidences that fall exactly on a guard: each has a test of its name, for every law on every oscillator,
 // carried by the fast flows and by the general one.
 #include "support/checks.hpp"
-#include "support/systems.hpp"
+#include "support/two_mass_oscillator.hpp"
 
 #include <graze/lib/oscillator.hpp>
 #include <graze/lib/trajectory.hpp>
@@ -223,7 +223,8 @@ TEST_CASE("tangency from outside: a motion that touches the barrier and turns ba
       options.kind = kind;
       // x = sin t, unforced and undamped. 1e-12 is twenty times what the general flow errs by over the quarter turn.
       const auto run = [&](double r, double x, double v) {
-        return simulate(system, parameters(system, {{"b", 0.0}, {"xi", 0.0}, {"r", r}}), 0.0, vector({x, v}), {.t_end = 3.0}, options);
+        return simulate(system, parameters(system, {{"b", 0.0}, {"xi", 0.0}, {"r", r}}), 0.0, vector({x, v}), {.t_end = 3.0},
+                        options);
       };
       if (kind == FlowKind::automatic) REQUIRE(run(1.0, 0.0, 1.0).events.empty());
       REQUIRE(run(1.0 + 1e-12, 0.0, 1.0).events.empty());

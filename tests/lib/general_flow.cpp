@@ -2,7 +2,6 @@
 // The general integrator: order of convergence in state and event time, its options, and guards that are hard to watch.
 #include "support/checks.hpp"
 #include "support/extrapolation.hpp"
-#include "support/systems.hpp"
 
 #include <graze/lib/flow.hpp>
 #include <graze/lib/oscillator.hpp>

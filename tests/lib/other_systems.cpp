@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Nothing is written for two states, one barrier or a forcing: systems of four and of three states, with two barriers, two
-// forcing-free ones, a discontinuous field, all through the same library calls (support/systems.hpp describes them).
+// forcing-free ones, a discontinuous field, all through the same library calls (one header each in support/).
+#include "support/bouncing_ball.hpp"
 #include "support/checks.hpp"
+#include "support/driven_self_excited.hpp"
 #include "support/extrapolation.hpp"
-#include "support/systems.hpp"
+#include "support/relay_feedback.hpp"
+#include "support/two_mass_oscillator.hpp"
 #include "support/two_sided_orbit.hpp"
+#include "support/two_sided_oscillator.hpp"
+#include "support/van_der_pol_stop.hpp"
 
 #include <graze/lib/trajectory.hpp>
 
@@ -18,8 +23,13 @@ using namespace graze::support;
 namespace {
 
 std::vector<HybridSystem> all_systems() {
-  return {two_mass_oscillator(), two_sided_oscillator(true), two_sided_oscillator(false), driven_self_excited(),
-          bouncing_ball(),       van_der_pol_stop(),         relay_feedback()};
+  return {two_mass_oscillator(),
+          two_sided_oscillator(true),
+          two_sided_oscillator(false),
+          driven_self_excited(),
+          bouncing_ball(),
+          van_der_pol_stop(),
+          relay_feedback()};
 }
 
 }  // namespace
@@ -34,8 +44,7 @@ TEST_CASE("other systems: every derivative agrees with differences") {
       for (double& value : p) value *= random(0.8, 1.2);
       for (double& value : x) value = random(-1.5, 1.5);
       const double t = random(0.0, 5.0);
-      for (std::size_t mode = 0; mode < system.modes.size(); ++mode)
-        REQUIRE_THAT(check_mode(system, mode, t, x, p), all_agree());
+      for (std::size_t mode = 0; mode < system.modes.size(); ++mode) REQUIRE_THAT(check_mode(system, mode, t, x, p), all_agree());
       for (std::size_t event = 0; event < system.events.size(); ++event)
         REQUIRE_THAT(check_event(system, event, t, x, p), all_agree());
     }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Parameters: names, ranges and the sentences that refuse what does not fit.
+#include "support/bouncing_ball.hpp"
 #include "support/checks.hpp"
-#include "support/systems.hpp"
+#include "support/two_mass_oscillator.hpp"
 
 #include <graze/lib/oscillator.hpp>
 #include <graze/lib/trajectory.hpp>
@@ -96,7 +97,8 @@ TEST_CASE("a start, a time or a flow option that makes no sense is refused in on
   REQUIRE_THROWS_WITH(run(not_a_number, Vector::Zero(2), 1.0), "a run from t = nan to 1; both must be finite numbers");
   REQUIRE_THROWS_WITH(run(0.0, Vector::Zero(2), infinity), "a run from t = 0 to inf; both must be finite numbers");
   REQUIRE_THROWS_WITH(run(0.0, Vector::Zero(2), 1.0, {.tolerance = 0.0}), "flow option tolerance is 0; allowed is > 0");
-  REQUIRE_THROWS_WITH(run(0.0, Vector::Zero(2), 1.0, {.tolerance = not_a_number}), "flow option tolerance is nan; allowed is > 0");
+  REQUIRE_THROWS_WITH(run(0.0, Vector::Zero(2), 1.0, {.tolerance = not_a_number}),
+                      "flow option tolerance is nan; allowed is > 0");
   REQUIRE_THROWS_WITH(run(0.0, Vector::Zero(2), 1.0, {.max_step = -1.0}), "flow option max_step is -1; allowed is >= 0");
   REQUIRE_THROWS_WITH(run(0.0, Vector::Zero(2), 1.0, {.accumulation_window = -1.0}),
                       "flow option accumulation_window is -1; allowed is >= 0");

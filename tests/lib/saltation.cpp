@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Saltation matrices: the hand formula, differences across one event in the state and in every parameter, grazing, continuity.
 #include "support/checks.hpp"
-#include "support/systems.hpp"
+#include "support/rigid_stop.hpp"
+#include "support/two_mass_oscillator.hpp"
 
 #include <graze/lib/oscillator.hpp>
 #include <graze/lib/saltation.hpp>
@@ -184,8 +185,9 @@ TEST_CASE("saltation with guards and resets that depend on time and parameters a
   HybridSystem system;
   system.name = "moving-wall";
   system.states = 2;
-  system.parameters = {support::detail::parameter("A", 0.2), support::detail::parameter("w", 1.3), support::detail::parameter("r", 0.5),
-                       support::detail::parameter("k", 0.7), support::detail::parameter("c", 0.4)};
+  system.parameters = {support::detail::parameter("A", 0.2), support::detail::parameter("w", 1.3),
+                       support::detail::parameter("r", 0.5), support::detail::parameter("k", 0.7),
+                       support::detail::parameter("c", 0.4)};
   Mode mode;
   mode.name = "free";
   mode.field = [](double t, const Vector& x, const Vector& p, Vector& f) { f << x[1], -p[c] * x[0] * x[0] + 0.1 * std::sin(t); };

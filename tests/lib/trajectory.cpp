@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Trajectories: segments and events in a row, sampling, contacts, and how a run ends.
 #include "support/checks.hpp"
-#include "support/systems.hpp"
 
 #include <graze/lib/oscillator.hpp>
 #include <graze/lib/transition.hpp>

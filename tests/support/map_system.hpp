@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Any map x -> g(x, lambda) as a hybrid system: nothing moves but for one reset per forcing period, at forcing phase 1. Its
-// stroboscopic map is g itself, its monodromy matrix D_x g: oracles for everything that can happen to a fixed point, in as many
-// dimensions as wanted. Parameters: omega (forcing frequency, 1) and lambda.
+// Any map x -> g(x, lambda) as a hybrid system: nothing moves but for one reset per forcing period, at forcing phase 1
+// (a second event, at phase 1 + pi, arms it again: a guard that stays at zero and rises would fire for ever). Its stroboscopic
+// map is g itself, its monodromy matrix D_x g: oracles for everything that can happen to a fixed point, in as many dimensions as
+// wanted. Parameters: omega (forcing frequency, 1) and lambda.
 #pragma once
 
 #include <graze/lib/hybrid_system.hpp>
@@ -34,9 +35,12 @@ inline HybridSystem map_system(const Map& map) {
   still.name = "still";
   still.field = [](double, const Vector&, const Vector&, Vector& f) { f.setZero(); };
   still.field_dx = still.field_dp = [](double, const Vector&, const Vector&, Matrix& J) { J.setZero(); };
-  system.modes = {still};
+  system.modes = {still, still};
+  system.modes[1].name = "done";
   Event step;
   step.name = "step";
+  step.from = 0;
+  step.to = 1;
   step.guard.value = [](double t, const Vector&, const Vector& p) { return std::sin(p[omega] * t - 1.0); };
   step.guard.dx = [](double, const Vector&, const Vector&, Vector& g) { g.setZero(); };
   step.guard.dp = [](double t, const Vector&, const Vector& p, Vector& g) {
@@ -50,7 +54,22 @@ inline HybridSystem map_system(const Map& map) {
     J.setZero();
     J.col(lambda) = map.dlambda(x, p[lambda]);
   };
-  system.events = {step};
+  Event arm = step;
+  arm.name = "arm";
+  arm.from = 1;
+  arm.to = 0;
+  arm.continuous = true;
+  arm.reset = {};
+  arm.guard.value = [](double t, const Vector&, const Vector& p) { return -std::sin(p[omega] * t - 1.0); };
+  arm.guard.dp = [](double t, const Vector&, const Vector& p, Vector& g) {
+    g.setZero();
+    g[omega] = -t * std::cos(p[omega] * t - 1.0);
+  };
+  arm.guard.dt = [](double t, const Vector&, const Vector& p) { return -p[omega] * std::cos(p[omega] * t - 1.0); };
+  system.events = {step, arm};
+  system.initial_mode = [](double t, const Vector&, const Vector& p) -> std::optional<std::size_t> {
+    return std::sin(p[omega] * t - 1.0) < 0.0 ? 0 : 1;
+  };
   validate(system);
   return system;
 }

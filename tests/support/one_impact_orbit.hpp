@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Closed form of the periodic orbits of the linear oscillator with Newton's law (beta = 0) that strike the barrier once in n
-// forcing periods. An oracle that shares nothing with the library: no integration, no event location, no Newton's method.
+// forcing periods: the orbits of given parameters, and their family in the forcing amplitude with its fold and its grazing. An
+// oracle that shares nothing with the library: no integration, no event location, no Newton's method.
 //
 //     x'' + 2 b x' + x = xi cos(eta t),  x <= r,  x'+ = -k_r x'-       dimensionless
 //
@@ -9,6 +10,7 @@
 //     Phi(nT) (d, e) = (d, e + v - u)   ->   (d, e) = (1 + k_r) v (Phi - I)^{-1} (0, 1) = v (alpha, beta):  linear in v.
 // Then P(t0) = r - alpha v, P'(t0) = -(k_r + beta) v, and P^2 + (P'/eta)^2 = A^2 + B^2 is a quadratic for v; the phase of impact
 // follows from P and P'. Up to two orbits, born in a fold (discriminant 0), grazing at v = 0 where the amplitude equals |r|.
+// Read the other way, the amplitude is a function of v, its square a parabola: at the vertex the fold in xi.
 //     M = S Phi(nT),   S = [[-k_r, 0], [(a+ + k_r a-)/v, -k_r]],   a+- = xi cos(eta t0) - 2 b x'+- - r:
 //     trace M = -k_r trace Phi + (a+ + k_r a-)/v Phi_12,   det M = k_r^2 exp(-2 b n T)     give the multipliers.
 // Every r (0 and below too), every k_r in [0, 1], 0 <= b < 1. With k_r = 0 the mass must be pulled off the barrier (`leaves`),
@@ -16,6 +18,8 @@
 #pragma once
 
 #include <graze/lib/vector.hpp>
+
+#include <Eigen/LU>
 
 #include <array>
 #include <cmath>
@@ -83,12 +87,33 @@ inline std::vector<Vector> OneImpactOrbit::states() const {
   return list;
 }
 
+/// All orbits with one impact in n forcing periods that differ in nothing but v and xi.
+struct OneImpactFamily {
+  double r = 0.0, alpha = 0.0, slope = 0.0;  ///< P(t0) = r - alpha v, P'(t0) / eta = -slope v
+  double gain = 0.0;                         ///< amplitude of the impactless motion per unit of xi
+  double turn = 0.0;                         ///< sqrt(1 - b^2) n T
+  double amplitude(double v) const { return std::hypot(r - alpha * v, slope * v); }
+  double xi(double v) const { return amplitude(v) / gain; }
+  /// Of least xi; there is a fold in xi if it is positive.
+  double fold_speed() const { return r * alpha / (alpha * alpha + slope * slope); }
+  double xi_fold() const { return xi(fold_speed()); }
+  double xi_grazing() const { return xi(0.0); }
+};
+
+inline OneImpactFamily one_impact_family(const OneImpactParameters& q, int n) {
+  const double nT = n * q.period();
+  const Eigen::Matrix2d Phi = detail::flight_transition(q.b, nT);
+  const Eigen::Vector2d w = (Phi - Eigen::Matrix2d::Identity()).inverse() * Eigen::Vector2d(0.0, 1.0 + q.k_r);
+  const double gain = 1.0 / std::hypot(1.0 - q.eta * q.eta, 2.0 * q.b * q.eta);
+  return {q.r, w[0], (q.k_r + w[1]) / q.eta, gain, std::sqrt(1.0 - q.b * q.b) * nT};
+}
+
 /// The orbits with one impact in n forcing periods, none to two of them, the faster first. Inadmissible ones are among them.
 inline std::vector<OneImpactOrbit> one_impact_orbits(const OneImpactParameters& q, int n) {
   const double T = q.period(), amplitude = impactless_amplitude(q);
   const Eigen::Matrix2d Phi = detail::flight_transition(q.b, n * T);
-  const Eigen::Vector2d w = (Phi - Eigen::Matrix2d::Identity()).inverse() * Eigen::Vector2d(0.0, 1.0 + q.k_r);
-  const double alpha = w[0], slope = (q.k_r + w[1]) / q.eta;
+  const OneImpactFamily family = one_impact_family(q, n);
+  const double alpha = family.alpha, slope = family.slope;
   // (alpha^2 + slope^2) v^2 - 2 r alpha v + r^2 - amplitude^2 = 0.
   const double a = alpha * alpha + slope * slope, half = q.r * alpha, c = (q.r - amplitude) * (q.r + amplitude);
   const double discriminant = half * half - a * c;

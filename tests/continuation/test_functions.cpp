@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What every entry of test_functions() owes, on maps whose bifurcations are known in closed form (map_system.hpp): its value
+// changes sign at its own bifurcation, exactly there, confirm() says yes there and no at the others', locate() finds the point to
+// the precision it states. A new test function fails the first test until a family with its bifurcation is added to families().
+#include <graze/continuation/continuation.hpp>
+#include <graze/continuation/test_functions/test_function.hpp>
+
+#include "support/branches.hpp"
+#include "support/checks.hpp"
+#include "support/map_system.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <set>
+
+using namespace graze;
+using namespace graze::support;
+
+namespace {
+
+/// A curve of fixed points lambda(s), x(s) of a map with one bifurcation on it, at s = 0, and others' sign changes.
+struct Family {
+  const char* name;
+  HybridSystem system;
+  PointType type;  ///< MX: a sign change of some value without any bifurcation
+  double value;    ///< of lambda at the bifurcation
+  std::function<double(double s)> lambda;
+  std::function<Vector(double s)> x;
+  Vector direction;         ///< (dx/ds, dlambda/ds), roughly: which way the curve is run through
+  double smallest = 1e-12;  ///< s at which all signs are still sure
+};
+
+HybridSystem diagonal(std::size_t states, std::function<Vector(double)> values, std::function<Vector(double)> slope) {
+  return diagonal_map("diagonal", states, std::move(values), std::move(slope));
+}
+
+std::vector<Family> families() {
+  const auto plus = [](double offset) { return [offset](double s) { return offset + s; }; };
+  const auto zero = [](Eigen::Index n) { return [n](double) -> Vector { return Vector::Zero(n); }; };
+  std::vector<Family> list;
+  list.push_back({"fold", fold_map(), PointType::LP, 0.0, [](double s) { return s * s; }, [](double s) { return Vector{{s}}; },
+                  Vector{{1.0, 0.0}}});
+  list.push_back({"period doubling after a fold", fold_map(), PointType::PD, 1.0, [](double s) { return (1.0 + s) * (1.0 + s); },
+                  [](double s) { return Vector{{1.0 + s}}; }, Vector{{1.0, 2.0}}});
+  list.push_back({"logistic", logistic_map(), PointType::PD, 3.0, plus(3.0),
+                  [](double s) { return Vector{{1.0 - 1.0 / (3.0 + s)}}; }, Vector{{0.1, 1.0}}});
+  list.push_back({"supercritical flip", flip_map<1>(), PointType::PD, 0.0, plus(0.0), zero(1), Vector{{0.0, 1.0}}});
+  list.push_back({"subcritical flip", flip_map<-1>(), PointType::PD, 0.0, plus(0.0), zero(1), Vector{{0.0, 1.0}}});
+  list.push_back({"transcritical, x = 0", transcritical_map(), PointType::BP, 0.0, plus(0.0), zero(1), Vector{{0.0, 1.0}}});
+  list.push_back({"transcritical, x = lambda", transcritical_map(), PointType::BP, 0.0, plus(0.0),
+                  [](double s) { return Vector{{s}}; }, Vector{{1.0, 1.0}}});
+  list.push_back({"pitchfork, x = 0", pitchfork_map(), PointType::BP, 0.0, plus(0.0), zero(1), Vector{{0.0, 1.0}}});
+  // The branch that turns: lambda's component of the tangent passes zero as at a fold. Its multiplier is 1 - 2 s^2.
+  list.push_back({"pitchfork, x^2 = lambda", pitchfork_map(), PointType::BP, 0.0, [](double s) { return s * s; },
+                  [](double s) { return Vector{{s}}; }, Vector{{1.0, 0.0}}, 1e-6});
+  list.push_back({"delayed logistic", delayed_logistic_map(), PointType::NS, 2.0, plus(2.0),
+                  [](double s) { return Vector::Constant(2, 1.0 - 1.0 / (2.0 + s)); }, Vector{{0.25, 0.25, 1.0}}});
+  // Multipliers 2 + s and 1/2: their product passes 1, a neutral saddle.
+  list.push_back({"neutral saddle",
+                  diagonal(
+                      2,
+                      [](double s) {
+                        return Vector{{2.0 + s, 0.5}};
+                      },
+                      [](double) {
+                        return Vector{{1.0, 0.0}};
+                      }),
+                  PointType::MX, 0.0, plus(0.0), zero(2), Vector{{0.0, 0.0, 1.0}}});
+  // A doubling with three bystanders: beyond -1, beyond +1 and small.
+  list.push_back({"flip in four dimensions",
+                  diagonal(
+                      4,
+                      [](double s) {
+                        return Vector{{-1.0 - s, -3.0, 2.0, 0.1}};
+                      },
+                      [](double) {
+                        return Vector{{-1.0, 0.0, 0.0, 0.0}};
+                      }),
+                  PointType::PD, 0.0, plus(0.0), zero(4), Vector{{0.0, 0.0, 0.0, 0.0, 1.0}}});
+  return list;
+}
+
+/// The family's point at s as the test functions see it.
+struct At {
+  CurvePoint curve;
+  BranchPoint branch;
+  TestPoint point() const { return {curve, branch}; }
+};
+
+OrbitProblem problem_of(const Family& family) {
+  return OrbitProblem(family.system, parameters(family.system, {{"lambda", family.value}}), 1, 1, 1, 1.0);
+}
+
+At at(OrbitProblem& problem, const Family& family, double s) {
+  At here;
+  here.curve.u = problem.pack({family.x(s)}, 0.0, family.lambda(s));
+  here.curve.arclength = s;
+  here.curve.tangent = tangent_at(problem.zero_problem(), here.curve.u, family.direction);
+  REQUIRE(here.curve.tangent.size() == here.curve.u.size());
+  here.branch = problem.branch_point(here.curve.u, s);
+  REQUIRE(here.branch.checks.residual < 1e-14);
+  return here;
+}
+
+bool changes_sign(const TestFunction& test, const At& a, const At& b) {
+  const double f_a = test.value(a.point()), f_b = test.value(b.point());
+  REQUIRE(std::isfinite(f_a));
+  REQUIRE(std::isfinite(f_b));
+  return (f_a < 0.0) != (f_b < 0.0);
+}
+
+}  // namespace
+
+TEST_CASE("every test function has a type, a summary of its own, and a family of maps to be tested on") {
+  std::set<PointType> types, covered;
+  std::set<std::string> summaries;
+  for (const Family& family : families()) covered.insert(family.type);
+  for (const TestFunction& test : test_functions()) {
+    INFO(point_type_name(test.type));
+    CHECK(test.type != PointType::MX);
+    CHECK(test.type != PointType::EP);
+    CHECK(types.insert(test.type).second);
+    CHECK(std::string(test.summary).size() > 20);
+    CHECK(summaries.insert(test.summary).second);
+    REQUIRE(test.value);
+    REQUIRE(test.confirm);
+    REQUIRE(test.locate);  // describe may be empty
+    CHECK(covered.count(test.type) == 1);
+    CHECK(point_type(point_type_name(test.type)) == test.type);
+  }
+}
+
+TEST_CASE("every test function's value changes sign exactly at its bifurcation, and is confirmed there and nowhere else") {
+  for (const Family& family : families()) {
+    OrbitProblem problem = problem_of(family);
+    for (const TestFunction& test : test_functions()) {
+      INFO(family.name << ": " << point_type_name(test.type));
+      const bool own = test.type == family.type;
+      // Steps over the point of every size, and beside it on either side. The multipliers are good to 1e-15 or so, and pass the
+      // unit circle at a rate of 0.3 or more per unit of s: at 1e-12 the sign is sure.
+      for (const double size : {0.2, 1e-2, 1e-4, 1e-8, 1e-12}) {
+        if (size < family.smallest) continue;
+        INFO("steps of " << size);
+        const At before = at(problem, family, -size), after = at(problem, family, 0.7 * size);
+        if (own) CHECK(changes_sign(test, before, after));
+        CHECK((changes_sign(test, before, after) && test.confirm(before.point(), after.point())) == own);
+        CHECK((changes_sign(test, after, before) && test.confirm(after.point(), before.point())) == own);  // either way
+        const At far = at(problem, family, -2.0 * size), on = at(problem, family, 1.3 * size);
+        CHECK_FALSE((changes_sign(test, far, before) && test.confirm(far.point(), before.point())));
+        CHECK_FALSE((changes_sign(test, after, on) && test.confirm(after.point(), on.point())));
+      }
+    }
+  }
+}
+
+TEST_CASE("every test function locates its point to the precision it states") {
+  for (const Family& family : families()) {
+    for (const TestFunction& test : test_functions()) {
+      if (test.type != family.type) continue;
+      for (const double s : {-0.05, 0.02, 1e-6}) {
+        INFO(family.name << " from s = " << s);
+        OrbitProblem problem = problem_of(family);
+        const At near = at(problem, family, s);
+        const LocatedPoint located = test.locate(problem, near.curve.u, near.point());
+        REQUIRE(located.newton.converged());
+        const double error = std::abs(problem.value(located.u) - family.value);
+        CHECK(located.precision > 0.0);
+        CHECK(located.precision < 1e-11);
+        CHECK(error <= located.precision);
+        // In the state a fold or a pitchfork is found to the root of what is found in the parameter at worst.
+        CHECK((located.u.head(located.u.size() - 1) - family.x(0.0)).norm() < 1e-7);
+        SpecialPoint point;
+        if (test.describe) test.describe(problem, located, point);
+        if (test.type == PointType::NS)
+          CHECK(number_detail(point, "angle") ==
+                Approx(M_PI / 3.0).margin(1e-11));  // delayed logistic: multipliers exp(+-i pi/3)
+        if (std::string(family.name) == "supercritical flip") CHECK(text_detail(point, "criticality") == "supercritical");
+        if (std::string(family.name) == "subcritical flip") CHECK(text_detail(point, "criticality") == "subcritical");
+      }
+    }
+  }
+}
+
+TEST_CASE("a branch through each of these bifurcations reports it, once, under its own name") {
+  for (const Family& family : families()) {
+    INFO(family.name);
+    const Vector p = parameters(family.system, {{"lambda", family.lambda(-0.1)}});
+    const PeriodicOrbit orbit = shoot(family.system, p, family.x(-0.1), 1);
+    REQUIRE(orbit.converged());
+    ContinuationOptions options;
+    options.parameter = "lambda";
+    // A branch that turns comes back to where it started.
+    const bool turns = std::abs(family.lambda(0.1) - family.lambda(-0.1)) < 1e-12;
+    options.to = turns ? family.value - 0.01 : family.lambda(0.1);
+    options.from = family.lambda(-0.1);
+    options.switch_generations = 0;
+    const std::vector<Branch> branches = continue_orbit(family.system, orbit, options);
+    REQUIRE(branches[0].stop == BranchStop::reached_bound);
+    CHECK(types_of(branches[0]) == (family.type == PointType::MX ? "" : std::string(point_type_name(family.type))));
+    for (const SpecialPoint& point : points_of(branches[0], family.type)) {
+      CHECK(point.status == PointStatus::converged);
+      CHECK(std::abs(point.value - family.value) <= point.precision);
+      CHECK(point.precision < 1e-11);
+    }
+    CHECK(check_branch(family.system, branches[0]) == std::vector<std::string>{});
+  }
+}
