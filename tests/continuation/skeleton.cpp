@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The skeleton of the published range: what must be in it, and every special point computed a second way.
+#include <graze/continuation/grazing.hpp>
+#include <graze/continuation/multiplier_condition.hpp>
+#include <graze/continuation/skeleton.hpp>
+#include <graze/lib/oscillator.hpp>
+
+#include "support/branches.hpp"
+#include "support/checks.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <numbers>
+#include <set>
+
+using namespace graze;
+using namespace graze::support;
+
+namespace {
+
+struct Case {
+  HybridSystem system;
+  Vector p;
+  Skeleton found;
+};
+
+Case skeleton_of(const char* law, double b_H, int threads = 2) {
+  Case c{make_oscillator("linear", law), {}, {}};
+  c.p = default_parameters(c.system.parameters);
+  for (const auto& [name, value] :
+       std::initializer_list<std::pair<const char*, double>>{{"k_H", 100.0}, {"b_H", b_H}, {"k_r", 1.0}})
+    for (std::size_t i = 0; i < c.system.parameters.size(); ++i)
+      if (c.system.parameters[i].name == name) c.p[static_cast<Eigen::Index>(i)] = value;
+  SkeletonOptions options;
+  options.continuation.from = 0.65;
+  options.continuation.to = 0.95;
+  options.continuation.max_period = 16;
+  options.continuation.max_branches = 200;
+  options.continuation.threads = threads;
+  Vector low = c.p;
+  low[oscillator_parameter::eta] = 0.65;
+  options.more_seeds = {shoot(c.system, low, steady_response(low), 1)};
+  c.found = skeleton(c.system, c.p, options);
+  return c;
+}
+
+std::vector<const SpecialPoint*> of_type(const Skeleton& found, PointType type) {
+  std::vector<const SpecialPoint*> list;
+  for (const Branch& branch : found.graph.branches)
+    for (const SpecialPoint& point : branch.special_points)
+      if (point.type == type) list.push_back(&point);
+  return list;
+}
+
+bool has(const Skeleton& found, PointType type, double value, double tolerance) {
+  const auto list = of_type(found, type);
+  return std::any_of(list.begin(), list.end(), [&](const SpecialPoint* point) {
+    return point->status == PointStatus::converged && std::abs(point->value - value) < tolerance;
+  });
+}
+
+void check_graph(const Case& c) {
+  std::set<std::string> labels;
+  for (const Branch& branch : c.found.graph.branches) {
+    INFO("branch " << branch.id);
+    CHECK(check_branch(c.system, branch) == std::vector<std::string>{});
+    CHECK(
+        (branch.stop == BranchStop::reached_bound || branch.stop == BranchStop::grazing || branch.stop == BranchStop::returned));
+    for (const SpecialPoint& point : branch.special_points) CHECK(labels.insert(point.label).second);
+    if (!branch.parent) continue;
+    REQUIRE(branch.parent->branch >= 1);
+    REQUIRE(branch.parent->branch < branch.id);
+    const Branch& parent = c.found.graph.branches[static_cast<std::size_t>(branch.parent->branch - 1)];
+    CHECK(std::any_of(parent.special_points.begin(), parent.special_points.end(),
+                      [&](const SpecialPoint& point) { return point.label == branch.parent->label; }));
+  }
+}
+
+/// The special point again, in other nodes: twice as many, from another forcing phase on. NaN if that does not converge.
+double second_way(const Case& c, const SpecialPoint& point, double section) {
+  const PeriodicOrbit& orbit = point.orbit;
+  const int n = orbit.period;
+  OrbitProblem here(c.system, orbit.parameters, n, static_cast<int>(orbit.nodes.size()), oscillator_parameter::eta, 0.3, {},
+                    orbit.section_phase);
+  OrbitProblem problem(c.system, orbit.parameters, n, 2 * n, oscillator_parameter::eta, 0.3, {}, section);
+  const Vector u = here.pack(orbit.nodes, orbit.duration, point.value);
+  // A start a little off: the other way must find the point by itself.
+  OrbitProblem moved = here.with_section(section);
+  const auto moved_u = here.to_section(moved, u);
+  if (!moved_u) return NAN;
+  const PeriodicOrbit full = moved.orbit(*moved_u, {});
+  std::vector<Vector> nodes;
+  Transition transition;
+  for (int j = 0; j < n; ++j) {
+    const double T = orbit.duration / n, start = (section + j) * T;
+    nodes.push_back(full.nodes[static_cast<std::size_t>(j)]);
+    carry(moved.equations().propagator(), start, start + 0.5 * T, nodes.back(), {.sensitivity = Sensitivity::none}, transition);
+    nodes.push_back(transition.x1);
+  }
+  const Vector start = problem.pack(nodes, orbit.duration, point.value + 1e-8);
+  if (point.type == PointType::GR) {
+    double nearest = NAN;
+    for (const auto& guess : {weakest_contact(problem, start), nearest_miss(problem, start)}) {
+      if (!guess) continue;
+      const LocatedGrazing located = locate_grazing(problem, start, *guess);
+      const double value = problem.value(located.u);
+      if (located.newton.converged() && !(std::abs(value - point.value) >= std::abs(nearest - point.value))) nearest = value;
+    }
+    return nearest;
+  }
+  const LocatedPoint located = locate_multiplier(problem, start, {.theta = point.type == PointType::PD ? std::numbers::pi : 0.0});
+  return located.newton.converged() ? problem.value(located.u) : NAN;
+}
+
+void check_second_way(const Case& c) {
+  for (const Branch& branch : c.found.graph.branches)
+    for (const SpecialPoint& point : branch.special_points) {
+      if (point.type != PointType::GR && point.type != PointType::PD && point.type != PointType::LP) continue;
+      INFO("branch " << branch.id << ", " << point.label << " at " << point.value);
+      CHECK(point.status == PointStatus::converged);
+      CHECK(point.precision < 1e-11);
+      double best = NAN;
+      for (const double section : {0.31, 0.57, 0.83}) {
+        const double value = second_way(c, point, section);
+        if (!(std::abs(value - point.value) >= std::abs(best - point.value))) best = value;
+      }
+      CHECK(std::abs(best - point.value) < 1e-11);
+    }
+}
+
+}  // namespace
+
+TEST_CASE("skeleton of damped Hertz over the published range") {
+  const Case c = skeleton_of("hertz", 0.1);
+  check_graph(c);
+  // The figures, and those of data/reference.toml.
+  CHECK(has(c.found, PointType::PD, 0.919542643087347, 1e-12));
+  CHECK(has(c.found, PointType::PD, 0.743324589428472, 1e-12));
+  CHECK(has(c.found, PointType::PD, 0.711271807308207, 1e-12));
+  CHECK(has(c.found, PointType::GR, 0.910529633680, 1e-11));
+  CHECK(has(c.found, PointType::GR, std::sqrt((1.99 - std::sqrt(1.99 * 1.99 - 3.0)) / 2.0), 1e-13));
+  CHECK(has(c.found, PointType::LP, 0.6952, 1e-4));
+  check_second_way(c);
+  // Every family once: each period doubling of period up to 8 has one child, and its child one parent or two.
+  std::set<int> periods;
+  for (const Branch& branch : c.found.graph.branches) periods.insert(branch.period);
+  CHECK(periods == std::set<int>{1, 2, 4, 8, 16});
+  for (const CutOff& cut : c.found.graph.cut_off) CHECK(cut.reason.find("period 32 is above the limit") != std::string::npos);
+}
+
+TEST_CASE("skeleton of undamped Hertz: two folds with a grazing between them within 3e-4") {
+  const Case c = skeleton_of("hertz", 0.0);
+  check_graph(c);
+  CHECK(has(c.found, PointType::PD, 0.929365674294314, 1e-12));
+  std::vector<double> near;
+  for (const PointType type : {PointType::LP, PointType::GR})
+    for (const SpecialPoint* point : of_type(c.found, type))
+      if (std::abs(point->value - 0.791) < 1e-3) near.push_back(point->value);
+  REQUIRE(near.size() == 3);
+  CHECK((near[2] - near[0]) * (near[2] - near[1]) < 0.0);  // the grazing between the folds
+  CHECK(std::abs(near[0] - near[1]) < 3e-4);
+  check_second_way(c);
+}
+
+TEST_CASE("skeleton of Newton: every hard grazing shared by the families on both of its sides") {
+  const Case c = skeleton_of("newton", 0.0, 1);
+  check_graph(c);
+  CHECK(has(c.found, PointType::GR, std::sqrt((1.99 - std::sqrt(1.99 * 1.99 - 3.0)) / 2.0), 1e-13));
+  for (const SpecialPoint* point : of_type(c.found, PointType::GR)) {
+    const std::string scenario = text_detail(*point, "scenario");
+    CHECK((scenario == "persistence" || scenario == "nonsmooth-fold"));
+    CHECK(point->precision < 1e-12);
+  }
+  // To the last bit the same on two threads.
+  const Case again = skeleton_of("newton", 0.0, 2);
+  REQUIRE(again.found.graph.branches.size() == c.found.graph.branches.size());
+  for (std::size_t k = 0; k < c.found.graph.branches.size(); ++k) {
+    const Branch &a = c.found.graph.branches[k], &b = again.found.graph.branches[k];
+    REQUIRE(a.points.size() == b.points.size());
+    CHECK(a.points.back().value == b.points.back().value);
+    CHECK(a.points.back().state() == b.points.back().state());
+    REQUIRE(a.special_points.size() == b.special_points.size());
+    for (std::size_t i = 0; i < a.special_points.size(); ++i) CHECK(a.special_points[i].value == b.special_points[i].value);
+  }
+}
