@@ -10,6 +10,7 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <deque>
 #include <map>
@@ -26,31 +27,17 @@ constexpr std::size_t round_size = 4;
 class Labels {
  public:
   std::string next(PointType type) { return fmt::format("{}{}", point_type_name(type), ++count_[type]); }
+  /// A label that is taken already.
+  void take(const SpecialPoint& point) {
+    const std::string number = point.label.substr(std::min(point.label.size(), point_type_name(point.type).size()));
+    int value = 0;
+    std::from_chars(number.data(), number.data() + number.size(), value);
+    count_[point.type] = std::max(count_[point.type], value);
+  }
 
  private:
   std::map<PointType, int> count_;
 };
-
-/// Compares the side on which the doubled branch starts with the normal form's prediction.
-void confirm_criticality(const Branch& child, SpecialPoint& pd, const Branch& parent) {
-  if (child.points.empty()) return;
-  const std::size_t k = pd.after_point;
-  if (k + 1 >= parent.points.size()) return;
-  const BranchPoint &before = parent.points[k], &after = parent.points[k + 1];
-  const bool unstable_above = (after.multipliers.unstable() > before.multipliers.unstable()) == (after.value > before.value);
-  const bool child_above = child.points.front().value > pd.value;
-  // Supercritical: the doubled orbit lives where its parent has become unstable.
-  const std::string seen = unstable_above == child_above ? "supercritical" : "subcritical";
-  const auto predicted = pd.details.find("criticality");
-  if (predicted == pd.details.end()) {
-    pd.details["criticality"] = seen;
-    pd.details["criticality_from"] = "branch";
-    return;
-  }
-  const bool agrees = std::get<std::string>(predicted->second) == seen;
-  pd.details["criticality_from"] =
-      agrees ? "normal form, confirmed by the branch" : "normal form; the branch starts on the other side";
-}
 
 enum class Origin { seed, doubled, beyond_grazing };
 
@@ -84,7 +71,9 @@ class Graph {
     }
   }
 
-  BranchGraph all(const std::vector<BranchSeed>& seeds) {
+  BranchGraph all(const std::vector<BranchSeed>& seeds, const std::vector<Branch>& so_far) {
+    for (const Branch& branch : so_far)
+      if (branch.stop != BranchStop::interrupted && !branch.points.empty()) restore(branch);
     for (const BranchSeed& seed : seeds) add_seed(seed, 0);
     oneapi::tbb::task_arena arena(std::max(1, options_.threads));
     while (!(tasks_.empty() && seed_tasks_.empty()) && !cancelled()) {
@@ -105,8 +94,14 @@ class Graph {
           if (!cancelled()) outcomes[k] = follow(round[k], static_cast<int>(known + k) + 1);
         });
       });
-      for (std::size_t k = 0; k < round.size(); ++k)
-        if (outcomes[k].branch) accept(round[k], std::move(outcomes[k]));
+      for (std::size_t k = 0; k < round.size(); ++k) {
+        const bool full = static_cast<int>(graph_.branches.size()) >= options_.max_branches;
+        if (outcomes[k].branch && !full) {
+          accept(round[k], std::move(outcomes[k]));
+        } else if (outcomes[k].branch || cancelled()) {
+          cut_off(round[k], full ? fmt::format("{} branches are the limit", options_.max_branches) : "it was interrupted");
+        }
+      }
     }
     graph_.interrupted = cancelled();
     if (graph_.interrupted) cut_off_rest("it was interrupted");
@@ -232,7 +227,10 @@ class Graph {
   /// The orbits with the impact removed (or added) from the grazing on: they exist on one side of it only.
   Outcome follow_beyond_grazing(const Task& task, int provisional_id) const {
     Outcome out;
-    GrazingEnd end = *ends_[task.parent];
+    const std::optional<GrazingEnd> known_end =
+        ends_[task.parent] ? ends_[task.parent] : found_again(graph_.branches[task.parent]);
+    if (!known_end) return out;
+    GrazingEnd end = *known_end;
     const SpecialPoint& point = graph_.branches[task.parent].special_points[task.special];
     PeriodicOrbit at_grazing = point.orbit;
     int impacts = end.grazing.orbit.impacts + (end.lost ? 0 : 1);
@@ -280,7 +278,7 @@ class Graph {
       orbit.states = inside.states;
       if (is_known(orbit, inside.value)) return;
     }
-    branch.id = static_cast<int>(graph_.branches.size()) + 1;
+    branch.id = ++last_id_;
     for (SpecialPoint& point : branch.special_points) point.label = labels_.next(point.type);
     if (task.origin == Origin::doubled)
       confirm_criticality(branch, graph_.branches[task.parent].special_points[task.special], graph_.branches[task.parent]);
@@ -292,11 +290,64 @@ class Graph {
     add_tasks(task.generation + (task.origin == Origin::doubled ? 1 : 0), std::move(outcome.half));
   }
 
+  /// A branch of an earlier run takes its place as it is; what begins on it is followed unless it is there too.
+  void restore(const Branch& branch) {
+    last_id_ = std::max(last_id_, branch.id);
+    for (const SpecialPoint& point : branch.special_points) labels_.take(point);
+    const auto with_id = [&](const Branch& other) { return branch.parent && other.id == branch.parent->branch; };
+    const auto parent = std::find_if(graph_.branches.begin(), graph_.branches.end(), with_id);
+    int generation = 0;
+    if (parent != graph_.branches.end()) {
+      generation = generations_[static_cast<std::size_t>(parent - graph_.branches.begin())];
+      for (const SpecialPoint& point : parent->special_points) {
+        if (point.label != branch.parent->label) continue;
+        if (point.type == PointType::PD) ++generation;
+        if (point.type != PointType::GR) continue;
+        PeriodicOrbit shortened = point.orbit;
+        shortened.period = branch.period;
+        shortened.states.resize(static_cast<std::size_t>(branch.period));
+        edges_.push_back(edge_at(point, shortened, branch.points.front().impacts));
+      }
+    }
+    if (branch.stop == BranchStop::grazing)
+      edges_.push_back(edge_at(branch.special_points.back(), branch.special_points.back().orbit, branch.points.back().impacts));
+    graph_.branches.push_back(branch);
+    ends_.emplace_back();
+    seeds_.push_back(0);
+    add_tasks(generation, branch.stop == BranchStop::returned && options_.follow_parents ? half_of(branch) : std::nullopt);
+  }
+
+  /// The grazing at the end of a branch that was restored, from the last of its points that Newton reproduces.
+  std::optional<GrazingEnd> found_again(const Branch& branch) const {
+    const SpecialPoint& point = branch.special_points.back();
+    for (std::size_t back = 1; back <= 8 && back <= branch.points.size(); ++back) {
+      const BranchPoint& last = branch.points[branch.points.size() - back];
+      Vector p = branch.parameters;
+      p[static_cast<Eigen::Index>(parameter_)] = last.value;
+      ShootingOptions shooting = options_.shooting;
+      shooting.reduce_period = false;
+      const PeriodicOrbit orbit = shoot(system_, p, last.states, branch.period, shooting);
+      if (!orbit.converged() || orbit.impacts != last.impacts) continue;
+      OrbitProblem problem = problem_at(orbit);
+      const Vector u = problem.pack(orbit.nodes, orbit.duration, last.value);
+      const double direction = point.value >= last.value ? 1.0 : -1.0;
+      Branch again = new_branch(orbit, branch.period, 0);
+      ContinuationOptions quiet = options_;
+      quiet.progress = nullptr;
+      quiet.trace.initial_step = 1e-4;
+      BranchFollower follower(system_, quiet, low_, high_);
+      std::optional<GrazingEnd> end = follower.follow(problem, {u, direction * problem.parameter_direction()}, again);
+      if (end && std::abs(again.special_points.back().value - point.value) < 1e-9 * (1.0 + std::abs(point.value))) return end;
+    }
+    return std::nullopt;
+  }
+
   /// What begins on the branch accepted last.
   void add_tasks(int generation, std::optional<PeriodicOrbit> half) {
+    generations_.push_back(generation);
     const std::size_t index = graph_.branches.size() - 1;
     const Branch& branch = graph_.branches[index];
-    if (ends_[index]) {
+    if (branch.stop == BranchStop::grazing) {
       const Task beyond{Origin::beyond_grazing, {}, 1, index, branch.special_points.size() - 1, generation};
       tasks_.push_back(beyond);
     }
@@ -322,16 +373,17 @@ class Graph {
   BranchGraph graph_;
   std::deque<Task> tasks_, seed_tasks_;
   std::vector<std::optional<GrazingEnd>> ends_;  ///< of each branch
-  std::vector<int> seeds_;                       ///< of each branch: the seed it came from, or 0
+  std::vector<int> generations_;
+  std::vector<int> seeds_;  ///< of each branch: the seed it came from, or 0
   std::vector<GrazingEdge> edges_;
-  int last_seed_ = 0;
+  int last_seed_ = 0, last_id_ = 0;
 };
 
 }  // namespace
 
-BranchGraph follow_branches(const HybridSystem& system, const std::vector<BranchSeed>& seeds,
-                            const ContinuationOptions& options) {
-  return Graph(system, options).all(seeds);
+BranchGraph follow_branches(const HybridSystem& system, const std::vector<BranchSeed>& seeds, const ContinuationOptions& options,
+                            const std::vector<Branch>& so_far) {
+  return Graph(system, options).all(seeds, so_far);
 }
 
 }  // namespace graze

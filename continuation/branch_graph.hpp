@@ -33,8 +33,10 @@ struct BranchGraph {
 };
 
 /// Follows everything from the seeds (converged orbits) within the range options.from ... options.to.
-/// Misuse throws std::invalid_argument.
-BranchGraph follow_branches(const HybridSystem& system, const std::vector<BranchSeed>& seeds, const ContinuationOptions& options);
+/// `so_far`: branches of an earlier run that was interrupted; they are kept (but for those that were broken off themselves), and
+/// what is missing is added. Misuse throws std::invalid_argument.
+BranchGraph follow_branches(const HybridSystem& system, const std::vector<BranchSeed>& seeds, const ContinuationOptions& options,
+                            const std::vector<Branch>& so_far = {});
 
 /// True if the orbit (at that value of the parameter) is one of the branch's, up to a shift by forcing periods.
 bool lies_on(const HybridSystem& system, const Branch& branch, const PeriodicOrbit& orbit, double value);

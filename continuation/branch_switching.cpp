@@ -81,4 +81,24 @@ std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGra
   return std::nullopt;
 }
 
+void confirm_criticality(const Branch& child, SpecialPoint& pd, const Branch& parent) {
+  if (child.points.empty()) return;
+  const std::size_t k = pd.after_point;
+  if (k + 1 >= parent.points.size()) return;
+  const BranchPoint &before = parent.points[k], &after = parent.points[k + 1];
+  const bool unstable_above = (after.multipliers.unstable() > before.multipliers.unstable()) == (after.value > before.value);
+  const bool child_above = child.points.front().value > pd.value;
+  // Supercritical: the doubled orbit lives where its parent has become unstable.
+  const std::string seen = unstable_above == child_above ? "supercritical" : "subcritical";
+  const auto predicted = pd.details.find("criticality");
+  if (predicted == pd.details.end()) {
+    pd.details.insert_or_assign("criticality", seen);
+    pd.details.insert_or_assign("criticality_from", std::string("branch"));
+    return;
+  }
+  const bool agrees = std::get<std::string>(predicted->second) == seen;
+  const char* from = agrees ? "normal form, confirmed by the branch" : "normal form; the branch starts on the other side";
+  pd.details.insert_or_assign("criticality_from", std::string(from));
+}
+
 }  // namespace graze

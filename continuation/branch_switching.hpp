@@ -27,4 +27,7 @@ std::optional<BranchStart> doubled_start(const SpecialPoint& pd, OrbitProblem& p
 std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGrazing& grazing, bool lost,
                                          const TraceOptions& options);
 
+/// Compares the side on which a doubled branch starts with the normal form's prediction, and says so in the details of `pd`.
+void confirm_criticality(const Branch& child, SpecialPoint& pd, const Branch& parent);
+
 }  // namespace graze

@@ -134,7 +134,7 @@ Skeleton skeleton(const HybridSystem& system, const Vector& p, const SkeletonOpt
   ContinuationOptions following = options.continuation;
   following.follow_parents = true;
   following.switch_generations = std::max(following.switch_generations, 64);  // the period is the limit
-  out.graph = follow_branches(system, starts, following);
+  out.graph = follow_branches(system, starts, following, options.so_far);
   return out;
 }
 

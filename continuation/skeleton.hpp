@@ -19,6 +19,7 @@ struct SkeletonOptions {
   int searched_period = 4;  ///< orbits of period 1 up to this one are searched
   SearchOptions search = {};
   std::vector<PeriodicOrbit> more_seeds = {};  ///< the user's own
+  std::vector<Branch> so_far = {};             ///< of an earlier run that was interrupted
   /// Told what is being done, and how much of it (0 to 1); by one thread at a time.
   std::function<void(const std::string& what, double part)> progress = {};
 };

@@ -183,3 +183,37 @@ TEST_CASE("skeleton of Newton: every hard grazing shared by the families on both
     for (std::size_t i = 0; i < a.special_points.size(); ++i) CHECK(a.special_points[i].value == b.special_points[i].value);
   }
 }
+
+TEST_CASE("a graph that was interrupted goes on from the branches it has, and comes to the same end") {
+  Case c = skeleton_of("newton", 0.0);
+  const std::vector<Branch>& whole = c.found.graph.branches;
+  // As a result file holds them: states at phase 0 and no more.
+  std::vector<Branch> kept(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(whole.size() / 2));
+  for (Branch& branch : kept)
+    for (SpecialPoint& point : branch.special_points) point.orbit.events.clear();
+  std::vector<BranchSeed> seeds;
+  for (const SkeletonSeed& seed : c.found.seeds) seeds.push_back({seed.orbit});
+  ContinuationOptions options;
+  options.from = 0.65;
+  options.to = 0.95;
+  options.max_period = 16;
+  options.max_branches = 200;
+  options.follow_parents = true;
+  options.switch_generations = 64;
+  const BranchGraph resumed = follow_branches(c.system, seeds, options, kept);
+  const auto values = [](const std::vector<Branch>& branches) {
+    std::vector<double> list;
+    for (const Branch& branch : branches)
+      for (const SpecialPoint& point : branch.special_points)
+        if (point.type != PointType::EP) list.push_back(point.value);
+    std::sort(list.begin(), list.end());
+    return list;
+  };
+  CHECK(resumed.branches.size() == whole.size());
+  const std::vector<double> a = values(whole), b = values(resumed.branches);
+  REQUIRE(a.size() == b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) CHECK(std::abs(a[i] - b[i]) < 1e-11);
+  std::set<std::string> labels;
+  for (const Branch& branch : resumed.branches)
+    for (const SpecialPoint& point : branch.special_points) CHECK(labels.insert(point.label).second);
+}
