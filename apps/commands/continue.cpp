@@ -2,6 +2,7 @@
 // graze continue: a branch of orbits in one parameter, the branches born on it, and their special points.
 #include <graze/apps/arguments.hpp>
 #include <graze/apps/branch_report.hpp>
+#include <graze/apps/cascades.hpp>
 #include <graze/apps/commands/command.hpp>
 #include <graze/apps/find_orbit.hpp>
 #include <graze/apps/interrupt.hpp>
@@ -117,6 +118,9 @@ int run(const Options& options, const Console& console) {
     result.json["branches"].push_back(branch_json(branch));
     result.text.append("\n").append(branch_text(branch, options.all ? std::numeric_limits<std::size_t>::max() : rows_shown));
   }
+  const std::vector<Cascade> doublings = cascades(branches);
+  result.json["cascades"] = cascades_json(doublings);
+  result.text += cascades_text(doublings, options.parameter);
   result.table = branches_table(branches);
   if (status != Status::done) console.err << "graze continue: " << message << "\n";
   return deliver(result, options.output, "continue", exit_code(status), console);
@@ -147,7 +151,8 @@ Command continue_command() {
           "The orbit is found as by `graze orbit`, at --from, and followed to --to, around folds. Folds (LP), period doublings "
           "(PD), branch\n"
           "points (BP) and Neimark-Sacker points (NS) are located; at a PD the doubled branch is followed too. A branch says why "
-          "it stopped.",
+          "it stopped.\n"
+          "With --switch 2 and more, the intervals of a cascade of doublings are compared with Feigenbaum's constant.",
           {"graze continue data/problems/hertz-damped.toml --param eta --from 0.95 --to 0.90 --plot branch.png",
            "graze continue data/problems/hertz-damped.toml --from 0.95 --to 0.70 --switch 2 --json branch.json"},
           setup};

@@ -2,6 +2,7 @@
 // graze diagram --skeleton: every branch in a range of a parameter that hangs together with the orbits found there.
 #include <graze/apps/arguments.hpp>
 #include <graze/apps/branch_report.hpp>
+#include <graze/apps/cascades.hpp>
 #include <graze/apps/commands/command.hpp>
 #include <graze/apps/find_orbit.hpp>
 #include <graze/apps/interrupt.hpp>
@@ -182,6 +183,8 @@ int run(const Options& options, const Console& console) {
   result.json["seeds"] = seeds_json(found.seeds, parameter_index(problem.system.parameters, options.parameter));
   result.json["branches"] = Json::array();
   for (const Branch& branch : branches) result.json["branches"].push_back(branch_json(branch));
+  const std::vector<Cascade> doublings = cascades(branches);
+  result.json["cascades"] = cascades_json(doublings);
   result.json["cut_off"] = Json::array();
   for (const CutOff& cut : found.graph.cut_off)
     result.json["cut_off"].push_back({{"branch", cut.branch}, {"label", cut.label}, {"reason", cut.reason}});
@@ -189,7 +192,7 @@ int run(const Options& options, const Console& console) {
   result.text = describe(problem, options.parameter) + "\n\n" +
                 fmt::format("{} seeds, {} branches\n", found.seeds.size(), branches.size()) +
                 aligned(branches_overview(branches, options.parameter)) + "\n" +
-                aligned(special_points_overview(branches, options.parameter));
+                aligned(special_points_overview(branches, options.parameter)) + cascades_text(doublings, options.parameter);
   if (!found.graph.cut_off.empty()) {
     result.text += fmt::format("\nnot followed ({}):\n", found.graph.cut_off.size());
     for (const CutOff& cut : found.graph.cut_off)
@@ -224,9 +227,11 @@ Command diagram_command() {
       "the skeleton of a range: every branch that hangs together with the orbits found there",
       "Seeds are the orbits without impact, what the motion settles on (from rest, sweeping up, sweeping down), and orbits of\n"
       "period 1 to 4 from a global search. From them everything is followed both ways, through folds, period doublings and\n"
-      "grazings. A family is kept once. What was not followed is listed. Ctrl-C keeps what is there.",
-      {"graze diagram data/problems/hertz-damped.toml --skeleton --param eta --from 0.65 --to 0.95 --plot skeleton.png "
-       "--plot-kind skeleton",
+      "grazings. A family is kept once. What was not followed is listed. Ctrl-C keeps what is there.\n"
+      "Cascades of period doublings are listed with the ratios of their intervals. The picture is the kind skeleton: colours "
+      "are\n"
+      "periods, marks are special points, z stands along the branches.",
+      {"graze diagram data/problems/hertz-damped.toml --skeleton --param eta --from 0.65 --to 0.95 --plot skeleton.png",
        "graze diagram data/problems/newton-elastic.toml --skeleton --from 0.65 --to 0.95 --json skeleton.json"},
       setup};
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Pictures of graze.branch/1: the state against the parameter, and the multipliers against the unit circle.
 #include <graze/apps/number.hpp>
+#include <graze/apps/pictures/branch_curves.hpp>
 #include <graze/apps/pictures/pictures.hpp>
 
 #include <fmt/format.h>
@@ -13,22 +14,6 @@ namespace graze::apps {
 
 namespace {
 
-/// gnuplot's point types for the types of special points, told apart in black and white too.
-const std::map<std::string, int> type_marks = {{"PD", 7},  {"LP", 5}, {"BP", 13}, {"NS", 9},
-                                               {"GR", 11}, {"UZ", 6}, {"MX", 2},  {"EP", 1}};
-
-/// States of a point at forcing phase 0: one, or where the result has them, one per period of the orbit.
-std::vector<double> positions(const Json& point) {
-  std::vector<double> list;
-  if (point.contains("states"))
-    for (const Json& state : point["states"]) list.push_back(state.at(0));
-  else
-    list.push_back(point.at("state").at(0));
-  return list;
-}
-
-bool is_marked(const Json& point) { return point.at("type") != "EP"; }
-
 /// Where a multiplier lies on the unit circle.
 bool of_multipliers(const Json& point) {
   const std::string type = point.at("type");
@@ -36,55 +21,6 @@ bool of_multipliers(const Json& point) {
 }
 
 std::string parameter_label(const Json& result) { return result.at("parameter").get<std::string>() + " (dimensionless)"; }
-
-Stroke stroke_of(const Json& point) {
-  if (!point.at("admissible").get<bool>()) return Stroke::dotted;
-  return point.at("stable").get<bool>() ? Stroke::solid : Stroke::dashed;
-}
-
-const char* stroke_name(Stroke stroke) {
-  return stroke == Stroke::solid ? "stable" : stroke == Stroke::dashed ? "unstable" : "not admissible";
-}
-
-/// A point of a branch as it is drawn; `border`: a special point, which ends one stroke and begins the next.
-struct Drawn {
-  const Json* point = nullptr;
-  bool border = false;
-};
-
-/// Points of a branch with its special points put in where they lie, so that stability changes there and not a step beside it.
-std::vector<Drawn> points_in_order(const Json& branch) {
-  std::vector<Drawn> list;
-  const Json &points = branch.at("points"), &special = branch.at("special_points");
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    list.push_back({&points[i], false});
-    for (const Json& point : special)
-      if (is_marked(point) && point.value("after_point", points.size()) == i) list.push_back({&point, true});
-  }
-  return list;
-}
-
-/// The k-th iterate of a branch, cut into curves of one stroke each.
-std::vector<Curve> curves_of(const std::vector<Drawn>& points, std::size_t k) {
-  std::vector<Curve> curves;
-  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
-    const Drawn &a = points[i], &b = points[i + 1];
-    // Beyond a border the stroke is that of the next point which is none; the last point never is one.
-    std::size_t inside = i;
-    while (points[inside].border && inside + 1 < points.size()) ++inside;
-    if (points[inside].border) break;
-    const Stroke stroke = stroke_of(*points[inside].point);
-    const std::vector<double> from = positions(*a.point), to = positions(*b.point);
-    if (k >= from.size() || k >= to.size()) continue;
-    if (curves.empty() || curves.back().stroke != stroke) {
-      curves.emplace_back();
-      curves.back().stroke = stroke;
-      curves.back().points.push_back({a.point->at("value"), from[k], 0.0});
-    }
-    curves.back().points.push_back({b.point->at("value"), to[k], 0.0});
-  }
-  return curves;
-}
 
 Picture draw_branches(const Json& result) {
   Picture picture;
@@ -110,7 +46,7 @@ Picture draw_branches(const Json& result) {
       if (!is_marked(point)) continue;
       std::string text = fmt::format("{} {}", point.at("label").get<std::string>(), rounded(point["value"], 8));
       for (const double x : positions(point)) {
-        picture.labels.push_back({point.at("value"), x, text, type_marks.at(point.at("type")), colour_of(b)});
+        picture.labels.push_back({point.at("value"), x, text, mark_of(point), colour_of(b)});
         text.clear();  // the other iterates are marked without words
       }
     }
@@ -171,8 +107,7 @@ Picture draw_multipliers(const Json& result) {
           distance = d;
         }
       }
-      if (critical)
-        picture.labels.push_back({critical->at(0), critical->at(1), point.at("label"), type_marks.at(point.at("type")), "black"});
+      if (critical) picture.labels.push_back({critical->at(0), critical->at(1), point.at("label"), mark_of(point), "black"});
     }
   }
   up = std::max(up, 0.65 * right);  // the shape of the paper

@@ -12,8 +12,8 @@ namespace graze::apps {
 
 const std::vector<PictureKind>& picture_kinds() {
   static const std::vector<PictureKind> list = {
-      branch_picture(),          multipliers_picture(),      orbit_phase_picture(), orbit_time_picture(), point_phase_picture(),
-      trajectory_time_picture(), trajectory_phase_picture(), section_picture(),     verify_picture(),
+      branch_picture(),      multipliers_picture(),     skeleton_picture(),         orbit_phase_picture(), orbit_time_picture(),
+      point_phase_picture(), trajectory_time_picture(), trajectory_phase_picture(), section_picture(),     verify_picture(),
   };
   return list;
 }
@@ -36,8 +36,12 @@ Picture picture_of(const Json& result, const std::string& kind) {
       if (std::find(known.begin(), known.end(), candidate.schema) == known.end()) known.push_back(candidate.schema);
     throw std::invalid_argument(fmt::format("there is no picture of \"{}\"; there is of {}", schema, fmt::join(known, ", ")));
   }
+  std::string wanted = kind.empty() ? names.front() : kind;
+  const std::string command = result.value("command", "");
+  for (const PictureKind& candidate : picture_kinds())
+    if (kind.empty() && candidate.schema == schema && !command.empty() && candidate.command == command) wanted = candidate.name;
   for (const PictureKind& candidate : picture_kinds()) {
-    if (candidate.schema != schema || !(kind.empty() || candidate.name == kind)) continue;
+    if (candidate.schema != schema || candidate.name != wanted) continue;
     try {
       return candidate.draw(result);
     } catch (const Json::exception& error) {

@@ -17,9 +17,10 @@ struct PictureKind {
   std::string name;    ///< for --plot-kind
   std::string summary;
   Picture (*draw)(const Json& result) = nullptr;
+  std::string command = {};  ///< it is the default for results of this command
 };
 
-/// All kinds; the first of a schema is its default.
+/// All kinds; the first of a schema is its default, unless a kind is made for the command that gave the result.
 const std::vector<PictureKind>& picture_kinds();
 
 /// Names of the kinds that a schema has.
@@ -43,6 +44,7 @@ Barrier barrier_of(const Json& result, bool vertical);
 
 PictureKind branch_picture();
 PictureKind multipliers_picture();
+PictureKind skeleton_picture();
 PictureKind orbit_phase_picture();
 PictureKind orbit_time_picture();
 PictureKind point_phase_picture();

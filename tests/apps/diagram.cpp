@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// graze diagram --skeleton: misuse, what its JSON has, its picture, its independence of the number of threads, Ctrl-C.
+#include "graze_program.hpp"
+
+#include <graze/apps/json.hpp>
+#include <graze/apps/pictures/pictures.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <csignal>
+#include <filesystem>
+#include <set>
+
+using namespace graze;
+using namespace graze::apps;
+using namespace graze::support;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// A run over a small range, in which the 2/2 orbit is doubled (eta = 0.745136301).
+Outcome small(std::vector<std::string> more) {
+  std::vector<std::string> arguments = {"diagram", problem("newton-elastic"), "--skeleton", "--from", "0.743", "--to", "0.747",
+                                        "--quiet"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return call(arguments);
+}
+
+Json json_of(const Outcome& outcome) {
+  INFO(outcome.err);
+  CHECK(outcome.code == 0);
+  Json json = Json::parse(outcome.out, nullptr, false);
+  REQUIRE_FALSE(json.is_discarded());
+  return json;
+}
+
+std::string misuse(std::vector<std::string> more) {
+  more.insert(more.begin(), {"diagram", problem("newton-elastic")});
+  const Outcome outcome = call(more);
+  CHECK(outcome.code == 2);
+  CHECK(outcome.out.empty());
+  return outcome.err;
+}
+
+}  // namespace
+
+TEST_CASE("diagram refuses what it does not understand") {
+  CHECK_THAT(misuse({"--from", "0.7", "--to", "0.8"}), Contains("--skeleton"));
+  CHECK_THAT(misuse({"--skeleton", "--from", "0.7", "--to", "0.7"}), Contains("--from and --to are both 0.7"));
+  CHECK_THAT(misuse({"--skeleton", "--from", "0.7"}), Contains("--to is required"));
+  CHECK_THAT(misuse({"--skeleton", "--to", "0.7"}), Contains("--from is required"));
+  CHECK_THAT(misuse({"--skeleton", "--from", "0", "--to", "0.7"}), Contains("eta is 0; allowed is > 0"));
+  CHECK_THAT(misuse({"--skeleton", "--from", "0.7", "--to", "0.8", "--param", "etta"}), Contains("did you mean \"eta\""));
+  CHECK_THAT(misuse({"--skeleton", "--from", "0.7", "--to", "0.8", "--max-step", "0"}), Contains("--max-step must be > 0"));
+  for (const char* option : {"--max-period", "--max-branches"})
+    for (const char* value : {"0", "-2", "2.5", "many"})
+      CHECK_THAT(misuse({"--skeleton", "--from", "0.7", "--to", "0.8", std::string(option) + "=" + value}),
+                 Contains(std::string(option) + " " + value) && Contains("whole number >= 1"));
+}
+
+TEST_CASE("diagram gives seeds, branches and how they hang together") {
+  const TemporaryFolder folder;
+  const std::string picture = folder.file("skeleton.svg");
+  const Json result = json_of(small({"--max-period", "4", "--threads", "1", "--plot", picture, "--json", "-"}));
+  CHECK(result["schema"] == "graze.branch/1");
+  CHECK(result["command"] == "diagram");
+  CHECK(result["status"] == "done");
+  REQUIRE_FALSE(result["seeds"].empty());
+  for (const Json& seed : result["seeds"]) {
+    CHECK(seed["value"].get<double>() >= 0.743);
+    CHECK(seed["value"].get<double>() <= 0.747);
+    CHECK(seed["state"].size() == 2);
+    CHECK((seed["origin"] == "settled" || seed["origin"] == "searched" || seed["origin"] == "given"));
+  }
+  std::set<std::pair<int, std::string>> points;
+  std::set<int> ids;
+  double doubling = 0.0;
+  for (const Json& branch : result["branches"]) {
+    CHECK(ids.insert(branch["id"].get<int>()).second);
+    CHECK(branch["period"].get<int>() <= 4);
+    for (const Json& point : branch["special_points"]) {
+      CHECK(points.insert({branch["id"].get<int>(), point["label"].get<std::string>()}).second);
+      if (point["type"] == "PD" && branch["period"] == 2) doubling = point["value"];
+    }
+  }
+  CHECK(std::abs(doubling - 0.745136301197) < 1e-11);
+  int born = 0;
+  for (const Json& branch : result["branches"])
+    if (!branch["parent"].is_null()) {
+      CHECK(points.contains({branch["parent"]["branch"].get<int>(), branch["parent"]["label"].get<std::string>()}));
+      ++born;
+    }
+  CHECK(born >= 1);
+  CHECK(result["cascades"].is_array());
+  // The picture is of the whole, and the same as that drawn afterwards.
+  const std::string drawn = read_file(picture);
+  CHECK_THAT(drawn, Contains("</svg>") && Contains("Skeleton of periodic orbits") && Contains("period 4") && Contains("PD1"));
+  CHECK(drawn == draw(picture_of(result, "skeleton"), "svg"));
+  CHECK(drawn == draw(picture_of(result), "svg"));
+
+  const Outcome two = small({"--max-period", "4", "--threads", "2", "--json", "-"});
+  CHECK(two.out == pretty(result));
+}
+
+TEST_CASE("diagram lists what it did not follow") {
+  const Json result = json_of(small({"--max-period", "2", "--json", "-"}));
+  REQUIRE(result["cut_off"].size() == 1);
+  CHECK_THAT(result["cut_off"][0]["label"].get<std::string>(), Contains("PD"));
+  CHECK_THAT(result["cut_off"][0]["reason"].get<std::string>(), Contains("period 4 is above the limit, 2"));
+
+  const Json one = json_of(small({"--max-period", "4", "--max-branches", "1", "--json", "-"}));
+  CHECK(one["branches"].size() == 1);
+  CHECK_FALSE(one["cut_off"].empty());
+
+  const TemporaryFolder folder;
+  const std::string out = folder.file("all");
+  CHECK_THAT(small({"--max-period", "2", "--out", out}).out, Contains("not followed (1):"));
+  for (const char* name : {"diagram.json", "diagram.csv", "diagram-skeleton.png"})
+    CHECK(std::filesystem::file_size(out + "/" + name) > 0);
+}
+
+TEST_CASE("Ctrl-C ends a diagram with what is there") {
+  const TemporaryFolder folder;
+  const std::string out = folder.file("r.json");
+  const Outcome outcome =
+      spawn("diagram " + problem("hertz-damped") + " --skeleton --from 0.65 --to 0.95 --threads 1 --json " + out, SIGINT, 0.6);
+  CHECK(outcome.code == 130);
+  CHECK_THAT(outcome.err, Contains("interrupted"));
+  const Json json = Json::parse(read_file(out), nullptr, false);
+  REQUIRE_FALSE(json.is_discarded());
+  CHECK(json["status"] == "interrupted");
+  CHECK(json["branches"].is_array());
+  CHECK(folder.files() == 1);
+}
