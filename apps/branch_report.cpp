@@ -99,6 +99,7 @@ Json branch_json(const Branch& branch) {
   for (const BranchPoint& point : branch.points) out["points"].push_back(point_json(point));
   out["special_points"] = Json::array();
   for (const SpecialPoint& point : branch.special_points) out["special_points"].push_back(special_point_json(point));
+  out["time_carried"] = branch.time_carried;
   if (branch.first_failed) {
     out["first_failed"] = {{"value", branch.first_failed->value}};
     if (!branch.first_failed->states.empty()) out["first_failed"]["state"] = to_json(branch.first_failed->state());

@@ -59,6 +59,7 @@ struct Branch {
   BranchStop stop = BranchStop::not_run;
   double stop_value = 0.0;                  ///< of the parameter, at the last good point
   std::string message;                      ///< the reason in a sentence
+  double time_carried = 0.0;                ///< dimensionless time through which motion was computed for it: its cost
   std::optional<BranchPoint> first_failed;  ///< what was tried last, where the branch broke off
 };
 

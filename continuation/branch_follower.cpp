@@ -304,6 +304,7 @@ std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const Br
 
 std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const Curve& curve, Branch& branch) {
   TraceStop why = curve.stop;
+  branch.time_carried = problem.time_carried();
   if (branch.points.empty() && !curve.points.empty()) begin(problem, curve.points.front().u, branch);
   if (branch.points.empty()) {
     branch.stop = BranchStop::start_failed;

@@ -22,6 +22,9 @@ class BranchProblem {
   /// The same orbit in states at fixed phases, in which special points are located. The reference holds until the next call.
   virtual OrbitProblem& stroboscopic(const Vector& u, Vector& out) = 0;
 
+  /// Dimensionless time carried so far: the measure of cost.
+  virtual double time_carried() const = 0;
+
   double value(const Vector& u) const { return u[u.size() - 1]; }
   /// Direction in which only the parameter changes.
   Vector parameter_direction() const { return Vector::Unit(unknowns(), unknowns() - 1); }

@@ -40,6 +40,7 @@ class OrbitProblem : public BranchProblem {
 
   PeriodicOrbit orbit(const Vector& u, NewtonReport report) override;
   BranchPoint branch_point(const Vector& u, double arclength) override;
+  double time_carried() const override { return equations_.time_carried(); }
   OrbitProblem& stroboscopic(const Vector& u, Vector& out) override {
     out = u;
     return *this;

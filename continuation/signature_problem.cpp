@@ -109,12 +109,17 @@ OrbitProblem& SignatureProblem::stroboscopic(const Vector& u, Vector& out) {
   set_value(u);
   const int n = equations_.period();
   const double T = equations_.duration() / n, section = clear_section(u);
+  if (stroboscopic_) carried_elsewhere_ += stroboscopic_->time_carried();
   stroboscopic_ = std::make_unique<OrbitProblem>(equations_.system(), p_, n, n, parameter_, scale_, options_, section);
   std::vector<double> times;
   for (int j = 0; j < n; ++j) times.push_back((section + j) * T);
   const std::vector<Vector> nodes = equations_.states_at(u, times);
   out = stroboscopic_->pack(nodes, equations_.duration(), value(u));
   return *stroboscopic_;
+}
+
+double SignatureProblem::time_carried() const {
+  return equations_.time_carried() + carried_elsewhere_ + (stroboscopic_ ? stroboscopic_->time_carried() : 0.0);
 }
 
 PeriodicOrbit SignatureProblem::orbit(const Vector& u, NewtonReport report) {

@@ -33,6 +33,7 @@ class SignatureProblem : public BranchProblem {
   BranchPoint branch_point(const Vector& u, double arclength) override;
   PeriodicOrbit orbit(const Vector& u, NewtonReport report) override;
   OrbitProblem& stroboscopic(const Vector& u, Vector& out) override;
+  double time_carried() const override;
 
   Vector pack(const EventNodes& nodes, double value) const;
   /// See SignatureEquations; the parameter is set first.
@@ -53,6 +54,7 @@ class SignatureProblem : public BranchProblem {
   FlowOptions options_;
   std::string failure_;
   std::unique_ptr<OrbitProblem> stroboscopic_;
+  double carried_elsewhere_ = 0.0;  ///< by those that stroboscopic_ has been before
 };
 
 }  // namespace graze

@@ -57,7 +57,6 @@ bool ShootingEquations::evaluate(const Vector& u, const TransitionOptions& optio
     TransitionOptions own = options;
     if (j == left_out_stretch_) own.left_out = left_out_;
     carry(propagator_, start, start + length, x0, own, transition);
-    ++evaluations_;
     failure_ = transition.termination;
     if (failure_ != Termination::time) return false;
     propagator_.field(transition.mode0, start, x0, start_fields_[index]);

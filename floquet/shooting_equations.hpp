@@ -64,8 +64,8 @@ class ShootingEquations {
   /// f at the start of stretch j, and at its end.
   const Vector& start_field(int j) const { return start_fields_[static_cast<std::size_t>(j)]; }
   const Vector& end_field(int j) const { return end_fields_[static_cast<std::size_t>(j)]; }
-  /// Number of stretches carried so far (the unit of cost).
-  std::size_t evaluations() const { return evaluations_; }
+  /// Dimensionless time carried so far: the measure of cost.
+  double time_carried() const { return propagator_.time_carried(); }
 
  private:
   double node_fraction(int j) const { return section_phase_ + static_cast<double>(j * period_ % nodes_) / nodes_; }
@@ -80,7 +80,6 @@ class ShootingEquations {
   int left_out_stretch_ = -1;
   LeftOutContact left_out_;
   Termination failure_ = Termination::failed;
-  std::size_t evaluations_ = 0;
 };
 
 }  // namespace graze

@@ -32,6 +32,9 @@ class SignatureEquations {
   void set_parameters(const Vector& p) { propagator_.set_parameters(p); }
   double duration() const { return period_ * forcing_period(system(), parameters()); }
 
+  /// Dimensionless time carried so far: the measure of cost.
+  double time_carried() const { return propagator_.time_carried(); }
+
   double time(const Vector& u, int k) const { return u[k * (n_ + 1)]; }
   Vector state(const Vector& u, int k) const { return u.segment(k * (n_ + 1) + 1, n_); }
 

@@ -93,6 +93,7 @@ StepEnd Propagator::step(HybridState& state, double t_end, Sensitivity sensitivi
   }
   if (state.t >= t_end) t_end = state.t;
   flows_[state.mode].carry({state.t, t_end, sensitivity}, state.x, segment_);
+  time_carried_ += segment_.t1 - segment_.t0;
   if (segment_.end == FlowEnd::failed) return StepEnd::failed;
   state.t = segment_.t1;
   state.x = segment_.x1;
@@ -113,6 +114,7 @@ StepEnd Propagator::step(HybridState& state, double t_end, Sensitivity sensitivi
 
 bool Propagator::coast(HybridState& state, double t_end, Sensitivity sensitivity) {
   flows_[state.mode].carry({state.t, t_end, sensitivity, false}, state.x, segment_);
+  time_carried_ += segment_.t1 - segment_.t0;
   if (segment_.end != FlowEnd::time) return false;
   state.t = segment_.t1;
   state.x = segment_.x1;

@@ -46,6 +46,9 @@ class Propagator {
   /// Follows the mode's field to t_end through its guards (an orbit with one of its impacts left out). False: it failed.
   bool coast(HybridState& state, double t_end, Sensitivity sensitivity = Sensitivity::none);
 
+  /// Dimensionless time carried so far, all runs together: the measure of cost.
+  double time_carried() const { return time_carried_; }
+
   const Segment& segment() const { return segment_; }
   const EventRecord& record() const { return record_; }
   /// f(t, x) of a mode.
@@ -66,6 +69,7 @@ class Propagator {
   std::vector<std::vector<std::size_t>> events_of_mode_;
   Segment segment_;
   EventRecord record_;
+  double time_carried_ = 0.0;
   Vector f_minus_, f_plus_, gradient_, f_dt_, glance_;
   Matrix f_dx_;
 };
