@@ -19,9 +19,19 @@ void add_states(Json& out, const std::vector<Vector>& states) {
   for (const Vector& state : states) out["states"].push_back(to_json(state));
 }
 
+/// Adds "nodes" and their "section_phase" (over 2 pi), where they are not the states at forcing phase 0.
+void add_nodes(Json& out, const std::vector<Vector>& nodes, double section_phase) {
+  if (section_phase == 0.0) return;
+  out["section_phase"] = section_phase;
+  out["nodes"] = Json::array();
+  for (const Vector& node : nodes) out["nodes"].push_back(to_json(node));
+}
+
 Json point_json(const BranchPoint& point) {
   Json out = {{"value", point.value}, {"state", to_json(point.state())}};
   add_states(out, point.states);
+  add_nodes(out, point.nodes, point.section_phase);
+  out["arclength"] = point.arclength;
   out["multipliers"] = multipliers_json(point.multipliers);
   out["impacts"] = point.impacts;
   out["stable"] = point.stable;
@@ -75,6 +85,7 @@ Json special_point_json(const SpecialPoint& point) {
   Json out = {
       {"label", point.label}, {"type", point_type_name(point.type)}, {"value", point.value}, {"state", to_json(orbit.state)}};
   add_states(out, orbit.states);
+  add_nodes(out, orbit.nodes, orbit.section_phase);
   out["multipliers"] = multipliers_json(orbit.multipliers);
   out["period"] = orbit.period;
   out["impacts"] = orbit.impacts;

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // graze diagram --skeleton: every branch in a range of a parameter that hangs together with the orbits found there.
 #include <graze/apps/arguments.hpp>
+#include <graze/apps/branch_reading.hpp>
 #include <graze/apps/branch_report.hpp>
 #include <graze/apps/cascades.hpp>
 #include <graze/apps/commands/command.hpp>
 #include <graze/apps/find_orbit.hpp>
+#include <graze/apps/input_file.hpp>
 #include <graze/apps/interrupt.hpp>
 #include <graze/apps/number.hpp>
 #include <graze/apps/orbit_report.hpp>
@@ -32,6 +34,7 @@ struct Options {
   bool skeleton = false;
   int max_period = 16, max_branches = 500, seed = 1;
   std::optional<double> max_step;
+  std::string resume;
   OutputOptions output;
 };
 
@@ -139,7 +142,29 @@ Json seeds_json(const std::vector<SkeletonSeed>& seeds, std::size_t parameter) {
   return list;
 }
 
-int run(const Options& options, const Console& console) {
+/// The branches of an earlier run in a folder, if it was one of the same model over the same range.
+std::vector<Branch> earlier_branches(const Options& options, const Problem& problem) {
+  const std::string file = options.resume + "/diagram.json";
+  Json earlier = Json::parse(read_whole(file), nullptr, false);
+  const auto refuse = [&](const std::string& why) { throw std::invalid_argument(fmt::format("--resume: {} {}", file, why)); };
+  if (!earlier.is_object() || earlier.value("command", "") != "diagram") refuse("is not a result of graze diagram");
+  const Problem before = problem_of(earlier);
+  const auto index = static_cast<Eigen::Index>(parameter_index(problem.system.parameters, options.parameter));
+  Vector a = problem.parameters, b = before.parameters;
+  if (a.size() == b.size()) a[index] = b[index] = 0.0;
+  const Json& given = earlier["options"];
+  if (before.oscillator != problem.oscillator || before.contact != problem.contact || a != b)
+    refuse("is of another model or of other parameters; give the same problem and settings");
+  if (given.value("param", "") != options.parameter || given.value("from", 0.0) != *options.from ||
+      given.value("to", 0.0) != *options.to)
+    refuse(fmt::format("is over another range: {} from {} to {}", given.value("param", ""), exact(given.value("from", 0.0)),
+                       exact(given.value("to", 0.0))));
+  return branches_from_json(earlier);
+}
+
+int run(const Options& given, const Console& console) {
+  Options options = given;
+  if (!options.resume.empty() && options.output.out.empty()) options.output.out = options.resume;
   if (!options.skeleton)
     throw std::invalid_argument("diagram draws the skeleton of branches so far and nothing else: give --skeleton");
   check_outputs(options.output);
@@ -151,10 +176,14 @@ int run(const Options& options, const Console& console) {
   }
   if (*options.from == *options.to)
     throw std::invalid_argument(fmt::format("--from and --to are both {}; a range has two different ends", exact(*options.to)));
+  std::vector<Branch> so_far;
+  if (!options.resume.empty()) so_far = earlier_branches(options, problem);
   Skeleton found;
   {
     Progress progress(console.err, console.quiet, "skeleton");
-    found = skeleton(problem.system, problem.parameters, skeleton_options(options, problem, console, progress));
+    SkeletonOptions computing = skeleton_options(options, problem, console, progress);
+    computing.so_far = std::move(so_far);
+    found = skeleton(problem.system, problem.parameters, computing);
   }
   const std::vector<Branch>& branches = found.graph.branches;
   Status status = Status::done;
@@ -215,6 +244,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_count(app, "--max-branches", options->max_branches, 1, "most branches; what is cut off is listed (default 500)");
   add_count(app, "--seed", options->seed, 0, "of the global search (default 1)");
   add_number(app, "--max-step", options->max_step, "largest step of arclength");
+  add_text(app, "--resume", options->resume, "DIR", "go on from the result that an interrupted run left in DIR (its --out)");
   add_output_options(app, options->output, "branch/1");
   return [options](const Console& console) { return run(*options, console); };
 }

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/branch_reading.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+
+namespace graze::apps {
+
+namespace {
+
+Vector vector_from(const Json& json) {
+  Vector out(static_cast<Eigen::Index>(json.size()));
+  for (std::size_t i = 0; i < json.size(); ++i) out[static_cast<Eigen::Index>(i)] = json[i].get<double>();
+  return out;
+}
+
+std::vector<Vector> vectors_from(const Json& json) {
+  std::vector<Vector> list;
+  for (const Json& item : json) list.push_back(vector_from(item));
+  return list;
+}
+
+std::vector<Vector> states_from(const Json& point) {
+  return point.contains("states") ? vectors_from(point["states"]) : std::vector<Vector>{vector_from(point.at("state"))};
+}
+
+FloquetMultipliers multipliers_from(const Json& json) {
+  FloquetMultipliers out;
+  for (const Json& mu : json) out.values.emplace_back(mu.at(0).get<double>(), mu.at(1).get<double>());
+  out.valid = !out.values.empty();
+  return out;
+}
+
+/// Nodes of the shooting equations: the states at phase 0 unless the result has others.
+void add_nodes(const Json& point, const std::vector<Vector>& states, std::vector<Vector>& nodes, double& section_phase) {
+  section_phase = point.value("section_phase", 0.0);
+  nodes = point.contains("nodes") ? vectors_from(point["nodes"]) : states;
+}
+
+Admissibility admissibility_from(const Json& point) {
+  return point.at("admissible").get<bool>() ? Admissibility::admissible : Admissibility::inadmissible;
+}
+
+SpecialPoint special_point_from(const Json& json, const HybridSystem& system, const Vector& p, std::size_t parameter) {
+  SpecialPoint point;
+  point.type = point_type(json.at("type").get<std::string>());
+  point.label = json.at("label");
+  point.value = json.at("value");
+  point.status = json.at("status") == "converged" ? PointStatus::converged : PointStatus::bracketed;
+  point.interval[0] = json.at("interval").at(0);
+  point.interval[1] = json.at("interval").at(1);
+  point.precision = json.at("precision");
+  point.after_point = json.at("after_point");
+  PeriodicOrbit& orbit = point.orbit;
+  orbit.parameters = p;
+  orbit.parameters[static_cast<Eigen::Index>(parameter)] = point.value;
+  orbit.period = json.at("period");
+  orbit.duration = orbit.period * forcing_period(system, orbit.parameters);
+  orbit.states = states_from(json);
+  orbit.state = orbit.states.front();
+  add_nodes(json, orbit.states, orbit.nodes, orbit.section_phase);
+  orbit.impacts = json.at("impacts");
+  orbit.multipliers = multipliers_from(json.at("multipliers"));
+  orbit.admissible = admissibility_from(json);
+  orbit.newton.status = NewtonStatus::converged;
+  for (const auto& [name, value] : json.at("details").items()) {
+    if (value.is_string()) point.details.insert_or_assign(name, value.get<std::string>());
+    if (value.is_number()) point.details.insert_or_assign(name, value.get<double>());
+    if (value.is_array()) point.details.insert_or_assign(name, value.get<std::vector<double>>());
+  }
+  return point;
+}
+
+BranchStop stop_from(const std::string& name) {
+  constexpr std::array all = {BranchStop::reached_bound, BranchStop::parameter_range, BranchStop::point_limit,
+                              BranchStop::grazing,       BranchStop::step_too_small,  BranchStop::returned,
+                              BranchStop::start_failed,  BranchStop::interrupted};
+  for (const BranchStop stop : all)
+    if (branch_stop_name(stop) == name) return stop;
+  throw std::invalid_argument(fmt::format("a branch stopped for the reason \"{}\", which is not known", name));
+}
+
+Branch branch_from(const Json& json, const Problem& problem, const std::string& parameter) {
+  const std::size_t index = parameter_index(problem.system.parameters, parameter);
+  Branch branch;
+  branch.id = json.at("id");
+  if (!json.at("parent").is_null())
+    branch.parent = BranchParent{json["parent"].at("branch").get<int>(), json["parent"].at("label").get<std::string>()};
+  branch.period = json.at("period");
+  branch.parameter = parameter;
+  branch.parameters = problem.parameters;
+  branch.stop = stop_from(json.at("stop").at("reason"));
+  branch.stop_value = json["stop"].at("at");
+  branch.message = json["stop"].at("message");
+  branch.time_carried = json.value("time_carried", 0.0);
+  for (const Json& item : json.at("points")) {
+    BranchPoint point;
+    point.value = item.at("value");
+    Vector p = problem.parameters;
+    p[static_cast<Eigen::Index>(index)] = point.value;
+    point.duration = branch.period * forcing_period(problem.system, p);
+    point.states = states_from(item);
+    add_nodes(item, point.states, point.nodes, point.section_phase);
+    point.arclength = item.value("arclength", static_cast<double>(branch.points.size()));
+    point.multipliers = multipliers_from(item.at("multipliers"));
+    point.impacts = point.isolated_impacts = item.at("impacts");
+    point.stable = item.at("stable");
+    point.admissible = admissibility_from(item);
+    branch.points.push_back(std::move(point));
+  }
+  if (!branch.points.empty()) branch.parameters[static_cast<Eigen::Index>(index)] = branch.points.front().value;
+  for (const Json& item : json.at("special_points"))
+    branch.special_points.push_back(special_point_from(item, problem.system, branch.parameters, index));
+  return branch;
+}
+
+}  // namespace
+
+std::vector<Branch> branches_from_json(const Json& result) {
+  const Problem problem = problem_of(result);
+  std::vector<Branch> branches;
+  try {
+    const std::string parameter = result.at("parameter");
+    for (const Json& json : result.at("branches")) branches.push_back(branch_from(json, problem, parameter));
+  } catch (const nlohmann::json::exception&) {
+    throw std::invalid_argument(
+        fmt::format("branch {} of the result is damaged or lacks something; compute it anew", branches.size() + 1));
+  }
+  return branches;
+}
+
+}  // namespace graze::apps
