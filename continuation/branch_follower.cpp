@@ -275,10 +275,9 @@ std::optional<BranchStart> BranchFollower::to_signature(OrbitProblem& problem, c
 }
 
 Curve BranchFollower::follow_signature(SignatureProblem& problem, const BranchStart& start, Branch& branch) {
-  const bool on_grazing = problem.least_speed(start.u) < 1e-9;
   return trace(problem.zero_problem(), start.u, start.orientation, options_.trace,
                [&](const CurvePoint& before, CurvePoint& after) {
-                 if (branch.points.empty() && !on_grazing) begin(problem, before.u, branch);
+                 if (branch.points.empty() && !start.on_grazing) begin(problem, before.u, branch);
                  return monitor_signature(problem, before, after, branch);
                });
 }

@@ -34,7 +34,7 @@ std::optional<BranchStart> doubled_start(const SpecialPoint& pd, OrbitProblem& p
   // Small, and small steps after it: in a cascade the next bifurcation may follow closely. The parameter follows with the square
   // of the push, and fast beside a grazing: down to where rounding begins.
   for (const double push : {2e-4, 5e-5, 1e-5, 2e-6, 2e-7, 2e-8, 1e-3}) {
-    BranchStart start{at_birth + push * direction, {}, {}, push};
+    BranchStart start{at_birth + push * direction, {}, {}, false, push};
     if (!correct(zero, direction, start.u, options).converged()) continue;
     start.orientation = start.u - at_birth;
     const double length = std::sqrt(zero.weights.dot(start.orientation.cwiseAbs2()));
@@ -47,33 +47,35 @@ std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGra
                                          const TraceOptions& options) {
   if (grazing.top_dp == 0.0 || !std::isfinite(grazing.top_dp)) return std::nullopt;
   const ZeroProblem zero = problem.zero_problem();
-  if (lost) {
-    // Without the impact: where the free maximum stays short of the barrier.
-    const double side = grazing.top_dp > 0.0 ? -1.0 : 1.0;
-    for (double distance = 1e-7; distance < 1e-3; distance *= 10.0) {
-      BranchStart start{grazing.u + side * distance * grazing.family_dp, side * grazing.family_dp, {}, first_step};
-      if (correct(zero, problem.parameter_direction(), start.u, options).converged()) return start;
-    }
-    return std::nullopt;
-  }
-  // With it: the grazing itself is the orbit with that impact, at speed zero, and the speed grows from there.
+  const double side = grazing.top_dp > 0.0 ? -1.0 : 1.0;  // on which the free maximum stays short of the barrier
   EventNodes nodes = event_nodes(grazing.orbit).value_or(EventNodes{});
   const bool sticks = nodes.sequence.size() != grazing.orbit.events.size();
-  if (!sticks && !problem.equations().autonomous()) {
-    const std::size_t place = nodes.insert(grazing.event, grazing.t, grazing.touch);
+  if (!sticks && !problem.equations().autonomous() && (!lost || !nodes.sequence.empty())) {
+    // The grazing itself is the orbit without that impact, and the one with it at speed zero; the speed grows from there.
+    nodes.shorten(grazing.orbit.duration * problem.period() / grazing.orbit.period);
+    const std::size_t place = lost ? 0 : nodes.insert(grazing.event, grazing.t, grazing.touch);
     SignatureProblem signature(problem.system(), grazing.orbit.parameters, problem.period(), nodes.sequence, problem.parameter(),
                                problem.scale(), problem.equations().options());
     BranchStart start;
     start.u = signature.pack(nodes, problem.value(grazing.u));
-    start.orientation = signature.speed_gradient(start.u, static_cast<int>(place));
+    start.orientation =
+        lost ? Vector(side * signature.parameter_direction()) : signature.speed_gradient(start.u, static_cast<int>(place));
     start.sequence = nodes.sequence;
     start.step = first_step;
+    start.on_grazing = true;
     return start;
+  }
+  if (lost) {
+    for (double distance = 1e-7; distance < 1e-3; distance *= 10.0) {
+      BranchStart start{grazing.u + side * distance * grazing.family_dp, side * grazing.family_dp, {}, false, first_step};
+      if (correct(zero, problem.parameter_direction(), start.u, options).converged()) return start;
+    }
+    return std::nullopt;
   }
   // An orbit that sticks elsewhere: first order in the impact's speed (LocatedGrazing::response).
   for (const double speed : {1e-3, 3e-3, 3e-4, 1e-2, 3e-2}) {
     const double change = grazing.response * speed / grazing.top_dp;
-    BranchStart start{grazing.u + change * grazing.family_dp + speed * grazing.impulse, {}, {}, first_step};
+    BranchStart start{grazing.u + change * grazing.family_dp + speed * grazing.impulse, {}, {}, false, first_step};
     if (!correct(zero, problem.parameter_direction(), start.u, options).converged()) continue;
     start.orientation = start.u - grazing.u;
     if (problem.orbit(start.u, {}).impacts == grazing.orbit.impacts + 1) return start;

@@ -14,6 +14,7 @@ struct BranchStart {
   Vector u, orientation = {};
   /// Set: u and orientation are in the coordinates of this signature (see SignatureEquations).
   std::optional<std::vector<std::size_t>> sequence = {};
+  bool on_grazing = false;  ///< u is a grazing itself, which is no point of the branch
   double step = 0.0;  ///< first step of the tracer, where the usual one could pass over what lies close by; 0: the usual one
 };
 

@@ -33,7 +33,9 @@ bool lies_on(const HybridSystem& system, const Branch& branch, const PeriodicOrb
         return !system.initial_mode || system.initial_mode(0.0, x, p).has_value();
       });
       const PeriodicOrbit there = shoot(system, p, allowed ? between : std::vector<Vector>{a.state()}, orbit.period, options);
-      if (there.converged() && same_orbit(there, orbit, 1e-6)) return true;
+      // Next to a hard grazing Newton may end on the family with one impact more or less.
+      const bool same_family = there.impacts == a.impacts || there.impacts == b.impacts;
+      if (there.converged() && same_family && same_orbit(there, orbit, 1e-6)) return true;
     }
   }
   return false;

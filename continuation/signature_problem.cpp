@@ -15,6 +15,14 @@ std::size_t EventNodes::insert(std::size_t event, double t, const Vector& x) {
   return static_cast<std::size_t>(place);
 }
 
+void EventNodes::shorten(double duration) {
+  while (!times.empty() && times.back() >= duration * (1.0 - 1e-12)) {
+    sequence.pop_back();
+    times.pop_back();
+    states.pop_back();
+  }
+}
+
 std::optional<EventNodes> event_nodes(const PeriodicOrbit& orbit) {
   EventNodes nodes;
   for (const EventRecord& event : orbit.events) {

@@ -18,6 +18,7 @@ struct EventNodes {
   std::vector<double> times;
   std::vector<Vector> states;
   std::size_t insert(std::size_t event, double t, const Vector& x);  ///< in its place in time, which is returned
+  void shorten(double duration);                                     ///< to those before
 };
 
 /// Of an orbit, from phase 0 on; nullopt where it has no events, or where it sticks (accumulation points are no nodes).

@@ -13,10 +13,10 @@ namespace graze {
 struct SkeletonOptions {
   /// from, to: the range. max_period, max_branches and threads hold for the seeds too.
   ContinuationOptions continuation = {};
-  int settled_values = 31;  ///< values of the parameter at which attractors are looked for, ends included
-  int settle = 300;         ///< forcing periods of transient at each
-  int searched_values = 7;  ///< values at which orbits are searched, ends left out
-  int searched_period = 4;  ///< orbits of period 1 up to this one are searched
+  int settled_values = 601;  ///< values of the parameter at which attractors are looked for, ends included
+  int settle = 200;          ///< forcing periods of transient at each
+  int searched_values = 7;   ///< values at which orbits are searched, ends left out
+  int searched_period = 4;   ///< orbits of period 1 up to this one are searched
   SearchOptions search = {};
   std::vector<PeriodicOrbit> more_seeds = {};  ///< the user's own
   std::vector<Branch> so_far = {};             ///< of an earlier run that was interrupted

@@ -171,6 +171,18 @@ TEST_CASE("skeleton of Newton: every hard grazing shared by the families on both
     CHECK((scenario == "persistence" || scenario == "nonsmooth-fold"));
     CHECK(point->precision < 1e-12);
   }
+  // The family without the impact is followed from there, and found by no seed of its own.
+  for (const Branch& branch : c.found.graph.branches) {
+    if (branch.stop != BranchStop::grazing) continue;
+    const SpecialPoint& end = branch.special_points.back();
+    const auto beyond = std::count_if(c.found.graph.branches.begin(), c.found.graph.branches.end(), [&](const Branch& other) {
+      return other.id != branch.id &&
+             ((other.parent && other.parent->label == end.label) || (branch.parent && other.id == branch.parent->branch) ||
+              (other.stop == BranchStop::grazing && std::abs(other.stop_value - end.value) < 1e-9));
+    });
+    INFO("branch " << branch.id << " ends at " << end.label);
+    CHECK(beyond > 0);
+  }
   // To the last bit the same on two threads.
   const Case again = skeleton_of("newton", 0.0, 2);
   REQUIRE(again.found.graph.branches.size() == c.found.graph.branches.size());
