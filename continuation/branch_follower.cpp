@@ -85,14 +85,17 @@ void BranchFollower::begin(BranchProblem& problem, const Vector& u, Branch& bran
 /// what is known already to lie there.
 bool BranchFollower::take(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, BranchPoint point,
                           std::vector<MetPoint> met, Branch& branch) {
+  // What is not found where it was announced may be no such point, but a step onto another branch close by.
+  constexpr double smallest_doubt = 1e-5;
+  const bool long_step = after.arclength - before.arclength > smallest_doubt;
+  const auto doubtful = [&](const MetPoint& special) { return special.point.status != PointStatus::converged && long_step; };
+  if (std::any_of(met.begin(), met.end(), doubtful)) return false;
   const TestPoint a{before, branch.points.back()}, b{after, point};
   for (const TestFunction& test : test_functions()) {
     const double f_a = test.value(a), f_b = test.value(b);
     if (!std::isfinite(f_a) || !std::isfinite(f_b) || (f_a < 0.0) == (f_b < 0.0) || !test.confirm(a, b)) continue;
     met.push_back(locate(problem, test, a, b, branch));
-    // What is not found where it was announced may be no such point, but a step onto another branch close by.
-    constexpr double smallest_doubt = 1e-5;
-    if (met.back().point.status != PointStatus::converged && after.arclength - before.arclength > smallest_doubt) return false;
+    if (doubtful(met.back())) return false;
   }
   user_points(problem, before, after, branch, met);
   std::stable_sort(met.begin(), met.end(), [](const MetPoint& x, const MetPoint& y) { return x.place < y.place; });

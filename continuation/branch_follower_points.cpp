@@ -168,12 +168,24 @@ MetPoint BranchFollower::locate_impact_change(OrbitProblem& problem, const Curve
   const bool lost = reached.impacts < last.impacts;
   const Vector& with_impact = lost ? before.u : after.u;
   const double low = std::min(last.value, reached.value), high = std::max(last.value, reached.value), width = high - low;
-  if (const std::optional<GrazingGuess> guess = weakest_contact(problem, with_impact)) {
-    const LocatedGrazing located = locate_grazing(problem, with_impact, *guess);
-    const double value = located.newton.converged() ? problem.value(located.u) : 0.0;
-    if (located.newton.converged() && value >= low - 0.01 * width && value <= high + 0.01 * width)
-      return {place_of(problem.zero_problem(), before, located.u), located.u,
-              grazing_point(problem, located, last.impacts, reached.impacts, branch)};
+  // A contact that reaches over a node is cut in two: then the nodes are moved.
+  const double section = problem.equations().section_phase();
+  for (const double further : {0.0, 0.37, 0.71}) {
+    const bool moving = further > 0.0;
+    if (moving && problem.equations().autonomous()) break;
+    OrbitProblem moved = problem.with_section(std::fmod(section + further, 1.0));
+    const std::optional<Vector> u = moving ? problem.to_section(moved, with_impact) : with_impact;
+    OrbitProblem& here = moving ? moved : problem;
+    const std::optional<GrazingGuess> guess = u ? weakest_contact(here, *u) : std::nullopt;
+    if (!guess) continue;
+    const LocatedGrazing located = locate_grazing(here, *u, *guess);
+    const double value = located.newton.converged() ? here.value(located.u) : 0.0;
+    if (!located.newton.converged() || value < low - 0.01 * width || value > high + 0.01 * width) continue;
+    const Vector along =
+        before.u + (value - before.u[before.u.size() - 1]) / (after.u - before.u)[before.u.size() - 1] * (after.u - before.u);
+    const Vector& place = moving ? along : located.u;
+    return {place_of(problem.zero_problem(), before, place), place,
+            grazing_point(here, located, last.impacts, reached.impacts, branch)};
   }
   SpecialPoint point;
   point.type = PointType::GR;
