@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/orbit_problem.hpp>
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <stdexcept>
 
@@ -47,6 +49,8 @@ std::optional<Vector> OrbitProblem::to_section(OrbitProblem& other, const Vector
 }
 
 Vector OrbitProblem::pack(const std::vector<Vector>& nodes, double duration, double value) const {
+  if (static_cast<int>(nodes.size()) != this->nodes())
+    throw std::invalid_argument(fmt::format("{} nodes were given; these equations have {}", nodes.size(), this->nodes()));
   Vector u(unknowns());
   const int n = states();
   for (int j = 0; j < this->nodes(); ++j) u.segment(j * n, n) = nodes[static_cast<std::size_t>(j)];

@@ -132,3 +132,50 @@ TEST_CASE("Ctrl-C ends a diagram with what is there") {
   CHECK(json["branches"].is_array());
   CHECK(folder.files() == 1);
 }
+
+TEST_CASE("diagram goes on from what an interrupted run has left") {
+  const TemporaryFolder folder;
+  const std::string out = folder.file("run");
+  const Json whole = json_of(small({"--out", out, "--json", "-"}));
+  const auto values = [](const Json& result) {
+    std::vector<double> list;
+    for (const Json& branch : result["branches"])
+      for (const Json& point : branch["special_points"])
+        if (point["type"] != "EP") list.push_back(point["value"]);
+    std::sort(list.begin(), list.end());
+    return list;
+  };
+  // The first branch as it is, the second broken off, the others not begun.
+  Json part = Json::parse(read_file(out + "/diagram.json"));
+  REQUIRE(part["branches"].size() > 2);
+  part["status"] = "interrupted";
+  part["branches"].erase(part["branches"].begin() + 2, part["branches"].end());
+  part["branches"][1]["stop"]["reason"] = "interrupted";
+  part["branches"][1]["points"].erase(part["branches"][1]["points"].begin() + 3, part["branches"][1]["points"].end());
+  part["branches"][1]["special_points"] = Json::array();
+  std::filesystem::create_directory(folder.file("left"));
+  folder.write("left/diagram.json", part.dump());
+  const Json resumed = json_of(small({"--resume", folder.file("left"), "--json", "-"}));
+  CHECK(resumed["status"] == "done");
+  CHECK(resumed["branches"].size() == whole["branches"].size());
+  const std::vector<double> a = values(whole), b = values(resumed);
+  REQUIRE(a.size() == b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) CHECK(std::abs(a[i] - b[i]) < 1e-11);  // as precise as they are located
+  CHECK(read_file(folder.file("left/diagram.json")).find("\"interrupted\"") == std::string::npos);
+
+  const std::vector<std::string> range = {"--skeleton", "--from", "0.743", "--to", "0.747"};
+  const auto refused = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), range.begin(), range.end());
+    return misuse(more);
+  };
+  CHECK_THAT(refused({"--resume", folder.file("nowhere")}), Contains("no such file"));
+  CHECK_THAT(refused({"--resume", out, "--set", "b=0.06"}), Contains("of another model or of other parameters"));
+  CHECK_THAT(misuse({"--skeleton", "--from", "0.743", "--to", "0.748", "--resume", out}),
+             Contains("over another range: eta from 0.743 to 0.747"));
+  folder.write("left/diagram.json", "{\"command\": \"orbit\"}");
+  CHECK_THAT(refused({"--resume", folder.file("left")}), Contains("is not a result of graze diagram"));
+  Json damaged = part;
+  damaged["branches"][0].erase("points");
+  folder.write("left/diagram.json", damaged.dump());
+  CHECK_THAT(refused({"--resume", folder.file("left")}), Contains("branch 1 of the result is damaged"));
+}
