@@ -60,7 +60,8 @@ void check_picture_file(const std::string& file);
 /// What gnuplot is told. `format` is one of the endings.
 std::string gnuplot_script(const Picture& picture, const std::string& format);
 
-/// The picture as the content of a file. @throws std::runtime_error with gnuplot's own words if it fails.
+/// The picture as the content of a file. @throws std::runtime_error with gnuplot's own words if it fails, Interrupted if a signal
+/// comes meanwhile.
 std::string draw(const Picture& picture, const std::string& format);
 
 /// The ending of a file name, in small letters.
