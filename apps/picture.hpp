@@ -14,12 +14,12 @@ enum class Stroke { solid, dashed, dotted, dots, marks };
 
 /// A curve or a set of points. A NaN row breaks a curve.
 struct Curve {
-  std::string title;  ///< empty: not in the legend
+  std::string title = {};  ///< empty: not in the legend
   Stroke stroke = Stroke::solid;
   std::string colour = "#1f77b4";
-  double size = 2.0;                          ///< line width, or size of a mark
-  int mark = 7;                               ///< gnuplot's point type, for Stroke::marks
-  std::vector<std::array<double, 3>> points;  ///< x, y, and a value shown as colour if `coloured`
+  double size = 2.0;                               ///< line width, or size of a mark
+  int mark = 7;                                    ///< gnuplot's point type, for Stroke::marks
+  std::vector<std::array<double, 3>> points = {};  ///< x, y, and a value shown as colour if `coloured`
   bool coloured = false;
 };
 

@@ -100,7 +100,7 @@ int run_program(const std::vector<std::string>& arguments, std::ostream& out, st
   add_global_options(app, global, version);
   app.require_subcommand(0, 1);
   app.footer("graze COMMAND --help says everything about a command, with an example.\n"
-             "Exit codes: 0 done, 1 a numerical stop, 2 misuse, 130 interrupted.");
+             "Exit codes: 0 done, 1 a numerical stop, 2 misuse or an output that cannot be written, 130 interrupted.");
   std::map<const CLI::App*, std::function<int(const Console&)>> runs;
   for (const Command& command : commands()) {
     CLI::App* subcommand = app.add_subcommand(command.name, command.summary);

@@ -73,7 +73,7 @@ void Raster::line(double column, double row, double to_column, double to_row, bo
   clip(column, dc, columns);
   clip(row, dr, rows);
   if (!(from <= to)) return;
-  const int steps = 1 + static_cast<int>((to - from) * std::max(std::abs(dc), std::abs(dr)));
+  const int steps = 1 + static_cast<int>(2.0 * (to - from) * std::max(std::abs(dc), std::abs(dr)));  // half an element each
   for (int i = 0; i <= steps; ++i) {
     const double s = from + (to - from) * i / steps;
     mark(column + s * dc, row + s * dr, wide);

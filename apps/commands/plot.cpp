@@ -42,8 +42,8 @@ Json parse_json(const std::string& text) {
   } catch (const Json::parse_error& error) {
     const std::size_t place = std::min(text.size(), error.byte > 0 ? error.byte - 1 : 0);
     const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(place), '\n');
-    throw std::invalid_argument(fmt::format("this is not valid JSON from line {} on (byte {} of {}){}", line, place + 1,
-                                            text.size(), place >= text.size() ? ", where it breaks off" : ""));
+    throw std::invalid_argument(
+        fmt::format("this is not valid JSON from line {} on{}", line, place >= text.size() ? ", where it breaks off" : ""));
   }
 }
 

@@ -134,14 +134,14 @@ TEST_CASE("a title too long for the picture is broken into lines") {
   picture.subtitle =
       "cantilever oscillator, hertz contact: b = 0.026, beta = 1.0285714, xi = 0.08, eta = 0.554, r = 0.079, k_H = 100, b_H = 0";
   picture.curves.push_back({.points = {{0.0, 1.0, 0.0}, {1.0, 2.0, 0.0}}});
-  CHECK_THAT(gnuplot_script(picture, "png"), Contains("xi = 0.08,'.\"\\n\".'eta = 0.554"));
+  CHECK_THAT(gnuplot_script(picture, "png"), Contains("1.0285714,'.\"\\n\".'xi = 0.08"));
 }
 
 TEST_CASE("an axis does not show rounding") {
   Picture picture;
   picture.curves.push_back({.points = {{0.0, 2.0, 0.0}, {1.0, 2.0 + 1e-13, 0.0}}});
   const std::string script = gnuplot_script(picture, "png");
-  CHECK_THAT(script, Contains("set xrange [*:*]") && Contains("set yrange [1.98"));
+  CHECK_THAT(script, Contains("set xrange [*:*]") && Contains("set yrange [1.97"));
 }
 
 TEST_CASE("very many points are drawn as an image and none is lost") {
