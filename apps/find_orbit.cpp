@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <tuple>
 
 namespace graze::apps {
 
@@ -127,6 +128,7 @@ Settled settle_down(const Problem& problem, const StartOptions& options, const C
     ++done;
     return interrupted();
   };
+  settling.flow.cancelled = interrupted;
   return settle(problem.system, problem.parameters, start_state(problem, options.start), settling);
 }
 
@@ -144,6 +146,13 @@ FoundOrbits search_for_orbits(const Problem& problem, const OrbitOptions& option
                          counted(static_cast<std::size_t>(orbits), "orbit"), period);
     });
   };
+  // The box first, and by runs that can be interrupted: where the forcing is slow, each of them takes its time.
+  std::tie(search.lower, search.upper) = search_box(problem.system, problem.parameters, {.cancelled = interrupted});
+  if (interrupted()) {
+    found.status = Status::interrupted;
+    found.message = fmt::format("the search for orbits of period {} was interrupted before its first start", period);
+    return found;
+  }
   SearchResult result = search_orbits(problem.system, problem.parameters, period, search);
   for (PeriodicOrbit& orbit : result.orbits) orbit.checks.finite_difference = finite_difference_check(problem.system, orbit);
   const std::size_t count = result.orbits.size();

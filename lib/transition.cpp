@@ -38,8 +38,8 @@ class Composer {
 
   bool start(double t0, const Vector& x0) {
     if (static_cast<std::size_t>(x0.size()) != propagator_.system().states)
-      throw std::invalid_argument(
-          fmt::format("the state has {} entries; system {} has {}", x0.size(), propagator_.system().name, propagator_.system().states));
+      throw std::invalid_argument(fmt::format("the state has {} entries; system {} has {}", x0.size(), propagator_.system().name,
+                                              propagator_.system().states));
     state_ = {t0, x0, 0};
     const auto& choose = propagator_.system().initial_mode;
     const std::optional<std::size_t> mode = !x0.allFinite() ? std::nullopt
@@ -52,7 +52,9 @@ class Composer {
 
   /// To t_end through all events, or through `max_events` of them.
   bool run(double t_end, std::size_t max_events) {
+    const auto cancelled = propagator_.options().cancelled;
     while (out_.event_sequence.size() < max_events) {
+      if (cancelled && cancelled()) return fail(Termination::interrupted);
       const StepEnd end = propagator_.step(state_, t_end, options_.sensitivity);
       if (end == StepEnd::failed) return fail(Termination::integration_failed);
       compose_segment();

@@ -226,6 +226,12 @@ TEST_CASE("Ctrl-C keeps what was computed and exits with 130") {
     CHECK(json["status"] == "interrupted");
     CHECK(folder.files() == 1);
   }
+  // A forcing period of thousands of the oscillator's own: interrupted within it, in the transient and in the search.
+  for (const char* slow : {" --settle 1000", " --search"}) {
+    const Outcome outcome = spawn("orbit " + problem("beam-newton") + " --set eta=1e-4" + slow, SIGTERM, 0.4);
+    CHECK(outcome.code == 130);
+    CHECK_THAT(outcome.err, Contains("interrupted"));
+  }
   const Outcome search = spawn("orbit " + newton + " --period 30 --search --json " + out, SIGINT, 0.4);
   CHECK(search.code == 130);
   CHECK_THAT(search.err, Contains("interrupted after"));
