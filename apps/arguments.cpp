@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
+#include <cmath>
 
 namespace graze::apps {
 
@@ -26,10 +28,17 @@ double number(const std::string& names, const std::string& text) {
   return *value;
 }
 
-int count(const std::string& names, const std::string& text, int least) {
-  const std::optional<int> value = parse_count(text);
-  if (!value || *value < least) refuse(names, text, fmt::format("a whole number >= {}", least));
-  return *value;
+int count(const std::string& names, const std::string& text, int least, int most) {
+  const std::optional<double> value = parse_number(text);
+  if (value && *value >= least && *value <= most && *value == std::floor(*value)) return static_cast<int>(*value);
+  // A limit that nobody will meet is named only to who has gone beyond it.
+  const bool limited = most < std::numeric_limits<int>::max() || (value && *value > most);
+  refuse(names, text, fmt::format("a whole number >= {}{}", least, limited ? fmt::format(" and <= {}", most) : ""));
+}
+
+bool equal_but_case(const std::string& a, const std::string& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](unsigned char c, unsigned char d) { return std::tolower(c) == std::tolower(d); });
 }
 
 /// The common part: an option whose text is handed to `take`.
@@ -52,7 +61,10 @@ void add_flag(CLI::App& app, const std::string& names, bool& target, const std::
 
 void add_text(CLI::App& app, const std::string& names, std::string& target, const std::string& placeholder,
               const std::string& help, Need need) {
-  add(app, names, placeholder, help, need, [&target](const std::string& text) { target = text; });
+  add(app, names, placeholder, help, need, [&target, names](const std::string& text) {
+    if (text.empty()) refuse(names, "\"\"", "a name, and not empty");
+    target = text;
+  });
 }
 
 void add_texts(CLI::App& app, const std::string& names, std::vector<std::string>& target, const std::string& placeholder,
@@ -71,14 +83,15 @@ void add_numbers(CLI::App& app, const std::string& names, std::vector<double>& t
   });
 }
 
-void add_count(CLI::App& app, const std::string& names, std::optional<int>& target, int least, const std::string& help) {
+void add_count(CLI::App& app, const std::string& names, std::optional<int>& target, int least, const std::string& help,
+               int most) {
   add(app, names, "N", help, Need::optional,
-      [&target, names, least](const std::string& text) { target = count(names, text, least); });
+      [&target, names, least, most](const std::string& text) { target = count(names, text, least, most); });
 }
 
-void add_count(CLI::App& app, const std::string& names, int& target, int least, const std::string& help) {
+void add_count(CLI::App& app, const std::string& names, int& target, int least, const std::string& help, int most) {
   add(app, names, "N", help, Need::optional,
-      [&target, names, least](const std::string& text) { target = count(names, text, least); });
+      [&target, names, least, most](const std::string& text) { target = count(names, text, least, most); });
 }
 
 void add_state(CLI::App& app, const std::string& names, std::optional<Vector>& target, const std::string& help) {
@@ -93,7 +106,10 @@ void add_choice(CLI::App& app, const std::string& names, std::string& target, co
                 const std::string& help, Need need) {
   add(app, names, fmt::format("{}", fmt::join(choices, "|")), help, need, [&target, names, choices](const std::string& text) {
     if (std::find(choices.begin(), choices.end(), text) == choices.end()) {
-      const std::string nearest = nearest_name(text, choices);
+      // "pd" is two letters off PD, and yet clear enough.
+      const auto same =
+          std::find_if(choices.begin(), choices.end(), [&](const std::string& choice) { return equal_but_case(choice, text); });
+      const std::string nearest = same != choices.end() ? *same : nearest_name(text, choices);
       refuse(names, text,
              fmt::format("one of {}{}", fmt::join(choices, ", "),
                          nearest.empty() ? "" : fmt::format(" (did you mean {}?)", nearest)));

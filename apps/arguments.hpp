@@ -8,6 +8,7 @@
 
 #include <graze/lib/vector.hpp>
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,9 +36,11 @@ void add_number(CLI::App& app, const std::string& names, std::optional<double>& 
 /// May be given several times.
 void add_numbers(CLI::App& app, const std::string& names, std::vector<double>& target, const std::string& help);
 
-/// A whole number, at least `least`.
-void add_count(CLI::App& app, const std::string& names, std::optional<int>& target, int least, const std::string& help);
-void add_count(CLI::App& app, const std::string& names, int& target, int least, const std::string& help);
+/// A whole number from `least` to `most`.
+void add_count(CLI::App& app, const std::string& names, std::optional<int>& target, int least, const std::string& help,
+               int most = std::numeric_limits<int>::max());
+void add_count(CLI::App& app, const std::string& names, int& target, int least, const std::string& help,
+               int most = std::numeric_limits<int>::max());
 
 /// A state "x,v".
 void add_state(CLI::App& app, const std::string& names, std::optional<Vector>& target, const std::string& help);

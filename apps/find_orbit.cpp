@@ -11,16 +11,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <stdexcept>
+#include <tuple>
 
 namespace graze::apps {
 
 namespace {
 
 constexpr int default_settle = 1000;  // forcing periods
+constexpr double slowest = 1e-4;      // eta: a forcing period of 10000 natural ones
 
 std::string shown(const Vector& state) { return fmt::format("({}, {})", rounded(state[0], 9), rounded(state[1], 9)); }
 
-std::string periods(int n) { return fmt::format("{} forcing period{}", n, n == 1 ? "" : "s"); }
+std::string periods(int n) { return counted(static_cast<std::size_t>(n), "forcing period"); }
 
 void take(FoundOrbits& found, std::vector<PeriodicOrbit> orbits, const char* origin) {
   std::stable_partition(orbits.begin(), orbits.end(),
@@ -48,14 +51,15 @@ std::string attractor(const Problem& problem, const Settled& settled) {
 void add_start_options(CLI::App& app, StartOptions& options) {
   begin_group(app, "Problem");
   add_text(app, "PROBLEM", options.file, "FILE", "problem file (TOML), such as data/problems/hertz-damped.toml", Need::required);
-  add_texts(app, "--set", options.settings, "NAME=VALUE", "override a parameter; repeatable; numbers, fractions (36/35) and pi");
+  add_texts(app, "--set", options.settings, "NAME=VALUE",
+            "override a parameter; repeatable, the last one holds; numbers, fractions (36/35) and pi");
   add_state(app, "--start", options.start, "initial state at forcing phase 0 (default: the file's, else at rest)");
   add_count(app, "--settle", options.settle, 0, "forcing periods of transient (default: the file's, else 1000)");
 }
 
 void add_orbit_options(CLI::App& app, OrbitOptions& options) {
   add_start_options(app, options.start);
-  add_count(app, "--period", options.period, 1, "orbit of N forcing periods (default: the file's, else 1)");
+  add_count(app, "--period", options.period, 1, "orbit of N forcing periods (default: the file's, else 1)", longest_period);
   add_flag(app, "--search", options.search, "find orbits by global search instead of settling");
   add_count(app, "--seed", options.seed, 0, "of the global search (default 1)");
 }
@@ -78,6 +82,14 @@ Problem open_problem(const StartOptions& options, const Console& console) {
                              exact(from.length), list));
   }
   return problem;
+}
+
+void check_forcing(const Problem& problem) {
+  const double eta = parameter(problem, "eta");
+  if (eta < slowest)
+    throw std::invalid_argument(fmt::format(
+        "eta is {}: a forcing period is then more than {} periods of the oscillator's own; motions are computed for eta >= {}",
+        eta, rounded(1.0 / slowest, 3), slowest));
 }
 
 int settle_of(const Problem& problem, const StartOptions& options) {
@@ -104,6 +116,7 @@ Json options_json(const Problem& problem, const OrbitOptions& options) {
 }
 
 Settled settle_down(const Problem& problem, const StartOptions& options, const Console& console) {
+  check_forcing(problem);
   const int wanted = settle_of(problem, options);
   Progress progress(console.err, console.quiet, "settling");
   int done = 0;
@@ -115,10 +128,12 @@ Settled settle_down(const Problem& problem, const StartOptions& options, const C
     ++done;
     return interrupted();
   };
+  settling.flow.cancelled = interrupted;
   return settle(problem.system, problem.parameters, start_state(problem, options.start), settling);
 }
 
 FoundOrbits search_for_orbits(const Problem& problem, const OrbitOptions& options, const Console& console) {
+  check_forcing(problem);
   FoundOrbits found;
   const int period = period_of(problem, options);
   Progress progress(console.err, console.quiet, "searching");
@@ -126,18 +141,29 @@ FoundOrbits search_for_orbits(const Problem& problem, const OrbitOptions& option
   search.seed = static_cast<unsigned>(options.seed);
   search.cancelled = interrupted;
   search.progress = [&](int starts, int orbits) {
-    progress.update(-1.0, [&] { return fmt::format("{} starts, {} orbits of period {}", starts, orbits, period); });
+    progress.update(-1.0, [&] {
+      return fmt::format("{}, {} of period {}", counted(static_cast<std::size_t>(starts), "start"),
+                         counted(static_cast<std::size_t>(orbits), "orbit"), period);
+    });
   };
+  // The box first, and by runs that can be interrupted: where the forcing is slow, each of them takes its time.
+  std::tie(search.lower, search.upper) = search_box(problem.system, problem.parameters, {.cancelled = interrupted});
+  if (interrupted()) {
+    found.status = Status::interrupted;
+    found.message = fmt::format("the search for orbits of period {} was interrupted before its first start", period);
+    return found;
+  }
   SearchResult result = search_orbits(problem.system, problem.parameters, period, search);
   for (PeriodicOrbit& orbit : result.orbits) orbit.checks.finite_difference = finite_difference_check(problem.system, orbit);
   const std::size_t count = result.orbits.size();
   take(found, std::move(result.orbits), "search");
   if (interrupted()) {
     found.status = Status::interrupted;
-    found.message = fmt::format("the search was interrupted after {} starts; {} orbits of period {} were found by then",
-                                result.starts, count, period);
+    found.message = fmt::format("the search was interrupted after {}; {} of period {} found by then",
+                                counted(static_cast<std::size_t>(result.starts), "start"), counted(count, "orbit"), period);
   } else if (found.status != Status::done) {
-    found.message = fmt::format("no admissible orbit of period {} was found by a search of {} starts", period, result.starts);
+    found.message = fmt::format("no admissible orbit of period {} was found by a search of {}", period,
+                                counted(static_cast<std::size_t>(result.starts), "start"));
   }
   return found;
 }

@@ -42,6 +42,10 @@ void add_orbit_options(CLI::App& app, OrbitOptions& options);
 /// The problem with its settings applied; notes on defaults and on the conversion of units go to the console.
 Problem open_problem(const StartOptions& options, const Console& console);
 
+/// Where the forcing is so slow that a single period of it would take ages.
+/// @throws std::invalid_argument with the smallest eta that is run.
+void check_forcing(const Problem& problem);
+
 int settle_of(const Problem& problem, const StartOptions& options);
 int period_of(const Problem& problem, const OrbitOptions& options);
 

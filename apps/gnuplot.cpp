@@ -1,21 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Running gnuplot as a child. Script, picture and complaints go through temporary files, so that neither side can wait for the
 // other.
+#include <graze/apps/interrupt.hpp>
 #include <graze/apps/picture.hpp>
 
 #include <fmt/format.h>
 
-#include <fcntl.h>
-#include <spawn.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <memory>
 #include <stdexcept>
+#include <thread>
 
 namespace graze::apps {
 
@@ -49,6 +53,25 @@ bool on_path(const char* program) {
   }
 }
 
+constexpr int not_started = 127;  // the exit code of a child that could not become gnuplot
+
+/// Starts gnuplot with these as its standard files. It dies with this program, however that ends.
+pid_t start_gnuplot(int input, int output, int complaints) {
+  const pid_t parent = ::getpid();
+  const pid_t child = ::fork();
+  if (child < 0) throw std::runtime_error(fmt::format("gnuplot cannot be started: {}", std::strerror(errno)));
+  if (child > 0) return child;
+  // Between fork and exec only what is safe in a signal handler, for there may be threads.
+  ::setpgid(0, 0);  // Ctrl-C must not take the picture of what was computed
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (::getppid() == parent && ::dup2(input, STDIN_FILENO) >= 0 && ::dup2(output, STDOUT_FILENO) >= 0 &&
+      ::dup2(complaints, STDERR_FILENO) >= 0)
+    ::execlp("gnuplot", "gnuplot", "/dev/stdin", static_cast<char*>(nullptr));  // as a file: stdin it reads byte by byte
+  const char* reason = errno == ENOENT ? "it is not installed" : "the system refuses";
+  static_cast<void>(!::write(complaints, reason, std::strlen(reason)));
+  ::_exit(not_started);
+}
+
 constexpr const char* missing = "pictures are drawn by gnuplot, which is not installed (Debian: apt install gnuplot-nox)";
 
 }  // namespace
@@ -68,28 +91,19 @@ std::string draw(const Picture& picture, const std::string& format) {
         fmt::format("the script for gnuplot cannot be written to the temporary folder: {}", std::strerror(errno)));
   std::rewind(input.get());
 
-  posix_spawn_file_actions_t actions;
-  posix_spawnattr_t attributes;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawnattr_init(&attributes);
-  posix_spawn_file_actions_adddup2(&actions, ::fileno(input.get()), STDIN_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, ::fileno(output.get()), STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, ::fileno(complaints.get()), STDERR_FILENO);
-  // A process group of its own: Ctrl-C must not take the picture of what was computed.
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-  posix_spawnattr_setpgroup(&attributes, 0);
-  char name[] = "gnuplot";
-  char* const arguments[] = {name, nullptr};
-  pid_t child = 0;
-  const int error = ::posix_spawnp(&child, "gnuplot", &actions, &attributes, arguments, environ);
-  posix_spawn_file_actions_destroy(&actions);
-  posix_spawnattr_destroy(&attributes);
-  if (error == ENOENT) throw std::runtime_error(missing);
-  if (error != 0) throw std::runtime_error(fmt::format("gnuplot cannot be started: {}", std::strerror(error)));
-
+  const int before = interruptions();
+  const pid_t child = start_gnuplot(::fileno(input.get()), ::fileno(output.get()), ::fileno(complaints.get()));
   int state = 0;
-  while (::waitpid(child, &state, 0) < 0 && errno == EINTR) {
+  for (long nap = 1; ::waitpid(child, &state, WNOHANG) == 0; nap = std::min(2 * nap, 20L)) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(nap));
+    // The signal that ended the computation does not cost the picture of what there is; one that comes now is meant for it.
+    if (interruptions() == before) continue;
+    ::kill(child, SIGKILL);
+    ::waitpid(child, &state, 0);
+    throw Interrupted("drawing was interrupted");
   }
+  if (WIFEXITED(state) && WEXITSTATUS(state) == not_started)
+    throw std::runtime_error(fmt::format("gnuplot cannot be started: {}", content(complaints.get())));
   std::string drawn = content(output.get());
   if (!WIFEXITED(state) || WEXITSTATUS(state) != 0 || drawn.empty()) {
     std::string said = content(complaints.get());

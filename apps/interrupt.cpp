@@ -32,6 +32,8 @@ void watch_interrupts() {
 
 bool interrupted() { return signals.load() > 0; }
 
+int interruptions() { return signals.load(); }
+
 void set_interrupted(bool value) { signals.store(value ? 1 : 0); }
 
 }  // namespace graze::apps

@@ -70,6 +70,12 @@ Json result_head(const std::string& schema, const std::string& command, const Pr
   return head;
 }
 
+std::string plain(const Json::exception& error) {
+  const std::string text = error.what();  // "[json.exception.out_of_range.403] key 'model' not found"
+  const std::size_t end = text.starts_with("[json") ? text.find("] ") : std::string::npos;
+  return end == std::string::npos ? text : text.substr(end + 2);
+}
+
 void set_status(Json& result, Status status, const std::string& message) {
   result["status"] = status == Status::done ? "done" : status == Status::failed ? "failed" : "interrupted";
   if (!message.empty()) result["message"] = message;
@@ -84,7 +90,7 @@ Problem problem_of(const Json& result) {
     for (const auto& [name, value] : result.at("parameters").items()) set_parameter(problem, name, value.get<double>());
     return problem;
   } catch (const Json::exception& error) {
-    throw std::invalid_argument(std::string("the result does not say which model it is of: ") + error.what());
+    throw std::invalid_argument(std::string("the result does not say which model it is of: ") + plain(error));
   }
 }
 

@@ -26,6 +26,9 @@ std::string pretty(const Json& json);
 /// `schema` is "orbit/1" and the like.
 Json result_head(const std::string& schema, const std::string& command, const Problem& problem, Json options);
 
+/// What an exception of the JSON library says, without its number.
+std::string plain(const Json::exception& error);
+
 /// How a command ended, as it stands in its result.
 enum class Status { done, failed, interrupted };
 void set_status(Json& result, Status status, const std::string& message = {});

@@ -75,6 +75,10 @@ std::string exact(double value) { return fmt::format("{}", value); }
 
 std::string rounded(double value, int digits) { return fmt::format("{:.{}g}", value, digits); }
 
+std::string counted(std::size_t count, std::string_view noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
 std::string rounded(std::complex<double> value, int digits) {
   if (value.imag() == 0.0) return rounded(value.real(), digits);
   return fmt::format("{} {} {} i", rounded(value.real(), digits), value.imag() < 0.0 ? "-" : "+",

@@ -27,6 +27,9 @@ std::string exact(double value);
 /// Rounded to so many significant digits, for people.
 std::string rounded(double value, int digits = 12);
 
+/// "1 orbit", "2 orbits".
+std::string counted(std::size_t count, std::string_view noun);
+
 /// "0.609 + 0.366 i" or, where the imaginary part is 0, one number.
 std::string rounded(std::complex<double> value, int digits = 12);
 

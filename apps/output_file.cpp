@@ -86,6 +86,25 @@ void check_writable(const std::string& file) {
   ::unlink(temporary.c_str());
 }
 
+void check_distinct(const std::vector<NamedOutput>& outputs, const std::string& input) {
+  const auto same = [](const std::string& a, const std::string& b) {
+    std::error_code error;
+    if (a.empty() || b.empty() || a == "-" || b == "-" || is_special(a)) return false;
+    if (fs::equivalent(a, b, error)) return true;
+    return fs::weakly_canonical(fs::absolute(a), error) == fs::weakly_canonical(fs::absolute(b), error);
+  };
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    const auto& [option, file] = outputs[i];
+    if (same(file, input))
+      throw std::invalid_argument(
+          fmt::format("{} {}: this is the file that is read, {}; give the output another name", option, file, input));
+    for (std::size_t j = 0; j < i; ++j)
+      if (same(file, outputs[j].file))
+        throw std::invalid_argument(fmt::format("{} {} and {} {} are one file; give each output its own name", outputs[j].option,
+                                                outputs[j].file, option, file));
+  }
+}
+
 std::optional<std::string> write_whole(const std::string& file, std::string_view content) {
   const fs::path path = resolved(file);
   const bool special = is_special(path);

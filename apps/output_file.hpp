@@ -6,12 +6,21 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace graze::apps {
 
 /// Finds out, before anything is computed, whether `file` can be written. Leaves nothing behind.
 /// @throws std::invalid_argument with one sentence if not.
 void check_writable(const std::string& file);
+
+/// An output as it was asked for: "--json", and the file ("" or "-": none).
+struct NamedOutput {
+  std::string option, file;
+};
+
+/// @throws std::invalid_argument if two outputs are one file, or one is the `input`.
+void check_distinct(const std::vector<NamedOutput>& outputs, const std::string& input);
 
 /// Writes `content`. nullopt: done; else one sentence why not, and what was there before is still there.
 std::optional<std::string> write_whole(const std::string& file, std::string_view content);

@@ -2,6 +2,7 @@
 #include <graze/apps/label_places.hpp>
 #include <graze/apps/number.hpp>
 #include <graze/apps/picture.hpp>
+#include <graze/apps/raster.hpp>
 
 #include <fmt/format.h>
 
@@ -79,7 +80,48 @@ std::array<double, 2> extent(const Picture& picture, std::size_t coordinate, con
     for (const auto& point : curve.points)
       if (std::isfinite(point[coordinate]))
         range = {std::min(range[0], point[coordinate]), std::max(range[1], point[coordinate])};
-  return range[0] < range[1] ? range : std::array<double, 2>{range[0] - 1.0, range[0] + 1.0};
+  if (range[0] > range[1]) return {-1.0, 1.0};
+  // Differences this small against the value itself are rounding, which is no picture of anything.
+  const double size = std::max(std::abs(range[0]), std::abs(range[1])), least = 1e-6 * size;
+  if (range[1] - range[0] > least) return range;
+  const double half = size > 0.0 ? 0.01 * size : 1.0;
+  return {range[0] - half, range[1] + half};
+}
+
+/// A range to draw in: as given, or with a margin where gnuplot's own would be that of noise, or an image needs to know it.
+std::optional<std::array<double, 2>> drawn_range(const Picture& picture, std::size_t coordinate, bool known,
+                                                 const std::optional<std::array<double, 2>>& given) {
+  if (given) return given;
+  double lowest = HUGE_VAL, highest = -HUGE_VAL;
+  for (const Curve& curve : picture.curves)
+    for (const auto& point : curve.points)
+      if (std::isfinite(point[coordinate])) {
+        lowest = std::min(lowest, point[coordinate]);
+        highest = std::max(highest, point[coordinate]);
+      }
+  const bool logarithmic = coordinate == 1 && picture.logarithmic_y;
+  if (logarithmic || lowest > highest) return std::nullopt;
+  const std::array<double, 2> all = extent(picture, coordinate, given);
+  if (all[0] < lowest) return all;
+  if (!known) return std::nullopt;
+  const double margin = 0.03 * (all[1] - all[0]);
+  return std::array<double, 2>{all[0] - margin, all[1] + margin};
+}
+
+/// Lines of a width that fits above the picture, broken where a list goes on.
+std::string wrapped(const std::string& text) {
+  constexpr std::size_t longest = 96;
+  const std::size_t lines = (text.size() + longest - 1) / longest, width = text.size() / std::max<std::size_t>(lines, 1) + 8;
+  std::string out, rest = text;
+  while (rest.size() > width) {
+    std::size_t cut = rest.rfind(", ", width - 1);
+    if (cut == std::string::npos || cut < width / 3) cut = rest.rfind(' ', width);
+    if (cut == std::string::npos || cut == 0) break;
+    if (rest[cut] == ',') ++cut;
+    out += rest.substr(0, cut) + "\n";
+    rest.erase(0, cut + 1);
+  }
+  return out + rest;
 }
 
 /// Marks, their words where there is room for them, and lines that lead from far words to their marks.
@@ -112,12 +154,14 @@ std::string ending(const std::string& file) {
 std::string gnuplot_script(const Picture& picture, const std::string& format) {
   std::string s = terminal(format) + "\n";
   s += "set encoding utf8\n";
-  s += "set title " + quoted(picture.title + (picture.subtitle.empty() ? "" : "\n" + picture.subtitle)) + "\n";
+  s += "set title " + quoted(wrapped(picture.title) + (picture.subtitle.empty() ? "" : "\n" + wrapped(picture.subtitle))) + "\n";
   s += "set xlabel " + quoted(picture.x_label) + "\nset ylabel " + quoted(picture.y_label) + "\n";
   s += "set border lw 1.2\nset tics out nomirror\n";
   s += legend(picture);
   if (picture.grid) s += "set grid lc rgb '#dddddd' lt 1 lw 0.8\n";
-  s += "set xrange " + range(picture.x_range) + "\nset yrange " + range(picture.y_range) + "\n";
+  const bool image = !picture.logarithmic_y && std::any_of(picture.curves.begin(), picture.curves.end(), is_dense);
+  const auto x_range = drawn_range(picture, 0, image, picture.x_range), y_range = drawn_range(picture, 1, image, picture.y_range);
+  s += "set xrange " + range(x_range) + "\nset yrange " + range(y_range) + "\n";
   if (picture.logarithmic_y) s += "set logscale y\nset format y '%.0e'\n";
   if (picture.equal_axes) s += "set size ratio -1\n";
   if (!picture.colour_label.empty())
@@ -153,13 +197,26 @@ std::string gnuplot_script(const Picture& picture, const std::string& format) {
     s += data_block("circle", circle);
   }
   std::string plot = picture.unit_circle ? "$circle using 1:2 with lines lc rgb '#888888' lw 1.2 title 'unit circle'" : "";
+  const std::array<double, 2> x = extent(picture, 0, x_range), y = extent(picture, 1, y_range);
+  if (image) {
+    Raster raster(x, y);
+    for (const Curve& curve : picture.curves)
+      if (is_dense(curve)) raster.paint(curve);
+    s += "$raster << END\n" + raster.data() + "END\n";
+    plot += std::string(plot.empty() ? "" : ", \\\n     ") + "$raster using 1:2:3:4:5:6 with rgbalpha notitle";
+  }
   for (std::size_t i = 0; i < picture.curves.size(); ++i) {
     const Curve& curve = picture.curves[i];
+    if (image && is_dense(curve)) {
+      // What stands for it in the legend; a point outside the picture is no point.
+      if (!curve.title.empty()) plot += fmt::format(", \\\n     NaN {} title {}", style(curve), quoted(curve.title));
+      continue;
+    }
     const bool empty =
         std::all_of(curve.points.begin(), curve.points.end(), [](const auto& p) { return std::isnan(p[0] + p[1]); });
     if (empty) continue;
     const std::string name = fmt::format("curve{}", i);
-    s += data_block(name, curve.points);
+    s += data_block(name, thinned(curve, x, y));
     plot += fmt::format("{}${} using {} {} {}", plot.empty() ? "" : ", \\\n     ", name, curve.coloured ? "1:2:3" : "1:2",
                         style(curve), curve.title.empty() ? "notitle" : "title " + quoted(curve.title));
   }

@@ -14,12 +14,12 @@ enum class Stroke { solid, dashed, dotted, dots, marks };
 
 /// A curve or a set of points. A NaN row breaks a curve.
 struct Curve {
-  std::string title;  ///< empty: not in the legend
+  std::string title = {};  ///< empty: not in the legend
   Stroke stroke = Stroke::solid;
   std::string colour = "#1f77b4";
-  double size = 2.0;                          ///< line width, or size of a mark
-  int mark = 7;                               ///< gnuplot's point type, for Stroke::marks
-  std::vector<std::array<double, 3>> points;  ///< x, y, and a value shown as colour if `coloured`
+  double size = 2.0;                               ///< line width, or size of a mark
+  int mark = 7;                                    ///< gnuplot's point type, for Stroke::marks
+  std::vector<std::array<double, 3>> points = {};  ///< x, y, and a value shown as colour if `coloured`
   bool coloured = false;
 };
 
@@ -60,7 +60,8 @@ void check_picture_file(const std::string& file);
 /// What gnuplot is told. `format` is one of the endings.
 std::string gnuplot_script(const Picture& picture, const std::string& format);
 
-/// The picture as the content of a file. @throws std::runtime_error with gnuplot's own words if it fails.
+/// The picture as the content of a file. @throws std::runtime_error with gnuplot's own words if it fails, Interrupted if a signal
+/// comes meanwhile.
 std::string draw(const Picture& picture, const std::string& format);
 
 /// The ending of a file name, in small letters.

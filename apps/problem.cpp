@@ -13,7 +13,11 @@ namespace graze::apps {
 namespace {
 
 Eigen::Index index_of(const Problem& problem, std::string_view name) {
-  return static_cast<Eigen::Index>(parameter_index(problem.system.parameters, name));
+  try {
+    return static_cast<Eigen::Index>(parameter_index(problem.system.parameters, name));
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(error.what() + owner_of(name, problem.contact));
+  }
 }
 
 }  // namespace
@@ -34,6 +38,23 @@ void set_parameter(Problem& problem, std::string_view name, double value) {
   changed[index_of(problem, name)] = value;
   check_parameters(problem.system.parameters, changed);
   problem.parameters = changed;
+}
+
+void set_parameter(Problem& problem, std::string_view name, double value, const std::string& option) {
+  index_of(problem, name);  // an unknown name is not the fault of this option
+  try {
+    set_parameter(problem, name, value);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(fmt::format("{} {}: {}", option, value, error.what()));
+  }
+}
+
+std::string owner_of(std::string_view parameter, const std::string& contact) {
+  for (const ContactLaw& law : contact_laws())
+    for (const ParameterInfo& info : law.parameters)
+      if (info.name == parameter && law.name != contact)
+        return fmt::format(" ({} belongs to the {} contact law, and this model has {} contact)", parameter, law.name, contact);
+  return {};
 }
 
 void apply_settings(Problem& problem, const std::vector<std::string>& settings) {
@@ -62,7 +83,9 @@ Vector start_state(const Problem& problem, const std::optional<Vector>& given) {
   try {
     initial_mode(problem.system, 0.0, *wanted, problem.parameters);
   } catch (const std::invalid_argument& error) {
-    throw std::invalid_argument(fmt::format("{}: {}", source, error.what()));
+    const bool inside = wanted->allFinite();
+    throw std::invalid_argument(
+        fmt::format("{}: {}{}", source, error.what(), inside ? fmt::format(", x <= r = {}", exact(barrier)) : ""));
   }
   return *wanted;
 }

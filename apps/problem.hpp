@@ -28,6 +28,9 @@ struct ConvertedFrom {
   std::vector<std::string> obtained;  ///< names of the parameters they gave
 };
 
+/// Of an orbit, in forcing periods: its matrices grow with the square.
+inline constexpr int longest_period = 1024;
+
 struct Problem {
   std::string file;
   std::string oscillator, contact;
@@ -51,6 +54,12 @@ double parameter(const Problem& problem, std::string_view name);
 
 /// @throws std::invalid_argument for a parameter the model does not have, or a value out of its range.
 void set_parameter(Problem& problem, std::string_view name, double value);
+
+/// The same for a value given by an option such as "--from", which the message then names.
+void set_parameter(Problem& problem, std::string_view name, double value, const std::string& option);
+
+/// " (k_H belongs to the hertz contact law)" for a parameter that the model lacks and other laws have; else empty.
+std::string owner_of(std::string_view parameter, const std::string& contact);
 
 /// Applies settings of the form name=value, in order.
 void apply_settings(Problem& problem, const std::vector<std::string>& settings);

@@ -20,6 +20,8 @@ namespace graze::apps {
 
 namespace {
 
+constexpr std::uintmax_t largest_file = 1000000;  // bytes
+
 std::string position(const std::string& file, const toml::source_region& source) {
   return source.begin ? fmt::format("{}:{}", file, source.begin.line) : file;
 }
@@ -68,12 +70,14 @@ class Section {
     return value;
   }
 
-  std::optional<int> count(const std::string& key, int least) {
+  std::optional<int> count(const std::string& key, int least, int most = std::numeric_limits<int>::max()) {
     const toml::node* node = find(key);
     if (!node) return std::nullopt;
     const auto value = node->value_exact<std::int64_t>();
-    if (!value || *value < least || *value > std::numeric_limits<int>::max())
-      throw wrong_type(key, *node, fmt::format("a whole number >= {}", least));
+    if (!value || *value < least || *value > most) {
+      const bool limited = most < std::numeric_limits<int>::max() || (value && *value > most);
+      throw wrong_type(key, *node, fmt::format("a whole number >= {}{}", least, limited ? fmt::format(" and <= {}", most) : ""));
+    }
     return static_cast<int>(*value);
   }
 
@@ -90,12 +94,14 @@ class Section {
   }
 
   /// @throws for keys that nobody asked for.
-  void finish() const {
+  /// `contact`: the law of the model, where the keys are its parameters.
+  void finish(const std::string& contact = {}) const {
     if (!table_) return;
     for (const auto& [key, node] : *table_)
       if (std::find(known_.begin(), known_.end(), key.str()) == known_.end())
-        throw std::invalid_argument(
-            fmt::format("{}: in [{}], {}", position(file_, node.source()), name_, unknown_name("key", key.str(), known_)));
+        throw std::invalid_argument(fmt::format("{}: in [{}], {}{}", position(file_, node.source()), name_,
+                                                unknown_name("key", key.str(), known_),
+                                                contact.empty() ? "" : owner_of(key.str(), contact)));
   }
 
   /// Position of a key, or of the section where it is missing.
@@ -146,7 +152,7 @@ void read_parameters(Section& section, Problem& problem) {
     else
       problem.defaulted.push_back(info.name);
   }
-  section.finish();
+  section.finish(problem.contact);
 }
 
 /// Physical quantities of the file, by name and in the order they are listed to users; and their conversion.
@@ -209,6 +215,25 @@ void read_physical(Section& section, Problem& problem) {
   problem.converted_from = std::move(from);
 }
 
+/// The first line that is not UTF-8.
+std::optional<std::size_t> not_utf8(std::string_view text) {
+  std::size_t line = 1;
+  for (std::size_t i = 0; i < text.size();) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    const std::size_t length = byte < 0x80                   ? 1
+                               : byte >= 0xC2 && byte < 0xE0 ? 2
+                               : byte >= 0xE0 && byte < 0xF0 ? 3
+                               : byte >= 0xF0 && byte < 0xF5 ? 4
+                                                             : 0;
+    if (length == 0 || i + length > text.size()) return line;
+    for (std::size_t k = 1; k < length; ++k)
+      if ((static_cast<unsigned char>(text[i + k]) & 0xC0) != 0x80) return line;
+    line += byte == '\n' ? 1 : 0;
+    i += length;
+  }
+  return std::nullopt;
+}
+
 /// The name in [model], checked against the names there are.
 std::string model_name(Section& section, const std::string& key, const std::vector<std::string>& names) {
   const std::optional<std::string> name = section.text(key);
@@ -222,6 +247,9 @@ std::string model_name(Section& section, const std::string& key, const std::vect
 }  // namespace
 
 Problem parse_problem(std::string_view text, const std::string& file) {
+  if (const auto line = not_utf8(text))
+    throw std::invalid_argument(
+        fmt::format("{}:{}: holds bytes that are not text in UTF-8; save it in that encoding", file, *line));
   toml::table root;
   try {
     root = toml::parse(text, file);
@@ -241,9 +269,10 @@ Problem parse_problem(std::string_view text, const std::string& file) {
   std::vector<std::string> oscillators, contacts;
   for (const OscillatorKind& kind : oscillator_kinds()) oscillators.push_back(kind.name);
   for (const ContactLaw& law : contact_laws()) contacts.push_back(law.name);
+  for (const char* key : {"oscillator", "contact"}) model.text(key);
+  model.finish();  // a key with a typing error is the better thing to say than that another is missing
   const std::string oscillator = model_name(model, "oscillator", oscillators);
   const std::string contact = model_name(model, "contact", contacts);
-  model.finish();
 
   Problem problem = make_problem(oscillator, contact);
   problem.file = file;
@@ -257,7 +286,7 @@ Problem parse_problem(std::string_view text, const std::string& file) {
 
   problem.start = start.state("state");
   problem.settle = start.count("settle", 0);
-  problem.period = start.count("period", 1);
+  problem.period = start.count("period", 1, longest_period);
   start.finish();
   return problem;
 }
@@ -280,6 +309,10 @@ Problem load_problem(const std::string& file) {
             ? ""
             : fmt::format(" (did you mean \"{}\"?)", path.has_parent_path() ? (folder / nearest).string() : nearest)));
   }
+  if (!fs::is_regular_file(path, error))
+    throw std::invalid_argument(file + ": is not a regular file; a problem is read from one, not from a pipe or a device");
+  if (fs::file_size(path, error) > largest_file || error)
+    throw std::invalid_argument(fmt::format("{}: is larger than {} bytes; a problem file is a page of text", file, largest_file));
   std::ifstream stream(file, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(stream), {}};
   if (!stream.is_open() || stream.bad()) throw std::invalid_argument(file + ": cannot be read");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/arguments.hpp>
 #include <graze/apps/commands/command.hpp>
+#include <graze/apps/interrupt.hpp>
 #include <graze/apps/program.hpp>
 #include <graze/apps/version.hpp>
 
@@ -72,6 +73,13 @@ std::string sentence(const CLI::App& app, const CLI::App& used, const CLI::Parse
     return unknown_name("command", given, names);
   }
   std::string text = error.what();
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error)) {
+    const std::string option = text.substr(0, text.find(':'));
+    const std::size_t received = text.find("but received ");  // "--period: At Most 1 required but received 2"
+    if (received != std::string::npos)
+      return fmt::format("{} is given {} times; give it once", option, text.substr(received + 13));
+    if (text.find("missing") != std::string::npos) return option + " lacks its value";
+  }
   std::replace(text.begin(), text.end(), '\n', ' ');
   return text;
 }
@@ -92,7 +100,7 @@ int run_program(const std::vector<std::string>& arguments, std::ostream& out, st
   add_global_options(app, global, version);
   app.require_subcommand(0, 1);
   app.footer("graze COMMAND --help says everything about a command, with an example.\n"
-             "Exit codes: 0 done, 1 a numerical stop, 2 misuse, 130 interrupted.");
+             "Exit codes: 0 done, 1 a numerical stop, 2 misuse or an output that cannot be written, 130 interrupted.");
   std::map<const CLI::App*, std::function<int(const Console&)>> runs;
   for (const Command& command : commands()) {
     CLI::App* subcommand = app.add_subcommand(command.name, command.summary);
@@ -117,7 +125,10 @@ int run_program(const std::vector<std::string>& arguments, std::ostream& out, st
     name += " " + used().get_name();
     return runs.at(&used())({out, err, global.quiet, global.threads});
   } catch (const CLI::Success& request) {  // --help, --version
-    return app.exit(request, out, err);
+    const int code = app.exit(request, out, err);
+    if (out.flush()) return code;
+    err << name << ": stdout: cannot be written\n";
+    return 2;
   } catch (const CLI::ParseError& error) {
     if (&used() != &app) name += " " + used().get_name();
     err << name << ": " << sentence(app, used(), error) << "\n";
@@ -125,6 +136,9 @@ int run_program(const std::vector<std::string>& arguments, std::ostream& out, st
   } catch (const std::invalid_argument& error) {
     err << name << ": " << error.what() << "\n";
     return 2;
+  } catch (const Interrupted& error) {
+    err << name << ": " << error.what() << "\n";
+    return 130;
   } catch (const std::bad_alloc&) {
     err << name << ": out of memory\n";
     return 1;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/arguments.hpp>
+#include <graze/apps/interrupt.hpp>
 #include <graze/apps/output_file.hpp>
 #include <graze/apps/pictures/pictures.hpp>
 #include <graze/apps/result.hpp>
@@ -57,7 +58,11 @@ void add_output_options(CLI::App& app, OutputOptions& options, const std::string
   add_text(app, "--out", options.out, "DIR", "folder that gets JSON, table and all pictures");
 }
 
-void check_outputs(const OutputOptions& options) {
+bool writes_files(const OutputOptions& options) {
+  return !options.json.empty() || !options.csv.empty() || !options.plot.empty() || !options.out.empty();
+}
+
+void check_outputs(const OutputOptions& options, const std::string& input) {
   if (options.json == "-" && options.csv == "-") throw std::invalid_argument("--json - and --csv - cannot both go to stdout");
   if (!options.out.empty()) {
     make_folder(options.out);
@@ -67,6 +72,7 @@ void check_outputs(const OutputOptions& options) {
   for (const std::string& file : {options.json, options.csv, options.plot})
     if (!file.empty() && file != "-") check_writable(file);
   if (!options.plot.empty()) check_picture_file(options.plot);
+  check_distinct({{"--json", options.json}, {"--csv", options.csv}, {"--plot", options.plot}}, input);
 }
 
 int deliver(const Result& result, const OutputOptions& options, const std::string& command, int code, const Console& console) {
@@ -79,6 +85,9 @@ int deliver(const Result& result, const OutputOptions& options, const std::strin
   for (const OutputFile& output : files(result, options, command)) {
     try {
       if (const auto failure = write_whole(output.file, output.content())) complain(*failure);
+    } catch (const Interrupted& error) {
+      complain(fmt::format("{}: {}", output.file, error.what()));
+      code = 130;
     } catch (const std::exception& error) {  // of a picture: one that cannot be drawn must not cost the numbers
       complain(fmt::format("{}: {}", output.file, error.what()));
     }
@@ -86,7 +95,7 @@ int deliver(const Result& result, const OutputOptions& options, const std::strin
   console.out << (options.json == "-" ? pretty(result.json) : options.csv == "-" ? csv(result.table) : result.text);
   console.out.flush();
   if (!console.out) complain("stdout: cannot be written");
-  return complete || code != 0 ? code : 1;
+  return complete || code != 0 ? code : 2;
 }
 
 }  // namespace graze::apps

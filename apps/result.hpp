@@ -30,11 +30,15 @@ struct OutputOptions {
 /// Adds --json, --csv, --plot, --out; and --plot-kind where pictures of `schema` come in several kinds.
 void add_output_options(CLI::App& app, OutputOptions& options, const std::string& schema);
 
-/// Finds out before anything is computed whether all outputs can be written. @throws std::invalid_argument.
-void check_outputs(const OutputOptions& options);
+/// Finds out before anything is computed whether all outputs can be written, and none of them over another or over the `input`.
+/// @throws std::invalid_argument.
+void check_outputs(const OutputOptions& options, const std::string& input = {});
+
+/// Whether the result goes anywhere but, as a text, to stdout.
+bool writes_files(const OutputOptions& options);
 
 /// Writes the files, then prints the result on console.out: the text, or the JSON or CSV if that was sent there. Returns `code`,
-/// or 1 if something could not be written (each with a sentence on console.err).
+/// or instead of 0, 2 if something could not be written (each with a sentence on console.err), 130 if drawing was interrupted.
 int deliver(const Result& result, const OutputOptions& options, const std::string& command, int code, const Console& console);
 
 }  // namespace graze::apps

@@ -81,8 +81,8 @@ Table parse_csv(const std::string& text, const std::string& file) {
     if (blank)
       rows.back().clear();
     else if (rows.back().size() != rows.front().size())
-      throw std::invalid_argument(
-          fmt::format("{}:{}: {} cells in a table of {} columns", file, line, rows.back().size(), rows.front().size()));
+      throw std::invalid_argument(fmt::format("{}:{}: {} in a table of {}", file, line, counted(rows.back().size(), "cell"),
+                                              counted(rows.front().size(), "column")));
     else
       rows.emplace_back();
   };

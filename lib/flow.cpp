@@ -59,7 +59,8 @@ Flow make_flow(const HybridSystem& system, std::size_t mode, const Vector& p, st
     const ModeStructure structure = description.structure(p);
     if (const auto* linear = std::get_if<LinearOscillator>(&structure);
         linear && LinearFlow::applies(system, mode, active, *linear))
-      return Flow(std::make_unique<Flow::Kind>(Flow::Kind{mode, LinearFlow(system, mode, p, active, *linear)}));
+      return Flow(
+          std::make_unique<Flow::Kind>(Flow::Kind{mode, LinearFlow(system, mode, p, active, *linear, options.max_steps)}));
     if (const auto* hertz = std::get_if<HertzContact>(&structure); hertz && HertzFlow::applies(system, mode, active, *hertz))
       return Flow(std::make_unique<Flow::Kind>(Flow::Kind{mode, HertzFlow(system, mode, active, *hertz, options)}));
   }

@@ -21,8 +21,8 @@ Damped damped(double q2, double b, double k, double s) {
   const double z = q2 * s * s;
   const double decay = std::exp(-b * s);
   if (std::abs(z) < 1e-4) {  // series: the next terms are below 1e-18
-    return {decay * (1.0 - z / 2 * (1.0 - z / 12 * (1.0 - z / 30))),
-            decay * s * (1.0 - z / 6 * (1.0 - z / 20 * (1.0 - z / 42))), decay};
+    return {decay * (1.0 - z / 2 * (1.0 - z / 12 * (1.0 - z / 30))), decay * s * (1.0 - z / 6 * (1.0 - z / 20 * (1.0 - z / 42))),
+            decay};
   }
   const double q = std::sqrt(std::abs(q2));
   if (q2 > 0.0) return {decay * std::cos(q * s), decay * std::sin(q * s) / q, decay};
@@ -75,9 +75,10 @@ struct LinearFlow::Point {
 
 struct LinearFlow::Flight {
   double t0, x0;
-  double d, e;                   // deviation from the particular solution at t0: position and speed
-  double near;                   // up to here after the start
-  std::array<double, 9> series;  // x - x0 = sum of series[i] s^i: a short flight off a barrier must not drown in the rounding of x
+  double d, e;  // deviation from the particular solution at t0: position and speed
+  double near;  // up to here after the start
+  std::array<double, 9>
+      series;  // x - x0 = sum of series[i] s^i: a short flight off a barrier must not drown in the rounding of x
 };
 
 bool LinearFlow::applies(const HybridSystem& system, std::size_t mode, std::span<const std::size_t> active,
@@ -97,8 +98,8 @@ bool LinearFlow::applies(const HybridSystem& system, std::size_t mode, std::span
 }
 
 LinearFlow::LinearFlow(const HybridSystem& system, std::size_t mode, const Vector& p, std::span<const std::size_t> active,
-                       const LinearOscillator& oscillator)
-    : coefficient_(oscillator) {
+                       const LinearOscillator& oscillator, std::size_t max_steps)
+    : coefficient_(oscillator), max_steps_(max_steps) {
   const double b = oscillator.damping, k = oscillator.stiffness, A = oscillator.amplitude, w = oscillator.frequency;
   q2_ = k - b * b;
   const double detuning = k - w * w, drag = 2.0 * b * w;
@@ -199,7 +200,7 @@ std::optional<double> LinearFlow::first_crossing(const Flight& flight, const Bar
   double g = gap(z), v = barrier.sign * z.v;
   const bool resting = leaving && std::abs(v) <= rest_tolerance * (1.0 + std::abs(z.a));
   double H = longest;
-  while (s < s_end) {
+  while (s < s_end && evaluations < max_steps_) {  // where one period is ages long, the end would never come
     // Once a maximum at rounding distance has been looked at, the motion is taken to leave it.
     const bool from_barrier = leaving;
     if (leaving) {
@@ -280,6 +281,10 @@ void LinearFlow::carry(const FlowTask& task, const Vector& x0, Segment& out) con
       out.end = FlowEnd::event;
       out.event = barrier.event;
       level = barrier.level;
+    }
+    if (out.evaluations >= max_steps_) {
+      out.end = FlowEnd::failed;
+      return;
     }
   }
   out.t1 = out.end == FlowEnd::time ? task.t_end : task.t0 + duration;

@@ -17,7 +17,7 @@ namespace graze {
 class LinearFlow {
  public:
   LinearFlow(const HybridSystem& system, std::size_t mode, const Vector& p, std::span<const std::size_t> active,
-             const LinearOscillator& oscillator);
+             const LinearOscillator& oscillator, std::size_t max_steps);
 
   /// Whether the closed form holds: stiffness > 0, away from undamped resonance, all guards of the mode are levels of x, and the
   /// active parameters are covered.
@@ -36,11 +36,13 @@ class LinearFlow {
   };
   Flight depart(double t0, const Vector& x0) const;
   Point at(const Flight& flight, double s) const;
+  /// nullopt: there is none up to s_end, or, where `evaluations` has come to max_steps, it was given up.
   std::optional<double> first_crossing(const Flight& flight, const Barrier& barrier, double s_end,
                                        std::size_t& evaluations) const;
   void sensitivities(double t0, double t1, const Vector& x0, bool with_parameters, Segment& out) const;
 
   LinearOscillator coefficient_;
+  std::size_t max_steps_;
   double q2_ = 0.0, cosine_ = 0.0, sine_ = 0.0, offset_ = 0.0;  // x_p = cosine cos(w t) + sine sin(w t) + offset
   Eigen::Matrix<double, 3, 5> particular_dq_;                   // d(cosine, sine, offset)/d(b, k, A, w, c)
   Matrix active_dp_;                                            // 5 x active

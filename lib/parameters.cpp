@@ -82,8 +82,12 @@ void check_parameters(const std::vector<ParameterInfo>& parameters, const Vector
     const double value = values[static_cast<Eigen::Index>(i)];
     const bool inside = std::isfinite(value) && value <= parameter.upper &&
                         (parameter.lower_open ? value > parameter.lower : value >= parameter.lower);
-    if (!inside)
-      throw std::invalid_argument(fmt::format("parameter {} is {}; allowed is {}", parameter.name, value, range_text(parameter)));
+    if (inside) continue;
+    // "> 0" does not tell what is wrong with infinity.
+    const std::string range = range_text(parameter);
+    const bool half_open = range.starts_with('>') || range.starts_with('<');
+    throw std::invalid_argument(fmt::format("parameter {} is {}; allowed is {}{}", parameter.name, value,
+                                            half_open && !std::isfinite(value) ? "a finite number " : "", range));
   }
 }
 

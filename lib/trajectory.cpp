@@ -39,6 +39,10 @@ Trajectory simulate(const HybridSystem& system, const Vector& p, double t0, cons
   HybridState state = propagator.start(t0, x0);
   Trajectory trajectory;
   for (;;) {
+    if (options.cancelled && options.cancelled()) {
+      trajectory.termination = Termination::interrupted;
+      break;
+    }
     const StepEnd end = propagator.step(state, until.t_end);
     trajectory.segments.push_back(propagator.segment());
     if (end == StepEnd::failed) {

@@ -58,7 +58,9 @@ class Composer {
 
   /// To t_end through all events, or through `max_events` of them.
   bool run(double t_end, std::size_t max_events) {
+    const auto cancelled = propagator_.options().cancelled;
     while (out_.event_sequence.size() < max_events) {
+      if (cancelled && cancelled()) return fail(Termination::interrupted);
       const StepEnd end = propagator_.step(state_, t_end, options_.sensitivity);
       if (end == StepEnd::failed) return fail(Termination::integration_failed);
       compose_segment();

@@ -14,6 +14,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -56,7 +57,7 @@ ContinuationOptions continuation_options(const Options& options, double start, P
   out.progress = [&progress, start, to = *options.to](const Branch& branch) {
     const double value = branch.points.back().value;
     progress.update((value - start) / (to - start), [&] {
-      return fmt::format("branch {}, period {}: {} points, {} = {}", branch.id, branch.period, branch.points.size(),
+      return fmt::format("branch {}, period {}: {}, {} = {}", branch.id, branch.period, counted(branch.points.size(), "point"),
                          branch.parameter, rounded(value, 7));
     });
   };
@@ -77,15 +78,21 @@ Json all_options(const Problem& problem, const Options& options) {
 }
 
 int run(const Options& options, const Console& console) {
-  check_outputs(options.output);
-  if (options.max_step && !(*options.max_step > 0.0)) throw std::invalid_argument("--max-step must be > 0");
+  check_outputs(options.output, options.orbit.start.file);
+  if (options.max_step && !(*options.max_step > 0.0))
+    throw std::invalid_argument(fmt::format("--max-step {}: must be > 0, for example 0.01", *options.max_step));
   Problem problem = open_problem(options.orbit.start, console);
-  if (options.from) apply_settings(problem, {options.parameter + "=" + exact(*options.from)});
+  if (options.from) set_parameter(problem, options.parameter, *options.from, "--from");
   const double start = parameter(problem, options.parameter);
   Problem at_end = problem;
-  set_parameter(at_end, options.parameter, *options.to);  // a wrong --to is found out now
+  set_parameter(at_end, options.parameter, *options.to, "--to");  // a wrong --to is found out now
   if (start == *options.to)
     throw std::invalid_argument(fmt::format("--to {0}: {1} is {0} at the start already", exact(start), options.parameter));
+
+  for (const double value : options.user_values)
+    if (!(std::min(start, *options.to) <= value && value <= std::max(start, *options.to)))
+      console.note(
+          fmt::format("--user {} lies outside {} to {}: it is met only if a branch goes there", value, start, *options.to));
 
   Result result;
   result.json = result_head("branch/1", "continue", problem, all_options(problem, options));

@@ -58,7 +58,8 @@ LocateResult locate_on(const Problem& problem, const std::vector<PeriodicOrbit>&
   continuation.cancelled = interrupted;
   continuation.progress = [&](const Branch& branch) {
     progress.update(-1.0, [&] {
-      return fmt::format("{} points, {} = {}", branch.points.size(), branch.parameter, rounded(branch.points.back().value, 7));
+      return fmt::format("{}, {} = {}", counted(branch.points.size(), "point"), branch.parameter,
+                         rounded(branch.points.back().value, 7));
     });
   };
   LocateResult best;
@@ -75,11 +76,11 @@ LocateResult locate_on(const Problem& problem, const std::vector<PeriodicOrbit>&
 }
 
 int run(const Options& options, const Console& console) {
-  check_outputs(options.output);
+  check_outputs(options.output, options.orbit.start.file);
   Problem problem = open_problem(options.orbit.start, console);
   const double reach = options.reach.value_or(default_reach(*options.near));
-  if (!(reach > 0.0)) throw std::invalid_argument("--reach must be > 0");
-  apply_settings(problem, {options.parameter + "=" + exact(options.from.value_or(*options.near))});
+  if (!(reach > 0.0)) throw std::invalid_argument(fmt::format("--reach {}: must be > 0, for example 0.01", reach));
+  set_parameter(problem, options.parameter, options.from.value_or(*options.near), options.from ? "--from" : "--near");
 
   Result result;
   result.json = result_head("point/1", "locate", problem, all_options(problem, options, reach));

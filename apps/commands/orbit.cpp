@@ -19,7 +19,7 @@ struct Options {
 };
 
 int run(const Options& options, const Console& console) {
-  check_outputs(options.output);
+  check_outputs(options.output, options.orbit.start.file);
   const Problem problem = open_problem(options.orbit.start, console);
   Result result;
   result.json = result_head("orbit/1", "orbit", problem, options_json(problem, options.orbit));

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -26,10 +27,24 @@ std::string read(const std::string& file) {
   std::error_code error;
   if (!std::filesystem::exists(file, error)) throw std::invalid_argument(file + ": no such file");
   if (std::filesystem::is_directory(file, error)) throw std::invalid_argument(file + ": is a folder, not a result");
+  if (!std::filesystem::is_regular_file(file, error))
+    throw std::invalid_argument(file + ": is not a regular file; a result is read from one, not from a pipe or a device");
   std::ifstream stream(file, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(stream), {}};
   if (!stream.is_open() || stream.bad()) throw std::invalid_argument(file + ": cannot be read");
   return text;
+}
+
+/// @throws std::invalid_argument with the place where it is damaged.
+Json parse_json(const std::string& text) {
+  try {
+    return Json::parse(text);
+  } catch (const Json::parse_error& error) {
+    const std::size_t place = std::min(text.size(), error.byte > 0 ? error.byte - 1 : 0);
+    const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(place), '\n');
+    throw std::invalid_argument(
+        fmt::format("this is not valid JSON from line {} on{}", line, place >= text.size() ? ", where it breaks off" : ""));
+  }
 }
 
 Picture picture_of_file(const Options& options) {
@@ -42,21 +57,21 @@ Picture picture_of_file(const Options& options) {
     }
     if (format != "json") throw std::invalid_argument("the name must end in .json or .csv");
     if (!options.x.empty() || !options.y.empty()) throw std::invalid_argument("--x and --y are for CSV tables");
-    const Json json = Json::parse(text, nullptr, false);
-    if (json.is_discarded()) throw std::invalid_argument("this is not valid JSON");
-    return picture_of(json, options.kind);
+    return picture_of(parse_json(text), options.kind);
   } catch (const std::invalid_argument& error) {
-    throw std::invalid_argument(fmt::format("{}: {}", options.result, error.what()));
+    const std::string message = error.what();  // that of a table names file and line itself
+    throw std::invalid_argument(message.starts_with(options.result + ":") ? message : options.result + ": " + message);
   }
 }
 
 int run(const Options& options, const Console& console) {
+  check_distinct({{"--output", options.output}}, options.result);
   check_writable(options.output);
   check_picture_file(options.output);
   const std::string drawn = draw(picture_of_file(options), ending(options.output));
   if (const auto failure = write_whole(options.output, drawn)) {
     console.err << "graze plot: " << *failure << "\n";
-    return 1;
+    return 2;
   }
   return 0;
 }

@@ -20,8 +20,9 @@ namespace graze::apps {
 
 namespace {
 
-constexpr int patience = 1000;  // forcing periods without an impact after which none is expected any more
-constexpr int stretch = 50;     // forcing periods that are run at a time
+constexpr int patience = 1000;        // forcing periods without an impact after which none is expected any more
+constexpr int most_points = 5000000;  // a result is held in memory before it is written
+constexpr int stretch = 50;           // forcing periods that are run at a time
 
 struct Options {
   StartOptions start;
@@ -67,7 +68,7 @@ Section collect(const Problem& problem, const Vector& start, const Options& opti
 }
 
 int run(const Options& options, const Console& console) {
-  check_outputs(options.output);
+  check_outputs(options.output, options.start.file);
   const Problem problem = open_problem(options.start, console);
   Json asked = options_json(problem, options.start);
   asked["section"] = options.section;
@@ -83,10 +84,11 @@ int run(const Options& options, const Console& console) {
   std::string message;
   if (section.termination != Termination::time) {
     status = section.termination == Termination::interrupted ? Status::interrupted : Status::failed;
-    message = fmt::format("stopped after {} points: {}", section.points.size(), termination_text(section.termination));
+    message = fmt::format("stopped after {}: {}", counted(section.points.size(), "point"), termination_text(section.termination));
   } else if (section.points.size() < static_cast<std::size_t>(options.points)) {
     status = Status::failed;
-    message = fmt::format("stopped after {} points: no impact in the last {} forcing periods", section.points.size(), patience);
+    message = fmt::format("stopped after {}: no impact in the last {} forcing periods", counted(section.points.size(), "point"),
+                          patience);
   }
   const bool impacts = options.section == "impact";
   set_status(result.json, status, message);
@@ -96,8 +98,9 @@ int run(const Options& options, const Console& console) {
   result.json["points"] = section.points;
   result.table.columns = impacts ? std::vector<std::string>{"phase", "speed"} : std::vector<std::string>{"x", "v"};
   for (const auto& point : section.points) result.table.rows.push_back({exact(point[0]), exact(point[1])});
-  result.text = fmt::format("{}\n{} points of the {} section in {} forcing periods\n{}", describe(problem), section.points.size(),
-                            options.section, section.periods, aligned(result.table));
+  result.text =
+      fmt::format("{}\n{} of the {} section in {}\n{}", describe(problem), counted(section.points.size(), "point"),
+                  options.section, counted(static_cast<std::size_t>(section.periods), "forcing period"), aligned(result.table));
   if (status != Status::done) console.err << "graze poincare: " << message << "\n";
   return deliver(result, options.output, "poincare", exit_code(status), console);
 }
@@ -108,7 +111,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   begin_group(app, "Section");
   add_choice(app, "--section", options->section, {"stroboscopic", "impact"},
              "states at forcing phase 0, or phase and speed of each impact (default stroboscopic)");
-  add_count(app, "--points", options->points, 1, "number of points, after the transient (default 1000)");
+  add_count(app, "--points", options->points, 1, "number of points, after the transient (default 1000)", most_points);
   add_output_options(app, options->output, "poincare/1");
   return [options](const Console& console) { return run(*options, console); };
 }

@@ -13,12 +13,14 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <stdexcept>
 
 namespace graze::apps {
 
 namespace {
 
 constexpr std::size_t contacts_shown = 40;
+constexpr double most_samples = 2e6;  // in all; a result is held in memory before it is written
 
 struct Options {
   StartOptions start;
@@ -41,8 +43,9 @@ Json motion_json(const Motion& motion, const ContactList& list) {
 
 std::string motion_text(const Motion& motion, const ContactList& list) {
   const Vector& end = motion.strobe.back();
-  std::string text = fmt::format("{} forcing periods, {} samples, {} contacts; {}\n", motion.periods, motion.samples.size(),
-                                 list.contacts.size(), termination_text(motion.termination));
+  std::string text = counted(static_cast<std::size_t>(motion.periods), "forcing period");
+  if (!motion.samples.empty()) text += ", " + counted(motion.samples.size(), "sample");
+  text += fmt::format(", {}; {}\n", counted(list.contacts.size(), "contact"), termination_text(motion.termination));
   text += fmt::format("  state at the end ({}, {})\n", rounded(end[0], 15), rounded(end[1], 15));
   std::vector<Contact> shown = list.contacts;
   if (shown.size() > contacts_shown) shown.resize(contacts_shown);
@@ -53,7 +56,10 @@ std::string motion_text(const Motion& motion, const ContactList& list) {
 }
 
 int run(const Options& options, const Console& console) {
-  check_outputs(options.output);
+  check_outputs(options.output, options.start.file);
+  if (static_cast<double>(options.periods) * options.samples > most_samples)
+    throw std::invalid_argument(fmt::format("--periods {} times --samples {} is more than {} samples; ask for fewer of either",
+                                            options.periods, options.samples, static_cast<int>(most_samples)));
   const Problem problem = open_problem(options.start, console);
   Json asked = options_json(problem, options.start);
   asked["periods"] = options.periods;
@@ -64,12 +70,14 @@ int run(const Options& options, const Console& console) {
   Motion motion;
   if (settled.termination == Termination::time) {
     Progress progress(console.err, console.quiet, "running");
-    motion =
-        run_motion(problem.system, problem.parameters, settled.state,
-                   {.periods = options.periods, .samples = options.samples, .cancelled = interrupted, .progress = [&](int done) {
-                      progress.update(static_cast<double>(done) / options.periods,
-                                      [&] { return fmt::format("{} of {} periods", done, options.periods); });
-                    }});
+    motion = run_motion(problem.system, problem.parameters, settled.state,
+                        {.periods = options.periods,
+                         .samples = writes_files(options.output) ? options.samples : 0,
+                         .cancelled = interrupted,
+                         .progress = [&](int done) {
+                           progress.update(static_cast<double>(done) / options.periods,
+                                           [&] { return fmt::format("{} of {} periods", done, options.periods); });
+                         }});
   } else {
     motion.strobe.push_back(settled.state);
     motion.termination = settled.termination;
@@ -78,10 +86,11 @@ int run(const Options& options, const Console& console) {
   const Status status = motion.termination == Termination::time          ? Status::done
                         : motion.termination == Termination::interrupted ? Status::interrupted
                                                                          : Status::failed;
-  const std::string message = status == Status::done
-                                  ? ""
-                                  : fmt::format("stopped after {} periods of transient and {} periods of the run: {}",
-                                                settled.periods, motion.periods, termination_text(motion.termination));
+  const std::string message = status == Status::done ? ""
+                                                     : fmt::format("stopped after {} of transient and {} of the run: {}",
+                                                                   counted(static_cast<std::size_t>(settled.periods), "period"),
+                                                                   counted(static_cast<std::size_t>(motion.periods), "period"),
+                                                                   termination_text(motion.termination));
   set_status(result.json, status, message);
   result.json.update(motion_json(motion, list));
   result.table.columns = {"tau", "x", "v"};

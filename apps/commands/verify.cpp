@@ -116,7 +116,7 @@ std::string verified_text(const Verified& verified) {
 }
 
 int run(const Options& options, const Console& console) {
-  check_outputs(options.output);
+  check_outputs(options.output, options.orbit.start.file);
   const Problem problem = open_problem(options.orbit.start, console);
   Result result;
   result.json = result_head("verify/1", "verify", problem, options_json(problem, options.orbit));

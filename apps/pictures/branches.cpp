@@ -88,11 +88,14 @@ Picture draw_multipliers(const Json& result) {
     for (const Json& point : branch.at("points"))
       for (const Json& mu : point.at("multipliers")) {
         const double re = mu.at(0), im = mu.at(1), value = point.at("value");
-        curve.points.push_back({re, im, value});
         values = {std::min(values[0], value), std::max(values[1], value)};
-        outside = outside || std::max(std::abs(re), std::abs(im)) > farthest;
-        right = std::max(right, std::min(std::abs(re), farthest));
-        up = std::max(up, std::min(std::abs(im), farthest));
+        if (std::max(std::abs(re), std::abs(im)) > farthest) {
+          outside = true;
+          continue;
+        }
+        curve.points.push_back({re, im, value});
+        right = std::max(right, std::abs(re));
+        up = std::max(up, std::abs(im));
       }
     picture.curves.push_back(std::move(curve));
     for (const Json& point : branch.at("special_points")) {

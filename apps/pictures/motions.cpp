@@ -159,9 +159,11 @@ Picture draw_section(const Json& result) {
   curve.stroke = Stroke::dots;
   const std::size_t count = result.at("points").size();
   curve.size = count > 5000 ? 0.15 : count > 500 ? 0.35 : 0.8;
-  double highest = -HUGE_VAL, lowest = HUGE_VAL;
+  double highest = -HUGE_VAL, lowest = HUGE_VAL, slowest = HUGE_VAL, fastest = -HUGE_VAL;
   for (const Json& point : result["points"]) {
     curve.points.push_back({point.at(0), point.at(1), 0.0});
+    slowest = std::min(slowest, curve.points.back()[1]);
+    fastest = std::max(fastest, curve.points.back()[1]);
     lowest = std::min(lowest, curve.points.back()[0]);
     highest = std::max(highest, curve.points.back()[0]);
   }
@@ -175,6 +177,9 @@ Picture draw_section(const Json& result) {
   }
   const double margin = 0.05 * std::max(highest - lowest, 1e-3);
   if (!impacts && count > 0) picture.x_range = {{lowest - margin, highest + margin}};
+  // A periodic attractor is a few points: the axis shows where they are, and not how their last digits differ.
+  const double above = std::max(0.05 * (fastest - slowest), 0.01 * std::max(std::abs(slowest), std::abs(fastest)));
+  if (count > 0) picture.y_range = {{slowest - std::max(above, 1e-3), fastest + std::max(above, 1e-3)}};
   return picture;
 }
 

@@ -45,47 +45,15 @@ Picture picture_of(const Json& result, const std::string& kind) {
     try {
       return candidate.draw(result);
     } catch (const Json::exception& error) {
-      throw std::invalid_argument(fmt::format("this result lacks what its picture needs: {}", error.what()));
+      throw std::invalid_argument(fmt::format("this result lacks what its picture needs: {}", plain(error)));
     }
   }
   throw std::invalid_argument(unknown_name("kind of picture for " + schema, kind, names));
 }
 
-Picture picture_of(const Table& table, const std::string& x, const std::vector<std::string>& y) {
-  const auto column = [&](const std::string& name) {
-    const auto found = std::find(table.columns.begin(), table.columns.end(), name);
-    if (found == table.columns.end()) throw std::invalid_argument(unknown_name("column", name, table.columns));
-    return static_cast<std::size_t>(found - table.columns.begin());
-  };
-  const auto number = [&](const std::vector<std::string>& row, std::size_t i) {
-    return parse_number(row[i]).value_or(std::nan(""));
-  };
-  const auto numeric = [&](std::size_t i) {
-    return std::any_of(table.rows.begin(), table.rows.end(), [&](const auto& row) { return std::isfinite(number(row, i)); });
-  };
-  std::size_t across = 0;
-  while (across + 1 < table.columns.size() && !numeric(across)) ++across;
-  if (!x.empty()) across = column(x);
-  std::vector<std::size_t> chosen(y.size());
-  std::transform(y.begin(), y.end(), chosen.begin(), column);
-  if (y.empty())
-    for (std::size_t i = 0; i < table.columns.size(); ++i)
-      if (i != across && numeric(i)) chosen.push_back(i);
-  Picture picture;
-  picture.x_label = table.columns.at(across);
-  for (std::size_t k = 0; k < chosen.size(); ++k) {
-    Curve curve;
-    curve.title = table.columns[chosen[k]];
-    curve.colour = colour_of(k);
-    for (const auto& row : table.rows) curve.points.push_back({number(row, across), number(row, chosen[k]), 0.0});
-    picture.curves.push_back(std::move(curve));
-  }
-  if (chosen.size() == 1) picture.y_label = table.columns[chosen.front()];
-  return picture;
-}
-
 std::string colour_of(std::size_t series) {
-  static const std::vector<std::string> colours = {"#1f77b4", "#d95f02", "#2ca02c", "#9467bd", "#8c564b", "#17becf"};
+  static const std::vector<std::string> colours = {"#1f77b4", "#d95f02", "#2ca02c", "#9467bd", "#8c564b", "#17becf",
+                                                   "#b22222", "#7f7f7f", "#bcbd22", "#e377c2", "#000080", "#006400"};
   return colours[series % colours.size()];
 }
 

@@ -30,7 +30,9 @@ std::vector<std::string> picture_names(const std::string& schema);
 /// needs.
 Picture picture_of(const Json& result, const std::string& kind = {});
 
-/// Columns of numbers of a table against the first of them, or those that are named.
+/// A table: a table of branches as x against the parameter, one colour per branch; points of a section as dots; of any other, and
+/// where columns are named, columns of numbers against the first of them, or those named.
+/// @throws std::invalid_argument for a column there is none of, or a table without anything to draw.
 Picture picture_of(const Table& table, const std::string& x = {}, const std::vector<std::string>& y = {});
 
 /// Colours that are told apart, in turn.

@@ -3,12 +3,15 @@
 #include "graze_program.hpp"
 
 #include <graze/apps/json.hpp>
+#include <graze/apps/number.hpp>
 #include <graze/apps/output_file.hpp>
 #include <graze/apps/pictures/pictures.hpp>
+#include <graze/apps/raster.hpp>
 #include <graze/apps/table.hpp>
 
 #include <catch2/catch.hpp>
 
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -69,7 +72,7 @@ TEST_CASE("a CSV table reads back") {
   CHECK(back.columns == table.columns);
   CHECK(back.rows == table.rows);
   CHECK(parse_csv("a,b\r\n1,2\r\n", "t.csv").rows.front() == std::vector<std::string>{"1", "2"});
-  CHECK_THROWS_WITH(parse_csv("a,b\n1\n", "t.csv"), Contains("t.csv:2") && Contains("1 cells in a table of 2 columns"));
+  CHECK_THROWS_WITH(parse_csv("a,b\n1\n", "t.csv"), Contains("t.csv:2") && Contains("1 cell in a table of 2 columns"));
   CHECK_THROWS_WITH(parse_csv("", "t.csv"), Contains("empty"));
 }
 
@@ -124,6 +127,89 @@ TEST_CASE("every format of picture is drawn") {
   CHECK(draw(picture, "pdf").substr(0, 4) == "%PDF");
   CHECK_THAT(draw(picture, "svg"), Contains("<svg"));
   CHECK_THROWS_WITH(draw(Picture{}, "png"), Contains("nothing to draw"));
+}
+
+TEST_CASE("a title too long for the picture is broken into lines") {
+  Picture picture;
+  picture.subtitle =
+      "cantilever oscillator, hertz contact: b = 0.026, beta = 1.0285714, xi = 0.08, eta = 0.554, r = 0.079, k_H = 100, b_H = 0";
+  picture.curves.push_back({.points = {{0.0, 1.0, 0.0}, {1.0, 2.0, 0.0}}});
+  CHECK_THAT(gnuplot_script(picture, "png"), Contains("1.0285714,'.\"\\n\".'xi = 0.08"));
+}
+
+TEST_CASE("an axis does not show rounding") {
+  Picture picture;
+  picture.curves.push_back({.points = {{0.0, 2.0, 0.0}, {1.0, 2.0 + 1e-13, 0.0}}});
+  const std::string script = gnuplot_script(picture, "png");
+  CHECK_THAT(script, Contains("set xrange [*:*]") && Contains("set yrange [1.97"));
+}
+
+TEST_CASE("very many points are drawn as an image and none is lost") {
+  Picture picture;
+  Curve dots{.title = "dots", .stroke = Stroke::dots};
+  for (int i = 0; i < 300000; ++i) dots.points.push_back({std::fmod(i * 0.618034, 1.0), std::fmod(i * 0.414214, 1.0), 0.0});
+  CHECK(is_dense(dots));
+  Raster raster({-1.0, 1.0}, {-1.0, 1.0});
+  raster.paint({.stroke = Stroke::dots, .points = {{0.0, 0.0, 0.0}, {1.0, 1.0, 0.0}, {-1.0, -1.0, 0.0}, {2.0, 0.0, 0.0}}});
+  CHECK(raster.painted() == 3);
+  Raster line({0.0, 1.0}, {0.0, 1.0});
+  line.paint({.size = 1.0, .points = {{-1.0, 0.5, 0.0}, {1e9, 0.5, 0.0}, {std::nan(""), 0.0, 0.0}, {0.5, 0.9, 0.0}}});
+  CHECK(line.painted() == 801);
+  picture.curves.push_back(std::move(dots));
+  const auto begin = std::chrono::steady_clock::now();
+  CHECK(draw(picture, "png").substr(1, 3) == "PNG");
+  CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(20));  // measured: 1 s
+}
+
+TEST_CASE("points of a line that cannot be told apart are left out") {
+  Curve line;
+  for (int i = 0; i <= 100000; ++i) line.points.push_back({i * 1e-5, 0.0, 0.0});
+  const auto kept = thinned(line, {0.0, 1.0}, {-1.0, 1.0});
+  CHECK(kept.size() > 1000);
+  CHECK(kept.size() < 4000);
+  CHECK(kept.front() == line.points.front());
+  CHECK(kept.back() == line.points.back());
+}
+
+TEST_CASE("tables of graze are drawn as what they are") {
+  const Table branches{{"branch", "parent", "label", "period", "impacts", "eta", "x", "v", "stable", "admissible"},
+                       {{"1", "", "", "1", "1", "0.9", "1", "0", "yes", "yes"},
+                        {"1", "", "PD1", "1", "1", "0.85", "1.05", "0", "no", "yes"},
+                        {"1", "", "", "1", "1", "0.8", "1.1", "0", "no", "yes"},
+                        {"2", "PD1", "", "2", "2", "0.85", "1.05", "0", "yes", "yes"},
+                        {"2", "PD1", "", "2", "2", "0.8", "1.2", "0", "yes", "yes"}}};
+  const Picture picture = picture_of(branches);
+  CHECK_THAT(picture.x_label, Contains("eta"));
+  REQUIRE(picture.curves.size() == 3);
+  CHECK(picture.curves[0].stroke == Stroke::solid);
+  CHECK(picture.curves[1].stroke == Stroke::dashed);
+  CHECK(picture.curves[1].points.front()[0] == 0.85);
+  CHECK(picture.curves[2].colour != picture.curves[0].colour);
+  REQUIRE(picture.labels.size() == 1);
+  CHECK(picture.labels.front().text == "PD1");
+  const Picture chosen = picture_of(branches, "x", {"v"});
+  REQUIRE(chosen.curves.size() == 1);
+  CHECK(chosen.y_label == "v");
+  CHECK(std::isnan(chosen.curves.front().points[3][0]));  // between the branches
+  CHECK(picture_of(Table{{"phase", "speed"}, {{"1", "2"}}}).curves.front().stroke == Stroke::dots);
+}
+
+TEST_CASE("multipliers beyond the picture are not in it") {
+  Json result = result_head("branch/1", "continue", load_problem(problem("hertz-damped")), Json::object());
+  result["parameter"] = "eta";
+  const Json multipliers = {{2.6, 0.0}, {0.5, 0.0}};
+  const Json point = {{"value", 0.9}, {"state", {0.0, 0.0}}, {"multipliers", multipliers}};
+  result["branches"] =
+      Json::array({{{"id", 1}, {"period", 1}, {"points", Json::array({point})}, {"special_points", Json::array()}}});
+  const Picture picture = picture_of(result, "multipliers");
+  CHECK_THAT(picture.title, Contains("those beyond 2.5 are not shown"));
+  REQUIRE(picture.curves.front().points.size() == 1);
+  CHECK(picture.curves.front().points.front()[0] == 0.5);
+}
+
+TEST_CASE("nouns are counted") {
+  CHECK(counted(1, "contact") == "1 contact");
+  CHECK(counted(0, "point") == "0 points");
 }
 
 TEST_CASE("a picture's name must have an ending that is known") {

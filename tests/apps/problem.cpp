@@ -144,6 +144,14 @@ TEST_CASE("a wrong problem file is refused in one sentence") {
     CHECK_THAT(refused(start + "period = 0\n"), Contains("whole number >= 1"));
     CHECK_THAT(refused(start + "periods = 1\n"), Contains("did you mean \"period\""));
   }
+  SECTION("limits and keys of the model") {
+    CHECK_THAT(refused(model + good + "[start]\nperiod = 2000\n"), Contains("whole number >= 1 and <= 1024"));
+    CHECK_THAT(refused(model + good + "[start]\nsettle = 99999999999\n"), Contains("<= 2147483647"));
+    CHECK_THAT(refused("[model]\noscilator = \"linear\"\ncontact = \"hertz\"\n" + good),
+               Contains("p.toml:2") && Contains("\"oscilator\"") && Contains("did you mean \"oscillator\""));
+    CHECK_THAT(refused(newton + "[parameters]\nk_H = 1\n"), Contains("k_H belongs to the hertz contact law"));
+    CHECK_THAT(refused(model + "# \xff\n"), Contains("p.toml:4") && Contains("UTF-8"));
+  }
   SECTION("TOML") {
     CHECK_THAT(refused(model + "[parametres]\nb = 1\n"), Contains("\"parametres\"") && Contains("did you mean \"parameters\""));
     CHECK_THAT(refused(model + "[parameters]\nb = \n"), Contains("p.toml:5") && Contains("not valid TOML"));
@@ -175,5 +183,5 @@ TEST_CASE("the start is at rest, at the barrier where 0 lies beyond it") {
   CHECK(start_state(p, {}) == Vector{{0.0, 0.0}});
   apply_settings(p, {"r=-0.5"});
   CHECK(start_state(p, {}) == Vector{{-0.5, 0.0}});
-  CHECK_THROWS_WITH(start_state(p, Vector{{0.0, 0.0}}), Contains("--start"));
+  CHECK_THROWS_WITH(start_state(p, Vector{{0.0, 0.0}}), Contains("--start") && Contains("x <= r = -0.5"));
 }

@@ -6,8 +6,13 @@
 
 #include <catch2/catch.hpp>
 
+#include <sys/stat.h>
+
 #include <algorithm>
+#include <chrono>
 #include <csignal>
+#include <cstdlib>
+#include <thread>
 
 using namespace graze;
 using namespace graze::apps;
@@ -56,7 +61,15 @@ TEST_CASE("wrong commands and options are misuse") {
   CHECK_THAT(misuse("orbit " + hertz + " --start 1"), Contains("--start 1") && Contains("two numbers x,v"));
   CHECK_THAT(misuse("continue " + hertz), Contains("--to is required"));
   CHECK_THAT(misuse("continue " + hertz + " --to 0.95"), Contains("eta is 0.95 at the start already"));
-  CHECK_THAT(misuse("continue " + hertz + " --to -1"), Contains("eta is -1") && Contains("> 0"));
+  CHECK_THAT(misuse("continue " + hertz + " --to -1"), Contains("--to -1: parameter eta is -1; allowed is > 0"));
+  CHECK_THAT(misuse("continue " + hertz + " --from nan --to 0.9"), Contains("--from nan: parameter eta is nan"));
+  CHECK_THAT(misuse("continue " + hertz + " --to 0.9 --max-step 0"), Contains("--max-step 0: must be > 0"));
+  CHECK_THAT(misuse("locate " + hertz + " --type PD --near 0.9 --reach 0"), Contains("--reach 0: must be > 0"));
+  CHECK_THAT(misuse("locate " + hertz + " --type PD --near -1"), Contains("--near -1: parameter eta is -1"));
+  CHECK_THAT(misuse("locate " + hertz + " --type pd --near 0.9"), Contains("did you mean PD?"));
+  CHECK_THAT(misuse("orbit " + hertz + " --period 1 --period 2"), Contains("--period is given 2 times; give it once"));
+  CHECK_THAT(misuse("orbit " + hertz + " --settle"), Contains("--settle lacks its value"));
+  CHECK_THAT(misuse("orbit " + hertz + " --json ''"), Contains("--json \"\": must be a name, and not empty"));
   CHECK_THAT(misuse("continue " + hertz + " --to 0.9 --param etta"),
              Contains("no parameter \"etta\"") && Contains("did you mean \"eta\""));
   CHECK_THAT(misuse("locate " + hertz + " --near 0.92 --type PB"), Contains("--type PB") && Contains("PD"));
@@ -83,8 +96,72 @@ TEST_CASE("a wrong setting is misuse") {
   CHECK_THAT(misuse("orbit " + newton + " --set k_r=1.2"), Contains("k_r is 1.2; allowed is [0, 1]"));
   CHECK_THAT(misuse("orbit " + newton + " --set b=-0.1"), Contains("b is -0.1; allowed is >= 0"));
   CHECK_THAT(misuse("orbit " + newton + " --set eta=0"), Contains("eta is 0; allowed is > 0"));
+  CHECK_THAT(misuse("orbit " + newton + " --set eta=1/0"), Contains("eta is inf; allowed is a finite number > 0"));
   CHECK_THAT(misuse("orbit " + newton + " --set r=nan"), Contains("r is nan; allowed is any finite number"));
-  CHECK_THAT(misuse("orbit " + newton + " --set k_H=100"), Contains("no parameter \"k_H\"") && Contains("k_r"));
+  CHECK_THAT(misuse("orbit " + newton + " --set k_H=100"),
+             Contains("no parameter \"k_H\"") && Contains("k_r") && Contains("k_H belongs to the hertz contact law"));
+}
+
+TEST_CASE("the last of several settings of a parameter holds") {
+  const Outcome outcome = spawn("orbit " + hertz + " --set eta=0.9 --set eta=0.95 --settle 300");
+  CHECK(outcome.code == 0);
+  CHECK_THAT(outcome.out, Contains("eta = 0.95"));
+  CHECK_THAT(spawn("orbit --help").out, Contains("the last one holds"));
+}
+
+TEST_CASE("what would take ages or all memory is refused") {
+  for (const char* eta : {"1e-7", "1e-9", "1e-320"})
+    for (const char* command : {"orbit ", "orbit --search ", "trajectory ", "poincare "})
+      CHECK_THAT(misuse(command + newton + " --set eta=" + eta), Contains("eta is 1e-") && Contains("eta >= 0.0001"));
+  CHECK(spawn("continue " + hertz + " --to 0.949 --settle 300").code == 0);
+  CHECK_THAT(misuse("orbit " + newton + " --period 100000"),
+             Contains("--period 100000: must be a whole number >= 1 and <= 1024"));
+  CHECK_THAT(misuse("orbit " + newton + " --settle 99999999999"), Contains("must be a whole number >= 0 and <= 2147483647"));
+  CHECK_THAT(misuse("poincare " + newton + " --points 1e8"), Contains("and <= 5000000"));
+  for (const char* option : {" --samples 2000000000", " --periods 100000000"})
+    CHECK_THAT(misuse("trajectory " + hertz + option), Contains("more than 2000000 samples"));
+}
+
+TEST_CASE("a problem is read from a regular file of reasonable size") {
+  const TemporaryFolder folder;
+  REQUIRE(::mkfifo(folder.file("pipe.toml").c_str(), 0600) == 0);
+  CHECK_THAT(misuse("orbit " + folder.file("pipe.toml")), Contains("is not a regular file"));
+  CHECK_THAT(misuse("orbit /dev/zero"), Contains("/dev/zero: is not a regular file"));
+  CHECK_THAT(misuse("orbit " + folder.write("big.toml", std::string(1000001, '#'))), Contains("larger than 1000000 bytes"));
+  CHECK_THAT(misuse("plot " + folder.file("pipe.toml") + " -o " + folder.file("x.png")), Contains("is not a regular file"));
+}
+
+TEST_CASE("an output is not written over the input or over another output") {
+  const TemporaryFolder folder;
+  const std::string text = read_file(hertz), input = folder.write("h.toml", text), other = folder.file("a.json");
+  const std::string run = "orbit " + input + " --settle 100000000 ";
+  CHECK_THAT(misuse(run + "--csv " + folder.file("./h.toml")), Contains("--csv") && Contains("this is the file that is read"));
+  CHECK_THAT(misuse(run + "--json " + other + " --csv " + other),
+             Contains("--json") && Contains("--csv") && Contains("are one file"));
+  std::filesystem::create_symlink(input, folder.file("link"));
+  CHECK_THAT(misuse(run + "--json " + folder.file("link")), Contains("this is the file that is read"));
+  CHECK(read_file(input) == text);
+  CHECK(spawn("orbit " + hertz + " --settle 300 --json /dev/null --csv /dev/null").code == 0);
+}
+
+TEST_CASE("a user value outside the range is warned of") {
+  const Outcome outcome = spawn("continue " + hertz + " --to 0.949 --settle 300 --user 5");
+  CHECK(outcome.code == 0);
+  CHECK_THAT(outcome.err, Contains("--user 5 lies outside 0.95 to 0.949"));
+}
+
+TEST_CASE("a result that cannot be drawn is named with the reason") {
+  const TemporaryFolder folder;
+  const auto refused = [&](const std::string& name, const std::string& content) {
+    return misuse("plot " + folder.write(name, content) + " -o " + folder.file("x.png"));
+  };
+  CHECK_THAT(refused("r.csv", "a,b\n1\n"), Contains("graze plot: " + folder.file("r.csv") + ":2: 1 cell"));
+  CHECK_THAT(refused("h.csv", "a,b\n"), Contains("h.csv: there is nothing to draw: the table is a header without rows"));
+  CHECK_THAT(refused("w.csv", "a,b\nx,y\n"), Contains("w.csv: there is nothing to draw"));
+  CHECK_THAT(refused("d.json", "{\n\"schema\": [1,"),
+             Contains("d.json: this is not valid JSON from line 2 on, where it breaks off"));
+  const std::string lacking = refused("e.json", "{\"schema\": \"graze.branch/1\"}");
+  CHECK_THAT(lacking, Contains("key 'parameter' not found") && !Contains("json.exception"));
 }
 
 TEST_CASE("a start inside a hard barrier is misuse") {
@@ -109,15 +186,18 @@ TEST_CASE("an output that cannot be written is found out before computing") {
 
 TEST_CASE("on a full disk the result still goes to stdout") {
   const Outcome outcome = spawn("orbit " + hertz + " --settle 300 --json /dev/full");
-  CHECK(outcome.code == 1);
+  CHECK(outcome.code == 2);
   CHECK_THAT(outcome.err, Contains("/dev/full: cannot be written: No space left on device"));
   CHECK_THAT(outcome.out, Contains("orbit z = 1/1"));
 }
 
 TEST_CASE("a stdout that is full is told") {
-  const Outcome outcome = spawn("orbit " + hertz + " --settle 300 --json - > /dev/full");
-  CHECK(outcome.code == 1);
-  CHECK_THAT(outcome.err, Contains("stdout: cannot be written"));
+  for (const std::string& arguments :
+       {"orbit " + hertz + " --settle 300 --json -", std::string("--help"), std::string("models")}) {
+    const Outcome outcome = spawn(arguments + " > /dev/full");
+    CHECK(outcome.code == 2);
+    CHECK_THAT(outcome.err, Contains("stdout: cannot be written"));
+  }
 }
 
 TEST_CASE("an orbit that does not exist is exit 1 with what was found instead") {
@@ -136,8 +216,8 @@ TEST_CASE("Ctrl-C keeps what was computed and exits with 130") {
   const TemporaryFolder folder;
   const std::string out = folder.file("r.json");
   for (const std::string& arguments :
-       {"orbit " + hertz + " --settle 100000000", "trajectory " + newton + " --settle 0 --periods 100000000 --samples 1",
-        "poincare " + newton + " --settle 0 --points 100000000"}) {
+       {"orbit " + hertz + " --settle 100000000", "trajectory " + newton + " --settle 0 --set r=0 --periods 2000000 --samples 1",
+        "poincare " + newton + " --settle 0 --set r=0 --points 5000000"}) {
     INFO(arguments);
     const Outcome outcome = spawn(arguments + " --json " + out, SIGINT, 0.4);
     CHECK(outcome.code == 130);
@@ -146,9 +226,38 @@ TEST_CASE("Ctrl-C keeps what was computed and exits with 130") {
     CHECK(json["status"] == "interrupted");
     CHECK(folder.files() == 1);
   }
+  // A forcing period of thousands of the oscillator's own: interrupted within it, in the transient and in the search.
+  for (const char* slow : {" --settle 1000", " --search"}) {
+    const Outcome outcome = spawn("orbit " + problem("beam-newton") + " --set eta=1e-4" + slow, SIGTERM, 0.4);
+    CHECK(outcome.code == 130);
+    CHECK_THAT(outcome.err, Contains("interrupted"));
+  }
   const Outcome search = spawn("orbit " + newton + " --period 30 --search --json " + out, SIGINT, 0.4);
   CHECK(search.code == 130);
   CHECK_THAT(search.err, Contains("interrupted after"));
+}
+
+TEST_CASE("gnuplot does not outlive the program or its patience") {
+  const TemporaryFolder folder;
+  const std::string pid_file = folder.file("pid"), path = std::getenv("PATH");
+  const std::string table = folder.write("t.csv", "a,b\n1,2\n2,3\n");
+  std::filesystem::permissions(folder.write("gnuplot", "#!/bin/sh\necho $$ > '" + pid_file + "'\nexec sleep 60\n"),
+                               std::filesystem::perms::owner_all);
+  for (const int signal : {SIGINT, SIGTERM, SIGKILL}) {
+    std::filesystem::remove(pid_file);
+    ::setenv("PATH", (folder.file("") + ":" + path).c_str(), 1);
+    const Outcome outcome = spawn("plot " + table + " -o " + folder.file("x.png"), signal, 1.0);
+    ::setenv("PATH", path.c_str(), 1);
+    CHECK(outcome.code == (signal == SIGKILL ? -SIGKILL : 130));
+    if (signal != SIGKILL) CHECK_THAT(outcome.err, Contains("drawing was interrupted"));
+    const std::string pid = read_file(pid_file);
+    REQUIRE_FALSE(pid.empty());
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    // Gone, or dead and not yet collected by whoever adopted it.
+    const std::string state = read_file("/proc/" + pid.substr(0, pid.find('\n')) + "/stat");
+    CHECK((state.empty() || state.find(") Z ") != std::string::npos));
+  }
+  CHECK_FALSE(std::filesystem::exists(folder.file("x.png")));
 }
 
 TEST_CASE("a negative start may stand behind a blank or an equals sign") {

@@ -107,6 +107,17 @@ TEST_CASE("a long flight of an overdamped oscillator stays finite") {
   REQUIRE((segment.Psi - general.Psi).norm() < 1e-8);
 }
 
+TEST_CASE("a flight that would take ages to search is given up after the steps allowed") {
+  const HybridSystem system = elastic();
+  Vector p = default_parameters(system.parameters);
+  p[static_cast<Eigen::Index>(parameter_index(system.parameters, "eta"))] = 1e-320;
+  Flow flow = make_flow(system, 0, p, {}, {.max_steps = 1000});
+  Segment segment;
+  flow.carry({0.0, 1e300, Sensitivity::none}, Vector{{0.0, 0.0}}, segment);
+  CHECK(segment.end == FlowEnd::failed);
+  CHECK(segment.evaluations == 1000);
+}
+
 TEST_CASE("an overdamped transient keeps its decayed part accurate") {
   // exp(-b s) cosh(q s) - b exp(-b s) sinh(q s)/q cancels down to the fast mode; what is left errs by rounding of the slow one.
   const HybridSystem system = elastic();

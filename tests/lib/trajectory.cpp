@@ -115,7 +115,8 @@ TEST_CASE("every contact is listed with its times, speeds, restitution and energ
       REQUIRE(contact.entry_speed > 0.0);
       REQUIRE(contact.exit_speed >= 0.0);
       REQUIRE(contact.restitution == contact.exit_speed / contact.entry_speed);
-      REQUIRE(contact.energy_lost == Approx(0.5 * (std::pow(contact.entry_speed, 2) - std::pow(contact.exit_speed, 2))).margin(1e-15));
+      REQUIRE(contact.energy_lost ==
+              Approx(0.5 * (std::pow(contact.entry_speed, 2) - std::pow(contact.exit_speed, 2))).margin(1e-15));
       if (law.hard) {
         REQUIRE(contact.t_entry == contact.t_exit);
         if (contact.exit_speed > 0.0) REQUIRE(contact.restitution == Approx(0.75).epsilon(1e-14));
@@ -171,8 +172,9 @@ TEST_CASE("a run that was not carried out counts as failed, and every ending has
   REQUIRE(Segment{}.end == FlowEnd::failed);
   REQUIRE_FALSE(SaltationMatrix{}.regular);
   std::set<std::string_view> sentences;
-  for (const Termination reason : {Termination::failed, Termination::time, Termination::event_limit, Termination::inadmissible_start,
-                                   Termination::integration_failed, Termination::grazing, Termination::interrupted}) {
+  for (const Termination reason :
+       {Termination::failed, Termination::time, Termination::event_limit, Termination::inadmissible_start,
+        Termination::integration_failed, Termination::grazing, Termination::interrupted}) {
     REQUIRE_FALSE(termination_text(reason).empty());
     REQUIRE(sentences.insert(termination_text(reason)).second);
   }
@@ -200,4 +202,20 @@ TEST_CASE("the free motion coasts through a barrier where it is told to, and a c
     REQUIRE(transition.touch.x[0] == Approx(std::sin(1.5)).epsilon(1e-12));
     REQUIRE(transition.touch.Phi(0, 1) == Approx(std::sin(1.5)).epsilon(1e-12));
   }
+}
+
+TEST_CASE("a run that is cancelled ends as interrupted, between two segments") {
+  static int asked;
+  asked = 0;
+  const FlowOptions options{.cancelled = [] { return ++asked > 3; }};
+  const HybridSystem system = make_oscillator("linear", "newton");
+  const Vector p = lively_parameters(system);
+  const Trajectory run = simulate(system, p, 0.3, vector({0.1, 0.9}), {.t_end = 40.0}, options);
+  CHECK(run.termination == Termination::interrupted);
+  CHECK(run.segments.size() == 3);
+  CHECK(run.t == run.segments.back().t1);
+  Propagator propagator(system, p, {}, options);
+  Transition transition;
+  carry(propagator, 0.3, 40.0, vector({0.1, 0.9}), {}, transition);
+  CHECK(transition.termination == Termination::interrupted);
 }

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/raster.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+namespace graze::apps {
+
+namespace {
+
+// A little coarser than the axes of the default picture: an element that gnuplot has no room for would be lost.
+constexpr int columns = 800, rows = 500;
+constexpr std::size_t many_points = 12000;  // gnuplot needs a second for these, and ever longer for lines that cross
+constexpr std::size_t few_points = 5000;
+
+double place(double value, const std::array<double, 2>& range, int count) {
+  return count * (value - range[0]) / (range[1] - range[0]);
+}
+
+bool is_line(const Curve& curve) {
+  return curve.stroke == Stroke::solid || curve.stroke == Stroke::dashed || curve.stroke == Stroke::dotted;
+}
+
+}  // namespace
+
+bool is_dense(const Curve& curve) { return curve.points.size() > many_points && !curve.coloured; }
+
+std::vector<std::array<double, 3>> thinned(const Curve& curve, const std::array<double, 2>& x, const std::array<double, 2>& y) {
+  if (curve.points.size() < few_points || !is_line(curve)) return curve.points;
+  constexpr int fine = 4;  // parts of an element
+  std::vector<std::array<double, 3>> kept;
+  for (std::size_t i = 0; i < curve.points.size(); ++i) {
+    const auto& point = curve.points[i];
+    const bool last = i + 1 == curve.points.size() || std::isnan(curve.points[i + 1][0] + curve.points[i + 1][1]);
+    const bool near = !kept.empty() &&
+                      std::abs(place(point[0], x, fine * columns) - place(kept.back()[0], x, fine * columns)) < 1.0 &&
+                      std::abs(place(point[1], y, fine * rows) - place(kept.back()[1], y, fine * rows)) < 1.0;
+    if (last || !near) kept.push_back(point);
+  }
+  return kept;
+}
+
+Raster::Raster(const std::array<double, 2>& x, const std::array<double, 2>& y) : x_(x), y_(y), cells_(columns * rows, 0) {}
+
+void Raster::mark(double column, double row, bool wide) {
+  const auto set = [&](double c, double r) {
+    if (!(c >= 0.0 && c <= columns && r >= 0.0 && r <= rows)) return;
+    const int i = std::min(static_cast<int>(c), columns - 1), j = std::min(static_cast<int>(r), rows - 1);
+    cells_[static_cast<std::size_t>(j * columns + i)] = static_cast<unsigned char>(colours_.size());
+  };
+  set(column, row);
+  if (!wide) return;
+  set(column + 1.0, row);
+  set(column, row + 1.0);
+}
+
+void Raster::line(double column, double row, double to_column, double to_row, bool wide) {
+  // Clipped to the picture (Liang and Barsky): a line may come from far outside.
+  double from = 0.0, to = 1.0;
+  const auto clip = [&](double start, double change, double limit) {
+    if (change == 0.0) {
+      if (start < 0.0 || start > limit) to = -1.0;
+      return;
+    }
+    const double a = -start / change, b = (limit - start) / change;
+    from = std::max(from, std::min(a, b));
+    to = std::min(to, std::max(a, b));
+  };
+  const double dc = to_column - column, dr = to_row - row;
+  clip(column, dc, columns);
+  clip(row, dr, rows);
+  if (!(from <= to)) return;
+  const int steps = 1 + static_cast<int>(2.0 * (to - from) * std::max(std::abs(dc), std::abs(dr)));  // half an element each
+  for (int i = 0; i <= steps; ++i) {
+    const double s = from + (to - from) * i / steps;
+    mark(column + s * dc, row + s * dr, wide);
+  }
+}
+
+void Raster::paint(const Curve& curve) {
+  if (colours_.size() < 255) colours_.push_back(curve.colour);
+  const bool wide = is_line(curve) && curve.size > 1.5;
+  double last_column = std::nan(""), last_row = last_column;
+  for (const auto& point : curve.points) {
+    const double column = place(point[0], x_, columns), row = place(point[1], y_, rows);
+    if (is_line(curve) && std::isfinite(last_column + last_row + column + row))
+      line(last_column, last_row, column, row, wide);
+    else
+      mark(column, row, wide);
+    last_column = column;
+    last_row = row;
+  }
+}
+
+std::size_t Raster::painted() const {
+  return static_cast<std::size_t>(std::count_if(cells_.begin(), cells_.end(), [](unsigned char cell) { return cell > 0; }));
+}
+
+std::string Raster::data() const {
+  std::vector<std::string> colours = {"255 255 255 0"};
+  for (const std::string& name : colours_) {
+    const unsigned long rgb = name.size() == 7 && name[0] == '#' ? std::stoul(name.substr(1), nullptr, 16) : 0;  // else black
+    colours.push_back(fmt::format("{} {} {} 255", rgb >> 16, rgb >> 8 & 255, rgb & 255));
+  }
+  std::string out;
+  out.reserve(cells_.size() * 40);
+  const double width = (x_[1] - x_[0]) / columns, height = (y_[1] - y_[0]) / rows;
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < columns; ++i)
+      fmt::format_to(std::back_inserter(out), "{} {} {}\n", x_[0] + (i + 0.5) * width, y_[0] + (j + 0.5) * height,
+                     colours[cells_[static_cast<std::size_t>(j * columns + i)]]);
+  return out;
+}
+
+}  // namespace graze::apps

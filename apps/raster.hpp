@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Curves of so many points that gnuplot would draw for minutes, turned into the picture elements that they touch: as an image
+// they cost the same however many there are. Nothing that could be seen is lost.
+#pragma once
+
+#include <graze/apps/picture.hpp>
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace graze::apps {
+
+/// Whether a curve is better drawn as an image.
+bool is_dense(const Curve& curve);
+
+/// The points of a line without those that cannot be told from the one before; short curves stay as they are.
+std::vector<std::array<double, 3>> thinned(const Curve& curve, const std::array<double, 2>& x, const std::array<double, 2>& y);
+
+/// Picture elements touched by curves; those painted later lie on top.
+class Raster {
+ public:
+  /// `x`, `y`: the ranges of the axes.
+  Raster(const std::array<double, 2>& x, const std::array<double, 2>& y);
+  void paint(const Curve& curve);
+  /// Rows "x y red green blue alpha" for gnuplot's style rgbalpha.
+  std::string data() const;
+  /// Elements painted.
+  std::size_t painted() const;
+
+ private:
+  void mark(double column, double row, bool wide);
+  void line(double column, double row, double to_column, double to_row, bool wide);
+
+  std::array<double, 2> x_, y_;
+  std::vector<unsigned char> cells_;  // 0: nothing; else the number of the colour, from 1
+  std::vector<std::string> colours_;
+};
+
+}  // namespace graze::apps
