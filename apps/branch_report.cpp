@@ -135,7 +135,7 @@ std::string special_point_text(const SpecialPoint& point, const std::string& par
 }
 
 std::string branch_text(const Branch& branch, std::size_t most) {
-  std::string text = fmt::format("branch {}: period {}, {} points", branch.id, branch.period, branch.points.size());
+  std::string text = fmt::format("branch {}: period {}, {}", branch.id, branch.period, counted(branch.points.size(), "point"));
   if (branch.parent) text += fmt::format(", born at {} of branch {}", branch.parent->label, branch.parent->branch);
   text += "\n";
   if (!branch.points.empty()) text += aligned(points_table(branch, most));

@@ -145,14 +145,14 @@ Json seeds_json(const std::vector<SkeletonSeed>& seeds, std::size_t parameter) {
 /// The branches of an earlier run in a folder, if it was one of the same model over the same range.
 std::vector<Branch> earlier_branches(const Options& options, const Problem& problem) {
   const std::string file = options.resume + "/diagram.json";
-  Json earlier = Json::parse(read_whole(file), nullptr, false);
+  const Json earlier = Json::parse(read_whole(file), nullptr, false);
   const auto refuse = [&](const std::string& why) { throw std::invalid_argument(fmt::format("--resume: {} {}", file, why)); };
   if (!earlier.is_object() || earlier.value("command", "") != "diagram") refuse("is not a result of graze diagram");
   const Problem before = problem_of(earlier);
   const auto index = static_cast<Eigen::Index>(parameter_index(problem.system.parameters, options.parameter));
   Vector a = problem.parameters, b = before.parameters;
   if (a.size() == b.size()) a[index] = b[index] = 0.0;
-  const Json& given = earlier["options"];
+  const Json given = earlier.value("options", Json::object());
   if (before.oscillator != problem.oscillator || before.contact != problem.contact || a != b)
     refuse("is of another model or of other parameters; give the same problem and settings");
   if (given.value("param", "") != options.parameter || given.value("from", 0.0) != *options.from ||
@@ -167,13 +167,12 @@ int run(const Options& given, const Console& console) {
   if (!options.resume.empty() && options.output.out.empty()) options.output.out = options.resume;
   if (!options.skeleton)
     throw std::invalid_argument("diagram draws the skeleton of branches so far and nothing else: give --skeleton");
-  check_outputs(options.output);
+  check_outputs(options.output, options.start.file);
   if (options.max_step && !(*options.max_step > 0.0)) throw std::invalid_argument("--max-step must be > 0");
   const Problem problem = open_problem(options.start, console);
-  for (const double value : {*options.from, *options.to}) {
-    Problem at_end = problem;
-    set_parameter(at_end, options.parameter, value);  // a wrong value is found out now
-  }
+  Problem at_end = problem;  // a wrong value is found out now
+  set_parameter(at_end, options.parameter, *options.from, "--from");
+  set_parameter(at_end, options.parameter, *options.to, "--to");
   if (*options.from == *options.to)
     throw std::invalid_argument(fmt::format("--from and --to are both {}; a range has two different ends", exact(*options.to)));
   std::vector<Branch> so_far;
@@ -219,7 +218,8 @@ int run(const Options& given, const Console& console) {
     result.json["cut_off"].push_back({{"branch", cut.branch}, {"label", cut.label}, {"reason", cut.reason}});
   result.table = branches_table(branches);
   result.text = describe(problem, options.parameter) + "\n\n" +
-                fmt::format("{} seeds, {} branches\n", found.seeds.size(), branches.size()) +
+                fmt::format("{}, {}\n", counted(found.seeds.size(), "seed"),
+                            branches.size() == 1 ? "1 branch" : fmt::format("{} branches", branches.size())) +
                 aligned(branches_overview(branches, options.parameter)) + "\n" +
                 aligned(special_points_overview(branches, options.parameter)) + cascades_text(doublings, options.parameter);
   if (!found.graph.cut_off.empty()) {

@@ -2,6 +2,7 @@
 // graze plot: a picture of a result that was written before.
 #include <graze/apps/arguments.hpp>
 #include <graze/apps/commands/command.hpp>
+#include <graze/apps/input_file.hpp>
 #include <graze/apps/output_file.hpp>
 #include <graze/apps/pictures/pictures.hpp>
 
@@ -23,32 +24,8 @@ struct Options {
   std::vector<std::string> y;
 };
 
-std::string read(const std::string& file) {
-  std::error_code error;
-  if (!std::filesystem::exists(file, error)) throw std::invalid_argument(file + ": no such file");
-  if (std::filesystem::is_directory(file, error)) throw std::invalid_argument(file + ": is a folder, not a result");
-  if (!std::filesystem::is_regular_file(file, error))
-    throw std::invalid_argument(file + ": is not a regular file; a result is read from one, not from a pipe or a device");
-  std::ifstream stream(file, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream.is_open() || stream.bad()) throw std::invalid_argument(file + ": cannot be read");
-  return text;
-}
-
-/// @throws std::invalid_argument with the place where it is damaged.
-Json parse_json(const std::string& text) {
-  try {
-    return Json::parse(text);
-  } catch (const Json::parse_error& error) {
-    const std::size_t place = std::min(text.size(), error.byte > 0 ? error.byte - 1 : 0);
-    const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(place), '\n');
-    throw std::invalid_argument(
-        fmt::format("this is not valid JSON from line {} on{}", line, place >= text.size() ? ", where it breaks off" : ""));
-  }
-}
-
 Picture picture_of_file(const Options& options) {
-  const std::string format = ending(options.result), text = read(options.result);
+  const std::string format = ending(options.result), text = read_whole(options.result);
   try {
     if (format == "csv") {
       if (!options.kind.empty())

@@ -30,7 +30,7 @@ TEST_CASE("a parameter out of range is refused by name, value and range") {
   REQUIRE_THROWS_WITH(run_with(hertz, "k_H", 0.0), "parameter k_H is 0; allowed is > 0");
   REQUIRE_THROWS_WITH(run_with(hertz, "r", not_a_number), "parameter r is nan; allowed is any finite number");
   REQUIRE_THROWS_WITH(run_with(hertz, "r", infinity), "parameter r is inf; allowed is any finite number");
-  REQUIRE_THROWS_WITH(run_with(hertz, "b", infinity), "parameter b is inf; allowed is >= 0");
+  REQUIRE_THROWS_WITH(run_with(hertz, "b", infinity), "parameter b is inf; allowed is a finite number >= 0");
   REQUIRE_THROWS_AS(run_with(hertz, "b", not_a_number), std::invalid_argument);
   // The ends of a range that are allowed.
   REQUIRE_NOTHROW(run_with(newton, "k_r", 0.0));
