@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// BatchMeans: mean of a correlated series with its standard error. The series is cut into batches of equal length, between 32 and
+// 64 of them; when there are 64, neighbours are joined and the length doubles. The means of batches much longer than the
+// correlation time are as good as independent: error^2 = variance of the batch means / number of batches.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace graze {
+
+class BatchMeans {
+ public:
+  void add(double value) {
+    ++count_;
+    const double before = value - mean_;
+    mean_ += before / static_cast<double>(count_);
+    squares_ += before * (value - mean_);
+    open_ += value;
+    if (++in_open_ < length_) return;
+    batches_.push_back(open_ / static_cast<double>(length_));
+    open_ = 0.0;
+    in_open_ = 0;
+    if (batches_.size() < most) return;
+    for (std::size_t i = 0; i < most / 2; ++i) batches_[i] = 0.5 * (batches_[2 * i] + batches_[2 * i + 1]);
+    batches_.resize(most / 2);
+    length_ *= 2;
+  }
+
+  double mean() const { return mean_; }
+  /// Infinite until there are enough batches.
+  double standard_error() const {
+    const std::size_t n = batches_.size();
+    if (n < most / 4) return std::numeric_limits<double>::infinity();
+    double average = 0.0, sum = 0.0;
+    for (const double batch : batches_) average += batch / static_cast<double>(n);
+    for (const double batch : batches_) sum += (batch - average) * (batch - average);
+    return std::sqrt(sum / static_cast<double>(n - 1) / static_cast<double>(n));
+  }
+  /// Integrated correlation time in terms of the series: error^2 = 2 tau variance / count; 1/2 for independent terms.
+  double correlation_time() const {
+    const double variance = count_ > 1 ? squares_ / static_cast<double>(count_ - 1) : 0.0, error = standard_error();
+    return variance > 0.0 ? 0.5 * error * error * static_cast<double>(count_) / variance : 0.5;
+  }
+
+ private:
+  static constexpr std::size_t most = 64;
+  std::vector<double> batches_;
+  std::int64_t count_ = 0, length_ = 1, in_open_ = 0;
+  double mean_ = 0.0, squares_ = 0.0, open_ = 0.0;
+};
+
+}  // namespace graze

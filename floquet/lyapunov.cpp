@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/batch_means.hpp>
+#include <graze/floquet/lyapunov.hpp>
+
+#include <fmt/format.h>
+
+#include <Eigen/QR>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+
+namespace graze {
+
+namespace {
+
+void check(const HybridSystem& system, const LyapunovOptions& options) {
+  if (!system.forcing_frequency)
+    throw std::invalid_argument("the exponents are averaged over forcing periods; this system is autonomous");
+  if (options.interval < 1)
+    throw std::invalid_argument(fmt::format("interval is {}; allowed is a whole number >= 1", options.interval));
+  if (options.max_periods < options.interval)
+    throw std::invalid_argument(
+        fmt::format("max_periods is {}; allowed is at least the interval, {}", options.max_periods, options.interval));
+  if (!(options.standard_error >= 0.0) || !(options.change >= 0.0))
+    throw std::invalid_argument("the bounds of standard error and change must be >= 0");
+}
+
+/// Tangent vectors, orthonormalised now and then.
+class Frame {
+ public:
+  explicit Frame(Eigen::Index n) : Q_(Matrix::Identity(n, n)), growth_(static_cast<std::size_t>(n)) {}
+
+  void advance(const Matrix& Phi) { Q_ = Phi * Q_; }
+
+  /// ln of the lengths that each direction has gained since the last time; -infinity for one that is lost.
+  const std::vector<double>& orthonormalise() {
+    const Eigen::Index n = Q_.rows();
+    const Eigen::HouseholderQR<Matrix> qr(Q_);
+    for (Eigen::Index i = 0; i < n; ++i) growth_[static_cast<std::size_t>(i)] = std::log(std::abs(qr.matrixQR()(i, i)));
+    Q_ = qr.householderQ();
+    return growth_;
+  }
+
+ private:
+  Matrix Q_;
+  std::vector<double> growth_;
+};
+
+}  // namespace
+
+std::string_view lyapunov_stop_text(LyapunovStop reason) {
+  switch (reason) {
+  case LyapunovStop::not_run:
+    return "it was not run";
+  case LyapunovStop::standard_error:
+    return "every standard error is below its bound";
+  case LyapunovStop::change:
+    return "the exponents changed by less than the bound from one orthonormalisation to the next";
+  case LyapunovStop::budget:
+    return "the budget of forcing periods is used up";
+  case LyapunovStop::interrupted:
+    return "it was interrupted";
+  case LyapunovStop::failed:
+    return "the motion could not be carried on";
+  }
+  return "";
+}
+
+double kaplan_yorke_dimension(const std::vector<double>& exponents) {
+  double sum = 0.0;
+  for (std::size_t j = 0; j < exponents.size(); ++j) {
+    if (sum + exponents[j] < 0.0) return static_cast<double>(j) + (std::isfinite(exponents[j]) ? sum / -exponents[j] : 0.0);
+    sum += exponents[j];
+  }
+  return static_cast<double>(exponents.size());
+}
+
+LyapunovSpectrum lyapunov_spectrum(const HybridSystem& system, const Vector& p, const Vector& state,
+                                   const LyapunovOptions& options) {
+  check(system, options);
+  initial_mode(system, 0.0, state, p);
+  LyapunovSpectrum out;
+  out.state = state;
+  const auto n = static_cast<Eigen::Index>(system.states);
+  const double T = forcing_period(system, p), interval_time = options.interval * T;
+  Propagator propagator(system, p, {}, options.flow);
+  Transition transition;
+  Frame frame(n);
+  std::vector<BatchMeans> means(static_cast<std::size_t>(n));
+  std::vector<bool> lost(static_cast<std::size_t>(n), false);
+  std::vector<double> before(static_cast<std::size_t>(n), 0.0);
+  const auto settled = [&] {
+    if (out.periods < options.min_periods) return false;
+    return std::all_of(means.begin(), means.end(), [&](const BatchMeans& mean) {
+      return lost[static_cast<std::size_t>(&mean - means.data())] ||
+             mean.standard_error() / interval_time < options.standard_error;
+    });
+  };
+  out.stop = LyapunovStop::budget;
+  while (out.periods + options.interval <= options.max_periods) {
+    if (options.cancelled && options.cancelled()) {
+      out.stop = LyapunovStop::interrupted;
+      break;
+    }
+    double liouville = 0.0, sum = 0.0;
+    bool carried = true;
+    for (int period = 0; period < options.interval && carried; ++period) {
+      carry(propagator, 0.0, T, out.state, {.sensitivity = Sensitivity::state}, transition);
+      out.termination = transition.termination;
+      carried = transition.termination == Termination::time;
+      if (!carried) break;
+      frame.advance(transition.Phi);
+      liouville += transition.liouville;
+      out.state = transition.x1;
+      for (const std::size_t event : transition.event_sequence) {
+        const EventKind kind = system.events[event].kind;
+        out.impacts += kind == EventKind::impact || kind == EventKind::enter ? 1 : 0;
+      }
+    }
+    if (!carried) {
+      out.stop = LyapunovStop::failed;
+      break;
+    }
+    const std::vector<double>& growth = frame.orthonormalise();
+    double largest_change = 0.0;
+    for (std::size_t i = 0; i < growth.size(); ++i) {
+      lost[i] = lost[i] || !std::isfinite(growth[i]);
+      sum += growth[i];
+      if (lost[i]) continue;
+      means[i].add(growth[i]);
+      const double now = means[i].mean() / interval_time;
+      largest_change = std::max(largest_change, std::abs(now - before[i]));
+      before[i] = now;
+    }
+    out.periods += options.interval;
+    if (std::isfinite(sum) && std::isfinite(liouville))
+      out.liouville_residual = std::max(out.liouville_residual, std::abs(sum - liouville) / options.interval);
+    if (options.progress) options.progress(out.periods);
+    if (options.change > 0.0 && out.periods > options.interval && largest_change < options.change) {
+      out.stop = LyapunovStop::change;
+      break;
+    }
+    if (options.change == 0.0 && options.standard_error > 0.0 && settled()) {
+      out.stop = LyapunovStop::standard_error;
+      break;
+    }
+  }
+  std::vector<std::size_t> order(static_cast<std::size_t>(n));
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto exponent = [&](std::size_t i) {
+    return lost[i] ? -std::numeric_limits<double>::infinity() : means[i].mean() / interval_time;
+  };
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return exponent(a) > exponent(b); });
+  for (const std::size_t i : order) {
+    out.exponents.push_back(exponent(i));
+    out.standard_errors.push_back(lost[i] ? 0.0 : means[i].standard_error() / interval_time);
+    out.correlation_times.push_back(lost[i] ? 0.0 : means[i].correlation_time() * options.interval);
+  }
+  out.kaplan_yorke = kaplan_yorke_dimension(out.exponents);
+  return out;
+}
+
+}  // namespace graze

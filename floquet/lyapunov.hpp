@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// LyapunovSpectrum: all exponents of a motion by time average, with the same flows and saltation matrices as the monodromy
+// matrix.
+//
+//     Phi_k Q_k = Q_{k+1} R_k   (QR, every `interval` forcing periods),   lambda_i = <ln (R_k)_ii> / (interval T)
+// (Benettin, Galgani, Giorgilli & Strelcyn, Meccanica 15 (1980) 9; Mueller 1995 for the jumps). Standard errors are those of
+// batch means: the mean over a batch much longer than the correlation time is as good as independent of the next. By Liouville's
+// identity the exponents' sum is known for itself; what is left between the two is given.
+//
+// An exponent is -infinity where the motion forgets a direction altogether (k_r = 0, sticking). For forced systems; exponents per
+// unit of dimensionless time.
+#pragma once
+
+#include <graze/lib/transition.hpp>
+
+#include <functional>
+
+namespace graze {
+
+enum class LyapunovStop {
+  not_run,
+  standard_error,  ///< every standard error is below the bound
+  change,          ///< the source's rule: all exponents changed by less than LyapunovOptions::change
+  budget,          ///< max_periods were carried out
+  interrupted,
+  failed  ///< the motion could not be carried on; see LyapunovSpectrum::termination
+};
+
+std::string_view lyapunov_stop_text(LyapunovStop reason);
+
+struct LyapunovOptions {
+  int interval = 1;              ///< forcing periods between two orthonormalisations
+  double standard_error = 3e-4;  ///< bound, for all exponents; 0: the budget is used up
+  double change = 0.0;           ///< > 0: stop where all exponents change by less than this from one interval to the next
+  std::int64_t min_periods = 2000;
+  std::int64_t max_periods = 200000;
+  FlowOptions flow = {};
+  std::function<bool()> cancelled = {};  ///< asked once per interval
+  std::function<void(std::int64_t periods)> progress = {};
+};
+
+struct LyapunovSpectrum {
+  LyapunovStop stop = LyapunovStop::not_run;
+  Termination termination = Termination::failed;  ///< of the last period carried out
+  std::vector<double> exponents;                  ///< by size, largest first
+  std::vector<double> standard_errors;            ///< of each
+  std::vector<double> correlation_times;          ///< of each one's growth, in forcing periods (1/2 for independent periods)
+  double kaplan_yorke = 0.0;                      ///< dimension j + (lambda_1 + ... + lambda_j) / |lambda_{j+1}|
+  double liouville_residual = -1.0;               ///< largest |sum ln R_ii - Liouville's identity| per period; -1: not applicable
+  std::int64_t periods = 0;
+  std::int64_t impacts = 0;  ///< impacts and entries into contact on the way
+  Vector state;              ///< at forcing phase 0, at the end
+  bool converged() const { return stop == LyapunovStop::standard_error || stop == LyapunovStop::change; }
+};
+
+/// The spectrum along the motion from `state` at forcing phase 0 (no transient is taken off here).
+/// @throws std::invalid_argument for an autonomous system, an inadmissible start, or options out of range.
+LyapunovSpectrum lyapunov_spectrum(const HybridSystem& system, const Vector& p, const Vector& state,
+                                   const LyapunovOptions& options = {});
+
+/// Kaplan and Yorke's dimension of exponents in order: 0 if the first is negative.
+double kaplan_yorke_dimension(const std::vector<double>& exponents);
+
+}  // namespace graze

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Exponents by time average: against the multipliers on periodic orbits, against Liouville's identity in chaos, their standard
+// errors against the scatter of independent runs.
+#include <graze/floquet/batch_means.hpp>
+#include <graze/floquet/lyapunov.hpp>
+#include <graze/floquet/settle.hpp>
+#include <graze/lib/oscillator.hpp>
+
+#include "support/checks.hpp"
+#include "support/two_mass_oscillator.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <numeric>
+#include <random>
+
+using namespace graze;
+using namespace graze::support;
+
+TEST_CASE("batch means: the error of a correlated series is that of its correlation time") {
+  // x_{k+1} = a x_k + noise: variance 1 / (1 - a^2), integrated correlation time (1 + a) / (2 (1 - a)).
+  const double a = 0.9;
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise;
+  BatchMeans means;
+  double x = 0.0;
+  constexpr int count = 400000;
+  for (int k = 0; k < count; ++k) means.add(x = a * x + noise(random));
+  const double tau = 0.5 * (1.0 + a) / (1.0 - a), error = std::sqrt(2.0 * tau / (1.0 - a * a) / count);
+  // 32 to 64 batches know their spread to 1 / sqrt(64 ... 128), three times that is allowed.
+  CHECK(means.standard_error() == Approx(error).epsilon(0.35));
+  CHECK(means.correlation_time() == Approx(tau).epsilon(0.75));
+  CHECK(std::abs(means.mean()) < 4.0 * error);
+}
+
+TEST_CASE("Kaplan and Yorke's dimension") {
+  CHECK(kaplan_yorke_dimension({-0.1, -0.2}) == 0.0);
+  CHECK(kaplan_yorke_dimension({0.1, -0.2}) == Approx(1.5));
+  CHECK(kaplan_yorke_dimension({0.1, -0.05, -0.2}) == Approx(2.25));
+  CHECK(kaplan_yorke_dimension({0.1, 0.0}) == 2.0);
+  CHECK(kaplan_yorke_dimension({0.1, -std::numeric_limits<double>::infinity()}) == 1.0);
+}
+
+TEST_CASE("on a stable orbit the time average is what its multipliers say") {
+  for (const auto& [law, eta, b_H] :
+       {std::tuple{"hertz", 0.925, 0.1}, {"hertz", 0.85, 0.1}, {"newton", 0.9, 0.0}, {"hertz", 0.744, 0.0}}) {
+    const HybridSystem system = make_oscillator("linear", law);
+    Vector p = default_parameters(system.parameters);
+    p[oscillator_parameter::eta] = eta;
+    if (std::string(law) == "hertz") p[oscillator_parameter::law + 1] = b_H;
+    const Settled settled = settle(system, p, Vector::Zero(2), {.periods = 3000});
+    REQUIRE(settled.suspected_period > 0);
+    const PeriodicOrbit orbit = shoot(system, p, settled.state, settled.suspected_period);
+    REQUIRE(orbit.stable());
+    for (const int interval : {1, 15}) {
+      LyapunovOptions options;
+      options.interval = interval;
+      options.standard_error = 0.0;
+      options.max_periods = 6000;
+      const LyapunovSpectrum spectrum = lyapunov_spectrum(system, p, orbit.state, options);
+      INFO(law << " " << eta << ", orthonormalised every " << interval);
+      CHECK(spectrum.stop == LyapunovStop::budget);
+      // The frame needs some periods to find its directions: an error of O(1) over the time of averaging.
+      for (std::size_t i = 0; i < 2; ++i) CHECK(spectrum.exponents[i] == Approx(orbit.multipliers.exponents[i]).margin(2e-4));
+      CHECK(spectrum.exponents[0] + spectrum.exponents[1] ==
+            Approx(orbit.multipliers.exponents[0] + orbit.multipliers.exponents[1]).margin(1e-11));
+      CHECK(spectrum.liouville_residual >= 0.0);
+      CHECK(spectrum.liouville_residual < 1e-10);
+      CHECK(spectrum.kaplan_yorke == 0.0);
+      CHECK(spectrum.impacts == spectrum.periods * orbit.impacts / orbit.period);
+    }
+  }
+}
+
+TEST_CASE("in chaos the sum obeys Liouville, and standard errors are the scatter of independent runs") {
+  const HybridSystem system = make_oscillator("linear", "newton");
+  Vector p = default_parameters(system.parameters);
+  p[oscillator_parameter::eta] = 0.711;
+  std::vector<double> firsts, errors;
+  for (int run = 0; run < 12; ++run) {
+    const Settled start = settle(system, p, Vector{{0.1 * run, 0.3}}, {.periods = 500});
+    const LyapunovSpectrum spectrum = lyapunov_spectrum(system, p, start.state, {.standard_error = 1.5e-3});
+    CHECK(spectrum.stop == LyapunovStop::standard_error);
+    CHECK(spectrum.exponents[0] > 0.0);
+    CHECK(spectrum.exponents[0] + spectrum.exponents[1] == Approx(-2.0 * p[oscillator_parameter::b]).margin(1e-10));
+    CHECK(spectrum.liouville_residual < 1e-10);
+    CHECK(spectrum.kaplan_yorke > 1.0);
+    CHECK(spectrum.kaplan_yorke < 2.0);
+    firsts.push_back(spectrum.exponents[0]);
+    errors.push_back(spectrum.standard_errors[0]);
+  }
+  const double mean = std::accumulate(firsts.begin(), firsts.end(), 0.0) / 12.0;
+  double scatter = 0.0, stated = 0.0;
+  for (std::size_t i = 0; i < 12; ++i) {
+    scatter += (firsts[i] - mean) * (firsts[i] - mean) / 11.0;
+    stated += errors[i] * errors[i] / 12.0;
+  }
+  // chi-squared with 11 degrees of freedom: between 0.24 and 2.4 in 99 of 100 cases.
+  CHECK(scatter / stated > 0.2);
+  CHECK(scatter / stated < 2.8);
+}
+
+TEST_CASE("four states: the whole spectrum sums to the trace") {
+  const HybridSystem system = two_mass_oscillator();
+  const Vector p = parameters(system, {{"xi", 2.0}, {"eta", 0.7}, {"k_r", 0.7}});
+  const LyapunovSpectrum spectrum =
+      lyapunov_spectrum(system, p, vector({0.2, 1.0, 0.1, 0.3}), {.standard_error = 0.0, .max_periods = 500});
+  REQUIRE(spectrum.exponents.size() == 4);
+  CHECK(spectrum.liouville_residual >= 0.0);
+  CHECK(spectrum.liouville_residual < 1e-10);
+  CHECK(std::is_sorted(spectrum.exponents.rbegin(), spectrum.exponents.rend()));
+}
+
+TEST_CASE("a direction that is forgotten has the exponent minus infinity") {
+  const HybridSystem system = make_oscillator("linear", "newton");
+  const Vector p = parameters(system, {{"k_r", 0.0}, {"eta", 0.9}, {"r", 1.0}});
+  const Settled start = settle(system, p, Vector::Zero(2), {.periods = 100});
+  const LyapunovSpectrum spectrum = lyapunov_spectrum(system, p, start.state, {.min_periods = 100, .max_periods = 1000});
+  CHECK(spectrum.exponents[1] == -std::numeric_limits<double>::infinity());
+  CHECK(spectrum.liouville_residual == -1.0);
+}
+
+TEST_CASE("the source's rule stops by change, and misuse of exponents is refused in one sentence") {
+  const HybridSystem system = make_oscillator("linear", "hertz");
+  const Vector p = default_parameters(system.parameters);
+  const Settled start = settle(system, p, Vector::Zero(2), {.periods = 500});
+  const LyapunovSpectrum spectrum = lyapunov_spectrum(system, p, start.state, {.interval = 15, .change = 1e-6});
+  CHECK(spectrum.stop == LyapunovStop::change);
+  CHECK(spectrum.periods % 15 == 0);
+  CHECK_THROWS_WITH(lyapunov_spectrum(system, p, start.state, {.interval = 0}), Catch::Contains("interval is 0"));
+  CHECK_THROWS_WITH(lyapunov_spectrum(system, p, start.state, {.interval = 5, .max_periods = 3}),
+                    Catch::Contains("max_periods is 3"));
+  int asked = 0;
+  LyapunovOptions options;
+  options.cancelled = [&] { return ++asked > 3; };
+  CHECK(lyapunov_spectrum(system, p, start.state, options).stop == LyapunovStop::interrupted);
+}
