@@ -32,6 +32,7 @@ Command orbit_command();
 Command continue_command();
 Command locate_command();
 Command diagram_command();
+Command lyapunov_command();
 Command verify_command();
 Command trajectory_command();
 Command poincare_command();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Exponents by time average: against the multipliers on periodic orbits, against Liouville's identity in chaos, their standard
 // errors against the scatter of independent runs.
+#include <graze/floquet/attractor.hpp>
 #include <graze/floquet/batch_means.hpp>
 #include <graze/floquet/lyapunov.hpp>
 #include <graze/floquet/settle.hpp>
@@ -134,4 +135,38 @@ TEST_CASE("the source's rule stops by change, and misuse of exponents is refused
   LyapunovOptions options;
   options.cancelled = [&] { return ++asked > 3; };
   CHECK(lyapunov_spectrum(system, p, start.state, options).stop == LyapunovStop::interrupted);
+}
+
+TEST_CASE("an attractor is periodic where Newton proves it, however slowly the motion settles, and chaotic beyond its error") {
+  const HybridSystem system = make_oscillator("linear", "hertz");
+  Vector p = default_parameters(system.parameters);
+  p[oscillator_parameter::law + 1] = 0.1;
+  // 0.7433 and 0.9195 lie 2e-5 and 4e-5 beyond their period doublings: 1000 periods do not settle to 1e-6.
+  for (const auto& [eta, period, impacts] :
+       {std::tuple{0.925, 1, 1}, {0.85, 2, 1}, {0.7433, 4, 4}, {0.9195, 2, 2}, {0.66, 1, 0}}) {
+    p[oscillator_parameter::eta] = eta;
+    const Attractor attractor = find_attractor(system, p, Vector::Zero(2));
+    INFO(eta);
+    REQUIRE(attractor.type == AttractorType::periodic);
+    CHECK(attractor.period == period);
+    CHECK(attractor.impacts == impacts);
+    REQUIRE(attractor.orbit);
+    CHECK(attractor.exponents == attractor.orbit->multipliers.exponents);
+    // The short-cut reaches what plain simulation reaches.
+    const Settled plain = settle(system, p, Vector::Zero(2), {.periods = 40000});
+    double nearest = 1.0;
+    for (const Vector& state : attractor.orbit->states) nearest = std::min(nearest, (state - plain.state).norm());
+    CHECK(nearest < 1e-6);
+  }
+  p[oscillator_parameter::eta] = 0.72;
+  const Attractor chaos = find_attractor(system, p, Vector::Zero(2));
+  CHECK(chaos.type == AttractorType::chaotic);
+  CHECK(chaos.exponents[0] > 5.0 * chaos.standard_errors[0]);
+  CHECK_FALSE(chaos.orbit);
+  // The budget is a limit that is told.
+  AttractorOptions little;
+  little.lyapunov.max_periods = 50;
+  const Attractor undecided = find_attractor(system, p, Vector::Zero(2), little);
+  CHECK(undecided.time_average.stop == LyapunovStop::budget);
+  CHECK(undecided.time_average.periods == 50);
 }

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// graze lyapunov: the spectrum of exponents on the attractor that the motion reaches.
+#include <graze/apps/arguments.hpp>
+#include <graze/apps/commands/command.hpp>
+#include <graze/apps/find_orbit.hpp>
+#include <graze/apps/interrupt.hpp>
+#include <graze/apps/number.hpp>
+#include <graze/apps/orbit_report.hpp>
+#include <graze/apps/progress.hpp>
+#include <graze/apps/result.hpp>
+
+#include <graze/floquet/attractor.hpp>
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+#include <stdexcept>
+
+namespace graze::apps {
+
+namespace {
+
+struct Options {
+  StartOptions start;
+  int periods = 200000, interval = 1, max_period = 64;
+  std::optional<double> standard_error, change;
+  OutputOptions output;
+};
+
+AttractorOptions attractor_options(const Options& options, const Problem& problem, Progress& progress) {
+  AttractorOptions out;
+  out.transient = settle_of(problem, options.start);
+  out.max_period = options.max_period;
+  out.lyapunov.interval = options.interval;
+  out.lyapunov.max_periods = options.periods;
+  if (options.standard_error) out.lyapunov.standard_error = *options.standard_error;
+  if (options.change) out.lyapunov.change = *options.change;
+  out.lyapunov.cancelled = interrupted;
+  out.lyapunov.progress = [&progress, most = options.periods](std::int64_t periods) {
+    progress.update(static_cast<double>(periods) / most, [&] { return fmt::format("{} forcing periods", periods); });
+  };
+  return out;
+}
+
+/// A number as JSON has it: null where it is not finite.
+Json number_json(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json numbers_json(const std::vector<double>& values) {
+  Json list = Json::array();
+  for (const double value : values) list.push_back(number_json(value));
+  return list;
+}
+
+Json spectrum_json(const LyapunovSpectrum& spectrum) {
+  return {{"exponents", numbers_json(spectrum.exponents)},
+          {"standard_errors", numbers_json(spectrum.standard_errors)},
+          {"correlation_times", numbers_json(spectrum.correlation_times)},
+          {"kaplan_yorke", spectrum.kaplan_yorke},
+          {"liouville_residual", spectrum.liouville_residual < 0.0 ? Json(nullptr) : Json(spectrum.liouville_residual)},
+          {"periods", spectrum.periods},
+          {"impacts", spectrum.impacts},
+          {"converged", spectrum.converged()},
+          {"stop", lyapunov_stop_text(spectrum.stop)}};
+}
+
+Json attractor_json(const Attractor& attractor) {
+  Json out = {{"type", attractor_type_name(attractor.type)},
+              {"period", attractor.period > 0 ? Json(attractor.period) : Json(nullptr)},
+              {"impacts", attractor.period > 0 ? Json(attractor.impacts) : Json(nullptr)},
+              {"state", to_json(attractor.state)}};
+  if (attractor.orbit) out["multipliers"] = multipliers_json(attractor.orbit->multipliers);
+  return out;
+}
+
+std::string exponent_text(double value, int digits) { return std::isfinite(value) ? rounded(value, digits) : "-infinity"; }
+
+std::string attractor_text(const Attractor& attractor) {
+  std::string text;
+  if (attractor.type == AttractorType::periodic) {
+    text =
+        fmt::format("periodic, {}: exponents ln|mu| / (nT) of its multipliers\n", z_label(attractor.impacts, attractor.period));
+  } else if (attractor.type == AttractorType::chaotic) {
+    text = fmt::format("chaotic: the first exponent is positive by {} standard errors\n",
+                       rounded(attractor.exponents[0] / attractor.standard_errors[0], 3));
+  } else {
+    text = "undecided: neither a stable orbit is reached nor is the first exponent positive by several standard errors\n";
+  }
+  text += fmt::format("  state at forcing phase 0   x = {}   x' = {}\n\n", rounded(attractor.state[0], 12),
+                      rounded(attractor.state[1], 12));
+  const bool periodic = attractor.type == AttractorType::periodic;
+  Table table{{"exponent", "value"}, {}};
+  if (!periodic) table.columns.push_back("standard error");
+  if (periodic) table.columns.insert(table.columns.end(), {"time average", "standard error"});
+  const LyapunovSpectrum& average = attractor.time_average;
+  for (std::size_t i = 0; i < attractor.exponents.size(); ++i) {
+    std::vector<std::string> row = {std::to_string(i + 1), exponent_text(attractor.exponents[i], periodic ? 12 : 6)};
+    if (periodic) row.push_back(i < average.exponents.size() ? exponent_text(average.exponents[i], 6) : "-");
+    row.push_back(i < average.standard_errors.size() ? exponent_text(average.standard_errors[i], 2) : "-");
+    table.rows.push_back(std::move(row));
+  }
+  text += aligned(table);
+  if (average.periods == 0) return text;
+  if (!periodic) text += fmt::format("  Kaplan-Yorke dimension {}\n", rounded(attractor.kaplan_yorke, 6));
+  if (average.liouville_residual >= 0.0)
+    text += fmt::format("  Liouville residual {} per period (bound 1e-10, {})\n", rounded(average.liouville_residual, 2),
+                        average.liouville_residual < 1e-10 ? "ok" : "FAILED");
+  text += fmt::format("  averaged over {} forcing periods: {}\n", average.periods, lyapunov_stop_text(average.stop));
+  return text;
+}
+
+int run(const Options& options, const Console& console) {
+  check_outputs(options.output, options.start.file);
+  for (const auto& [name, value] : {std::pair{"--standard-error", options.standard_error}, {"--change", options.change}})
+    if (value && !(*value >= 0.0)) throw std::invalid_argument(fmt::format("{} is {}; allowed is >= 0", name, exact(*value)));
+  if (options.periods < options.interval)
+    throw std::invalid_argument(
+        fmt::format("--periods {} is less than --interval {}; give at least one interval", options.periods, options.interval));
+  const Problem problem = open_problem(options.start, console);
+  const Vector start = start_state(problem, options.start.start);
+  Attractor attractor;
+  {
+    Progress progress(console.err, console.quiet, "averaging");
+    attractor = find_attractor(problem.system, problem.parameters, start, attractor_options(options, problem, progress));
+  }
+  Status status = Status::done;
+  std::string message;
+  if (interrupted()) {
+    status = Status::interrupted;
+    message = fmt::format("interrupted after {} forcing periods of averaging", attractor.time_average.periods);
+  } else if (attractor.termination != Termination::time || attractor.time_average.stop == LyapunovStop::failed) {
+    status = Status::failed;
+    message = "the motion could not be carried on";
+  } else if (attractor.type != AttractorType::periodic && attractor.time_average.stop == LyapunovStop::budget) {
+    // A limit that was asked for, and says so.
+    console.note(fmt::format("the budget of {} forcing periods is used up before every standard error is below its bound; "
+                             "--periods gives more",
+                             options.periods));
+  }
+  Json given = options_json(problem, options.start);
+  given.update({{"periods", options.periods}, {"interval", options.interval}, {"max_period", options.max_period}});
+  if (options.standard_error) given["standard_error"] = *options.standard_error;
+  if (options.change) given["change"] = *options.change;
+  Result result;
+  result.json = result_head("lyapunov/1", "lyapunov", problem, given);
+  set_status(result.json, status, message);
+  const bool periodic = attractor.type == AttractorType::periodic;
+  const Json average = spectrum_json(attractor.time_average);
+  result.json["exponents"] = numbers_json(attractor.exponents);
+  result.json["standard_errors"] = numbers_json(attractor.standard_errors);
+  result.json["converged"] = periodic || attractor.time_average.converged();
+  result.json["periods"] = attractor.time_average.periods;
+  result.json["liouville_residual"] = average["liouville_residual"];
+  result.json["kaplan_yorke"] = periodic ? 0.0 : attractor.kaplan_yorke;
+  result.json["stop"] = periodic ? Json("the attractor is a stable orbit") : average["stop"];
+  result.json["attractor"] = attractor_json(attractor);
+  result.json["time_average"] = average;
+  result.table = {{"exponent", "value", "standard_error", "time_average", "time_average_error"}, {}};
+  for (std::size_t i = 0; i < attractor.exponents.size(); ++i) {
+    const LyapunovSpectrum& mean = attractor.time_average;
+    const bool there = i < mean.exponents.size();
+    result.table.rows.push_back({std::to_string(i + 1), exact(attractor.exponents[i]), exact(attractor.standard_errors[i]),
+                                 there ? exact(mean.exponents[i]) : "", there ? exact(mean.standard_errors[i]) : ""});
+  }
+  result.text = describe(problem) + "\n\n" + (attractor.exponents.empty() ? message + "\n" : attractor_text(attractor));
+  if (status != Status::done) console.err << "graze lyapunov: " << message << "\n";
+  return deliver(result, options.output, "lyapunov", exit_code(status), console);
+}
+
+std::function<int(const Console&)> setup(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  add_start_options(app, options->start);
+  begin_group(app, "Average");
+  add_count(app, "--periods", options->periods, 1, "most forcing periods of the average (default 200000)");
+  add_number(app, "--standard-error", options->standard_error, "stop where every standard error is below this (default 3e-4)");
+  add_count(app, "--interval", options->interval, 1, "forcing periods between two orthonormalisations (default 1)");
+  add_number(app, "--change", options->change,
+             "stop where no exponent changes by more than this from one interval to the next instead");
+  add_count(app, "--max-period", options->max_period, 1, "longest period that is recognised (default 64)");
+  add_output_options(app, options->output, "lyapunov/1");
+  return [options](const Console& console) { return run(*options, console); };
+}
+
+}  // namespace
+
+Command lyapunov_command() {
+  return {
+      "lyapunov",
+      "the spectrum of Lyapunov exponents, with standard errors, on the attractor reached",
+      "From --start the motion settles for --settle forcing periods. If it is settling on a stable orbit, the exponents are\n"
+      "those of its multipliers, and the time average is given beside them. Else they are averaged until every standard error\n"
+      "(batch means) is below its bound, or the budget is used up. The sum is checked by Liouville's identity.",
+      {"graze lyapunov data/problems/hertz-damped.toml --set eta=0.72",
+       "graze lyapunov data/problems/newton-elastic.toml --set eta=0.711 --standard-error 1e-4 --json -"},
+      setup};
+}
+
+}  // namespace graze::apps

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/attractor.hpp>
+#include <graze/floquet/settle.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace graze {
+
+namespace {
+
+/// A settled state returns this closely after one period of its orbit, relative to 1 + |x|; Newton decides, not this.
+constexpr double worth_trying = 0.03;
+
+/// Distance of a state to the nearest of an orbit's states at phase 0.
+double distance(const PeriodicOrbit& orbit, const Vector& x) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Vector& state : orbit.states) least = std::min(least, (state - x).lpNorm<Eigen::Infinity>());
+  return least;
+}
+
+/// True if the motion from x comes closer to the orbit: by half, in the time in which its slowest multiplier halves a distance.
+bool approaches(const HybridSystem& system, const Vector& p, const PeriodicOrbit& orbit, const Vector& x,
+                const FlowOptions& flow) {
+  const double before = distance(orbit, x), slowest = std::abs(orbit.multipliers.values.front());
+  constexpr double there = 1e-9, most = 20000.0;
+  if (before < there) return true;
+  const double turns = slowest > 0.0 ? std::ceil(std::log(0.5) / std::log(slowest)) : 1.0;
+  SettleOptions options;
+  options.periods = orbit.period * static_cast<int>(std::clamp(turns, 1.0, most / orbit.period));
+  options.max_period = 0;
+  options.flow = flow;
+  const Settled later = settle(system, p, x, options);
+  return later.termination == Termination::time && distance(orbit, later.state) < 0.75 * before;
+}
+
+}  // namespace
+
+std::string_view attractor_type_name(AttractorType type) {
+  switch (type) {
+  case AttractorType::undecided:
+    break;
+  case AttractorType::periodic:
+    return "periodic";
+  case AttractorType::chaotic:
+    return "chaotic";
+  }
+  return "undecided";
+}
+
+std::optional<PeriodicOrbit> settling_orbit(const HybridSystem& system, const Vector& p, const Vector& state, int max_period,
+                                            const FlowOptions& flow) {
+  Propagator propagator(system, p, {}, flow);
+  const double T = forcing_period(system, p), scale = 1.0 + state.lpNorm<Eigen::Infinity>();
+  std::vector<Vector> states{state};
+  Transition transition;
+  ShootingOptions shooting;
+  shooting.flow = flow;
+  for (int n = 1; n <= max_period; ++n) {
+    carry(propagator, 0.0, T, states.back(), {.sensitivity = Sensitivity::none}, transition);
+    if (transition.termination != Termination::time) return std::nullopt;
+    const Vector next = transition.x1;
+    if ((next - state).lpNorm<Eigen::Infinity>() < worth_trying * scale) {
+      PeriodicOrbit orbit = shoot(system, p, states, n, shooting);
+      const bool near = orbit.converged() && distance(orbit, state) < 2.0 * worth_trying * scale;
+      if (near && orbit.stable() && orbit.admissible == Admissibility::admissible && approaches(system, p, orbit, state, flow))
+        return orbit;
+    }
+    states.push_back(next);
+  }
+  return std::nullopt;
+}
+
+Attractor find_attractor(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options) {
+  Attractor out;
+  SettleOptions settling;
+  settling.periods = options.transient;
+  settling.max_period = 0;
+  settling.cancelled = options.lyapunov.cancelled;
+  settling.flow = options.lyapunov.flow;
+  const Settled settled = settle(system, p, start, settling);
+  out.termination = settled.termination;
+  out.state = settled.state;
+  if (settled.termination != Termination::time) return out;
+  const auto take = [&](PeriodicOrbit orbit) {
+    out.type = AttractorType::periodic;
+    out.period = orbit.period;
+    out.impacts = orbit.impacts;
+    out.state = orbit.state;
+    out.exponents = orbit.multipliers.exponents;
+    out.standard_errors.assign(out.exponents.size(), 0.0);
+    out.orbit = std::move(orbit);
+  };
+  LyapunovOptions averaging = options.lyapunov;
+  if (auto orbit = settling_orbit(system, p, settled.state, options.max_period, averaging.flow)) {
+    take(std::move(*orbit));
+    averaging.max_periods = std::min<std::int64_t>(averaging.max_periods, options.periods_on_orbit);
+    if (averaging.max_periods >= averaging.interval) out.time_average = lyapunov_spectrum(system, p, out.state, averaging);
+    return out;
+  }
+  out.time_average = lyapunov_spectrum(system, p, settled.state, averaging);
+  out.state = out.time_average.state;
+  // What looked like chaos may have been a long transient.
+  if (auto orbit = settling_orbit(system, p, out.state, options.max_period, averaging.flow)) {
+    take(std::move(*orbit));
+    return out;
+  }
+  out.exponents = out.time_average.exponents;
+  out.standard_errors = out.time_average.standard_errors;
+  out.kaplan_yorke = out.time_average.kaplan_yorke;
+  if (!out.exponents.empty() && out.exponents[0] > options.significance * out.standard_errors[0])
+    out.type = AttractorType::chaotic;
+  return out;
+}
+
+}  // namespace graze

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Attractor: what a motion settles on, and its exponents.
+//
+// Periodic is what Newton's method proves: the settled state is near a stable orbit, and goes on coming closer at the rate of its
+// multipliers. Its exponents are then ln|mu_i| / (n T) to all digits, and the time average stands beside them. Chaotic: the first
+// exponent is positive by several standard errors. Else undecided.
+#pragma once
+
+#include <graze/floquet/lyapunov.hpp>
+#include <graze/floquet/shooting.hpp>
+
+#include <optional>
+
+namespace graze {
+
+enum class AttractorType { undecided, periodic, chaotic };
+
+/// "undecided", "periodic", "chaotic".
+std::string_view attractor_type_name(AttractorType type);
+
+struct AttractorOptions {
+  int transient = 1000;         ///< forcing periods
+  int max_period = 64;          ///< longest period that is recognised
+  double significance = 5.0;    ///< standard errors by which the first exponent must exceed zero in chaos
+  int periods_on_orbit = 2000;  ///< of the time average on a periodic attractor; 0: none
+  LyapunovOptions lyapunov = {};
+};
+
+struct Attractor {
+  AttractorType type = AttractorType::undecided;
+  int period = 0, impacts = 0;  ///< n and p of a periodic one
+  Vector state;                 ///< on it, at forcing phase 0
+  std::optional<PeriodicOrbit> orbit;
+  std::vector<double> exponents, standard_errors;  ///< of a periodic one from its multipliers, without error
+  double kaplan_yorke = 0.0;
+  LyapunovSpectrum time_average;
+  Termination termination = Termination::failed;  ///< of the transient; time: all is well
+};
+
+/// The attractor reached from `start` at forcing phase 0. @throws std::invalid_argument as lyapunov_spectrum does.
+Attractor find_attractor(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options = {});
+
+/// The stable orbit that a motion at `state` is settling on, if it is periodic with period up to max_period.
+std::optional<PeriodicOrbit> settling_orbit(const HybridSystem& system, const Vector& p, const Vector& state, int max_period,
+                                            const FlowOptions& flow = {});
+
+}  // namespace graze

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// graze lyapunov: its JSON on periodic and chaotic attractors, its budget, misuse.
+#include "graze_program.hpp"
+
+#include <graze/apps/json.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+
+using namespace graze;
+using namespace graze::apps;
+using namespace graze::support;
+using Catch::Matchers::Contains;
+
+namespace {
+
+Json spectrum(std::vector<std::string> more, const std::string& id = "hertz-damped") {
+  std::vector<std::string> arguments = {"lyapunov", problem(id), "--quiet", "--json", "-"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  const Outcome outcome = call(arguments);
+  INFO(outcome.err);
+  CHECK(outcome.code == 0);
+  return Json::parse(outcome.out);
+}
+
+}  // namespace
+
+TEST_CASE("lyapunov on a periodic attractor: the multipliers' exponents, the time average beside them") {
+  const Json json = spectrum({"--set", "eta=0.925"});
+  CHECK(json["schema"] == "graze.lyapunov/1");
+  CHECK(json["attractor"]["type"] == "periodic");
+  CHECK(json["attractor"]["period"] == 1);
+  CHECK(json["attractor"]["impacts"] == 1);
+  CHECK(json["converged"] == true);
+  const double T = 2.0 * 3.14159265358979323846 / 0.925;
+  CHECK(json["exponents"][0].get<double>() == Approx(std::log(0.94165004594) / T).epsilon(1e-9));
+  CHECK(json["exponents"][1].get<double>() == Approx(std::log(0.42664904192) / T).epsilon(1e-9));
+  CHECK(json["standard_errors"][0] == 0.0);
+  CHECK(json["time_average"]["exponents"][0].get<double>() == Approx(json["exponents"][0].get<double>()).margin(3e-4));
+  CHECK(json["liouville_residual"].get<double>() < 1e-10);
+}
+
+TEST_CASE("lyapunov in chaos: positive by many standard errors, and a budget that is told") {
+  const Json json = spectrum({"--set", "eta=0.711", "--standard-error", "1e-3"}, "newton-elastic");
+  CHECK(json["attractor"]["type"] == "chaotic");
+  CHECK(json["attractor"]["period"].is_null());
+  CHECK(json["converged"] == true);
+  CHECK(json["standard_errors"][0].get<double>() < 1e-3);
+  CHECK(json["exponents"][0].get<double>() + json["exponents"][1].get<double>() == Approx(-0.1).margin(1e-10));
+  CHECK(json["kaplan_yorke"].get<double>() > 1.0);
+  const Outcome short_of = call({"lyapunov", problem("newton-elastic"), "--set", "eta=0.711", "--periods", "300"});
+  CHECK(short_of.code == 0);
+  CHECK_THAT(short_of.err, Contains("the budget of 300 forcing periods is used up"));
+  CHECK_THAT(short_of.out, Contains("averaged over 300 forcing periods"));
+}
+
+TEST_CASE("lyapunov where a direction is forgotten: minus infinity is null in JSON") {
+  const Json json = spectrum({"--set", "k_r=0", "--set", "r=1"}, "newton-elastic");
+  CHECK(json["exponents"].back().is_null());
+}
+
+TEST_CASE("lyapunov refuses what it does not understand") {
+  const auto misuse = [](std::vector<std::string> more) {
+    more.insert(more.begin(), {"lyapunov", problem("hertz-damped")});
+    const Outcome outcome = call(more);
+    CHECK(outcome.code == 2);
+    CHECK(outcome.out.empty());
+    return outcome.err;
+  };
+  CHECK_THAT(misuse({"--periods", "3", "--interval", "5"}), Contains("--periods 3 is less than --interval 5"));
+  CHECK_THAT(misuse({"--standard-error=-1"}), Contains("--standard-error is -1; allowed is >= 0"));
+  CHECK_THAT(misuse({"--interval", "0"}), Contains("--interval 0"));
+  CHECK_THAT(misuse({"--peroids", "3"}), Contains("did you mean"));
+}
