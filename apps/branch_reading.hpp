@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Reading branches back from a result (graze.branch/1), so that a run can go on from them. The inverse of branch_report.hpp as far
-// as that needs it: values, states, stability and special points; no events and no monodromy matrices.
+// Reading branches back from a result (graze.branch/1), so that a run can go on from them. The inverse of branch_report.hpp as
+// far as that needs it: values, states, stability and special points; no events and no monodromy matrices.
 #pragma once
 
 #include <graze/apps/json.hpp>

@@ -33,6 +33,7 @@ Command continue_command();
 Command locate_command();
 Command diagram_command();
 Command lyapunov_command();
+Command sweep_command();
 Command verify_command();
 Command trajectory_command();
 Command poincare_command();

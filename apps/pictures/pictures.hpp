@@ -54,5 +54,7 @@ PictureKind trajectory_time_picture();
 PictureKind trajectory_phase_picture();
 PictureKind section_picture();
 PictureKind verify_picture();
+PictureKind sweep_picture();
+PictureKind exponents_picture();
 
 }  // namespace graze::apps

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/attractor_report.hpp>
+#include <graze/apps/number.hpp>
+#include <graze/apps/orbit_report.hpp>
+#include <graze/apps/table.hpp>
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace graze::apps {
+
+namespace {
+
+Json number_json(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+std::string exponent_text(double value, int digits) { return std::isfinite(value) ? rounded(value, digits) : "-infinity"; }
+
+}  // namespace
+
+Json numbers_json(const std::vector<double>& values) {
+  Json list = Json::array();
+  for (const double value : values) list.push_back(number_json(value));
+  return list;
+}
+
+Json spectrum_json(const LyapunovSpectrum& spectrum) {
+  return {{"exponents", numbers_json(spectrum.exponents)},
+          {"standard_errors", numbers_json(spectrum.standard_errors)},
+          {"correlation_times", numbers_json(spectrum.correlation_times)},
+          {"kaplan_yorke", spectrum.kaplan_yorke},
+          {"liouville_residual", spectrum.liouville_residual < 0.0 ? Json(nullptr) : Json(spectrum.liouville_residual)},
+          {"periods", spectrum.periods},
+          {"impacts", spectrum.impacts},
+          {"converged", spectrum.converged()},
+          {"stop", lyapunov_stop_text(spectrum.stop)}};
+}
+
+Json attractor_json(const Attractor& attractor) {
+  Json out = {{"type", attractor_type_name(attractor.type)},
+              {"period", attractor.period > 0 ? Json(attractor.period) : Json(nullptr)},
+              {"impacts", attractor.period > 0 ? Json(attractor.impacts) : Json(nullptr)},
+              {"state", to_json(attractor.state)}};
+  if (attractor.orbit) out["multipliers"] = multipliers_json(attractor.orbit->multipliers);
+  return out;
+}
+
+std::string attractor_text(const Attractor& attractor) {
+  std::string text;
+  if (attractor.type == AttractorType::periodic) {
+    text =
+        fmt::format("periodic, {}: exponents ln|mu| / (nT) of its multipliers\n", z_label(attractor.impacts, attractor.period));
+  } else if (attractor.type == AttractorType::chaotic) {
+    text = fmt::format("chaotic: the first exponent is positive by {} standard errors\n",
+                       rounded(attractor.exponents[0] / attractor.standard_errors[0], 3));
+  } else {
+    text = "undecided: neither a stable orbit is reached nor is the first exponent positive by several standard errors\n";
+  }
+  text += fmt::format("  state at forcing phase 0   x = {}   x' = {}\n\n", rounded(attractor.state[0], 12),
+                      rounded(attractor.state[1], 12));
+  const bool periodic = attractor.type == AttractorType::periodic;
+  Table table{{"exponent", "value"}, {}};
+  if (!periodic) table.columns.push_back("standard error");
+  if (periodic) table.columns.insert(table.columns.end(), {"time average", "standard error"});
+  const LyapunovSpectrum& average = attractor.time_average;
+  for (std::size_t i = 0; i < attractor.exponents.size(); ++i) {
+    std::vector<std::string> row = {std::to_string(i + 1), exponent_text(attractor.exponents[i], periodic ? 12 : 6)};
+    if (periodic) row.push_back(i < average.exponents.size() ? exponent_text(average.exponents[i], 6) : "-");
+    row.push_back(i < average.standard_errors.size() ? exponent_text(average.standard_errors[i], 2) : "-");
+    table.rows.push_back(std::move(row));
+  }
+  text += aligned(table);
+  if (average.periods == 0) return text;
+  if (!periodic) text += fmt::format("  Kaplan-Yorke dimension {}\n", rounded(attractor.kaplan_yorke, 6));
+  if (average.liouville_residual >= 0.0)
+    text += fmt::format("  Liouville residual {} per period (bound 1e-10, {})\n", rounded(average.liouville_residual, 2),
+                        average.liouville_residual < 1e-10 ? "ok" : "FAILED");
+  text += fmt::format("  averaged over {} forcing periods: {}\n", average.periods, lyapunov_stop_text(average.stop));
+  return text;
+}
+
+}  // namespace graze::apps

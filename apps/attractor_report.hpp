@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What is said of attractors and their exponents: as JSON, as text.
+#pragma once
+
+#include <graze/apps/json.hpp>
+
+#include <graze/floquet/attractor.hpp>
+
+#include <string>
+#include <vector>
+
+namespace graze::apps {
+
+/// Numbers as JSON has them: null where they are not finite.
+Json numbers_json(const std::vector<double>& values);
+
+Json spectrum_json(const LyapunovSpectrum& spectrum);
+
+/// "attractor" in graze.lyapunov/1 and graze.sweep/1.
+Json attractor_json(const Attractor& attractor);
+
+/// All that `graze lyapunov` prints of an attractor.
+std::string attractor_text(const Attractor& attractor);
+
+}  // namespace graze::apps

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Sweep: the attractor followed from one value of a parameter to the next, up, down or both ways: what a laboratory sees, with
+// its hysteresis. Each value starts from the state in which the one before ended.
+#pragma once
+
+#include <graze/floquet/attractor.hpp>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace graze {
+
+enum class SweepDirection { up, down };
+
+/// "up", "down".
+std::string_view sweep_direction_name(SweepDirection direction);
+
+struct SweepOptions {
+  std::string parameter = "eta";
+  double from = 0.0, to = 0.0, step = 0.0;  ///< values from, from + step, ... up to `to` (from < to, step > 0)
+  std::vector<SweepDirection> directions = {SweepDirection::up};
+  int first_transient = 1000;  ///< forcing periods at the first value; AttractorOptions::transient at the others
+  int samples = 200;           ///< stroboscopic states (and impacts) kept of an attractor that is not periodic
+  AttractorOptions attractor = {};
+  int threads = 1;  ///< the two directions run side by side; the result does not depend on it
+  std::function<bool()> cancelled = {};
+  std::function<void(std::size_t rows, double value)> progress = {};  ///< by one thread at a time
+};
+
+struct SweepRow {
+  double value = 0.0;
+  SweepDirection direction = SweepDirection::up;
+  Attractor attractor;
+  Vector end;                         ///< state at phase 0 from which the next value starts
+  std::vector<Vector> states;         ///< at forcing phase 0: those of the orbit, or SweepOptions::samples of them
+  std::vector<double> impact_speeds;  ///< of the impacts (entries) on the way through them
+};
+
+/// Rows in the order in which they are reached, direction by direction. `so_far`: rows of an earlier run, which are kept; the
+/// sweep goes on behind them.
+/// @throws std::invalid_argument for an unknown parameter, or a range or step that is not one.
+std::vector<SweepRow> sweep(const HybridSystem& system, const Vector& p, const Vector& start, const SweepOptions& options,
+                            const std::vector<SweepRow>& so_far = {});
+
+/// The values of a sweep, ascending.
+std::vector<double> sweep_values(double from, double to, double step);
+
+}  // namespace graze

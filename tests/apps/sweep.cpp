@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// graze sweep: rows with attractors and exponents, hysteresis, going on from an interrupted run, misuse.
+#include "graze_program.hpp"
+
+#include <graze/apps/json.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <filesystem>
+
+using namespace graze;
+using namespace graze::apps;
+using namespace graze::support;
+using Catch::Matchers::Contains;
+
+namespace {
+
+Outcome run(std::vector<std::string> more, const std::string& id = "newton-elastic") {
+  more.insert(more.begin(), {"sweep", problem(id), "--quiet"});
+  return call(more);
+}
+
+Json json_of(const Outcome& outcome) {
+  INFO(outcome.err);
+  CHECK(outcome.code == 0);
+  return Json::parse(outcome.out);
+}
+
+}  // namespace
+
+TEST_CASE("sweep follows the attractor and shows hysteresis") {
+  // Upwards the impactless orbit lasts to its grazing at 0.7107; downwards chaos lasts to 0.6975.
+  const Json json = json_of(run(
+      {"--from", "0.69", "--to", "0.715", "--step", "0.001", "--direction", "both", "--standard-error", "5e-3", "--json", "-"},
+      "hertz-damped"));
+  CHECK(json["schema"] == "graze.sweep/1");
+  REQUIRE(json["rows"].size() == 26 * 2);
+  for (const Json& row : json["rows"]) {
+    const double eta = row["value"];
+    INFO(row["direction"] << " " << eta);
+    if (row["direction"] == "up" && eta < 0.7106) {
+      CHECK(row["attractor"]["type"] == "periodic");
+      CHECK(row["attractor"]["impacts"] == 0);
+      CHECK(row["exponents"][0].get<double>() == Approx(-0.05).epsilon(1e-12));
+      CHECK(row["states"].size() == 1);
+      CHECK(row["impact_speeds"].empty());
+    }
+    if (row["direction"] == "down" && eta > 0.6985 && eta < 0.7145) {
+      CHECK(row["attractor"]["type"] == "chaotic");
+      CHECK_FALSE(row["impact_speeds"].empty());
+    }
+  }
+}
+
+TEST_CASE("sweep goes on from what an interrupted run has left, to the last bit") {
+  const TemporaryFolder folder;
+  const std::vector<std::string> options = {"--from", "0.74", "--to", "0.75", "--step", "0.002"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), options.begin(), options.end());
+    return more;
+  };
+  const std::string out = folder.file("run");
+  const Json whole = json_of(run(with({"--out", out, "--json", "-"})));
+  REQUIRE(whole["rows"].size() == 6);
+  CHECK(std::filesystem::exists(out + "/sweep-states.png"));
+  CHECK(std::filesystem::exists(out + "/sweep-exponents.png"));
+  Json part = whole;
+  part["status"] = "interrupted";
+  part["rows"].erase(part["rows"].begin() + 3, part["rows"].end());
+  folder.write("run/sweep.json", part.dump());
+  const Json resumed = json_of(run(with({"--resume", out, "--json", "-"})));
+  CHECK(resumed["rows"].size() == 6);
+  for (std::size_t k = 0; k < 6; ++k) {
+    CHECK(resumed["rows"][k]["exponents"] == whole["rows"][k]["exponents"]);
+    CHECK(resumed["rows"][k]["states"] == whole["rows"][k]["states"]);
+  }
+  const Outcome other = run(with({"--resume", out, "--set", "b=0.06"}));
+  CHECK(other.code == 2);
+  CHECK_THAT(other.err, Contains("is of another model, other parameters or other options"));
+}
+
+TEST_CASE("sweep refuses what it does not understand") {
+  const auto misuse = [](std::vector<std::string> more) {
+    const Outcome outcome = run(std::move(more));
+    CHECK(outcome.code == 2);
+    CHECK(outcome.out.empty());
+    return outcome.err;
+  };
+  CHECK_THAT(misuse({"--from", "0.8", "--to", "0.7", "--step", "0.01"}), Contains("a sweep needs from < to"));
+  CHECK_THAT(misuse({"--from", "0.7", "--to", "0.8", "--step", "0"}), Contains("--step is 0; allowed is > 0"));
+  CHECK_THAT(misuse({"--from", "0.7", "--to", "0.8", "--step", "1e-9"}), Contains("at most a million"));
+  CHECK_THAT(misuse({"--from", "0", "--to", "0.8", "--step", "0.1"}), Contains("--from"));
+  CHECK_THAT(misuse({"--from", "0.7", "--to", "0.8", "--step", "0.1", "--direction", "sideways"}), Contains("sideways"));
+}
