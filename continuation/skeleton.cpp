@@ -92,11 +92,11 @@ class SeedFinder {
   }
 
   std::vector<PeriodicOrbit> search(int number) const {
-    const int period = number % options_.searched_period + 1, place = number / options_.searched_period + 1;
+    const int period = number % options_.searched_period + 1, place = number / options_.searched_period;
     SearchOptions searching = options_.search;
     searching.cancelled = options_.continuation.cancelled;
     searching.shooting = options_.continuation.shooting;
-    const double part = static_cast<double>(place) / (options_.searched_values + 1);
+    const double part = options_.searched_values > 1 ? static_cast<double>(place) / (options_.searched_values - 1) : 0.5;
     std::vector<PeriodicOrbit> found = search_orbits(system_, at(low_ + part * (high_ - low_)), period, searching).orbits;
     std::erase_if(found, [&](const PeriodicOrbit& orbit) { return !wanted(orbit); });
     return found;

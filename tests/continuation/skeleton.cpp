@@ -229,3 +229,19 @@ TEST_CASE("a graph that was interrupted goes on from the branches it has, and co
   for (const Branch& branch : resumed.branches)
     for (const SpecialPoint& point : branch.special_points) CHECK(labels.insert(point.label).second);
 }
+
+TEST_CASE("a family is known again where an impact passes phase 0 between two of its points") {
+  const HybridSystem system = make_oscillator("linear", "newton");
+  const Vector p = parameters(system, {{"k_r", 0.6}, {"r", 0.3}});
+  SkeletonOptions options;
+  options.continuation.from = 0.98;
+  options.continuation.to = 1.0;
+  options.settled_values = 61;
+  const Skeleton found = skeleton(system, p, options);
+  CHECK(found.seeds.size() > 60);
+  // The 1/1 orbits, both ways from their seed or in one piece.
+  int towards_upper_end = 0;
+  for (const Branch& branch : found.graph.branches)
+    if (branch.period == 1 && branch.points.front().impacts == 1) towards_upper_end += branch.points.back().value == 1.0 ? 1 : 0;
+  CHECK(towards_upper_end == 1);
+}
