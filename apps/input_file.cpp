@@ -34,4 +34,20 @@ Json parse_json(const std::string& text) {
   }
 }
 
+Json read_to_resume(const std::string& folder, const std::string& command) {
+  const std::string file = folder + "/" + command + ".json";
+  std::error_code error;
+  if (!std::filesystem::exists(file, error))
+    throw std::invalid_argument(fmt::format(
+        "--resume: {}: no such file; give the folder that an interrupted run of graze {} wrote with --out", file, command));
+  try {
+    Json result = parse_json(read_whole(file));
+    if (!result.is_object() || result.value("command", "") != command)
+      throw std::invalid_argument(fmt::format("is not a result of graze {}", command));
+    return result;
+  } catch (const std::invalid_argument& refused) {
+    throw std::invalid_argument(fmt::format("--resume: {} {}", file, refused.what()));
+  }
+}
+
 }  // namespace graze::apps

@@ -14,4 +14,8 @@ std::string read_whole(const std::string& file);
 /// @throws std::invalid_argument with the place where it is damaged.
 Json parse_json(const std::string& text);
 
+/// The JSON result that an interrupted run of a command left in the folder given by --resume. @throws std::invalid_argument if it
+/// is not there, not valid, or not of that command.
+Json read_to_resume(const std::string& folder, const std::string& command);
+
 }  // namespace graze::apps

@@ -142,12 +142,11 @@ Json seeds_json(const std::vector<SkeletonSeed>& seeds, std::size_t parameter) {
   return list;
 }
 
-/// The branches of an earlier run in a folder, if it was one of the same model over the same range.
-std::vector<Branch> earlier_branches(const Options& options, const Problem& problem) {
-  const std::string file = options.resume + "/diagram.json";
-  const Json earlier = Json::parse(read_whole(file), nullptr, false);
-  const auto refuse = [&](const std::string& why) { throw std::invalid_argument(fmt::format("--resume: {} {}", file, why)); };
-  if (!earlier.is_object() || earlier.value("command", "") != "diagram") refuse("is not a result of graze diagram");
+/// The branches of an earlier run, if it was one of the same model over the same range.
+std::vector<Branch> earlier_branches(const Json& earlier, const Options& options, const Problem& problem) {
+  const auto refuse = [&](const std::string& why) {
+    throw std::invalid_argument(fmt::format("--resume: {}/diagram.json {}", options.resume, why));
+  };
   const Problem before = problem_of(earlier);
   const auto index = static_cast<Eigen::Index>(parameter_index(problem.system.parameters, options.parameter));
   Vector a = problem.parameters, b = before.parameters;
@@ -164,6 +163,8 @@ std::vector<Branch> earlier_branches(const Options& options, const Problem& prob
 
 int run(const Options& given, const Console& console) {
   Options options = given;
+  Json earlier;
+  if (!options.resume.empty()) earlier = read_to_resume(options.resume, "diagram");
   if (!options.resume.empty() && options.output.out.empty()) options.output.out = options.resume;
   if (!options.skeleton)
     throw std::invalid_argument("diagram draws the skeleton of branches so far and nothing else: give --skeleton");
@@ -176,7 +177,7 @@ int run(const Options& given, const Console& console) {
   if (*options.from == *options.to)
     throw std::invalid_argument(fmt::format("--from and --to are both {}; a range has two different ends", exact(*options.to)));
   std::vector<Branch> so_far;
-  if (!options.resume.empty()) so_far = earlier_branches(options, problem);
+  if (!options.resume.empty()) so_far = earlier_branches(earlier, options, problem);
   Skeleton found;
   {
     Progress progress(console.err, console.quiet, "skeleton");

@@ -102,12 +102,11 @@ SweepRow row_of(const Json& json) {
   return row;
 }
 
-/// The rows of an earlier run in a folder, if it was one of the same options.
-std::vector<SweepRow> earlier_rows(const std::string& folder, const Json& head) {
-  const std::string file = folder + "/sweep.json";
-  const Json earlier = Json::parse(read_whole(file), nullptr, false);
-  const auto refuse = [&](const char* why) { throw std::invalid_argument(fmt::format("--resume: {} {}", file, why)); };
-  if (!earlier.is_object() || earlier.value("command", "") != "sweep") refuse("is not a result of graze sweep");
+/// The rows of an earlier run, if it was one of the same options.
+std::vector<SweepRow> earlier_rows(const Json& earlier, const std::string& folder, const Json& head) {
+  const auto refuse = [&](const char* why) {
+    throw std::invalid_argument(fmt::format("--resume: {}/sweep.json {}", folder, why));
+  };
   for (const char* part : {"model", "parameters", "options"})
     if (earlier.value(part, Json()) != head[part])
       refuse("is of another model, other parameters or other options; give the same");
@@ -163,6 +162,8 @@ Table samples_table(const std::vector<SweepRow>& rows, const std::string& parame
 
 int run(const Options& given, const Console& console) {
   Options options = given;
+  Json earlier;
+  if (!options.resume.empty()) earlier = read_to_resume(options.resume, "sweep");
   if (!options.resume.empty() && options.output.out.empty()) options.output.out = options.resume;
   check_outputs(options.output, options.start.file);
   const Problem problem = open_problem(options.start, console);
@@ -189,7 +190,7 @@ int run(const Options& given, const Console& console) {
   result.json = result_head("sweep/1", "sweep", problem, described);
   result.json["parameter"] = options.parameter;
   std::vector<SweepRow> so_far;
-  if (!options.resume.empty()) so_far = earlier_rows(options.resume, result.json);
+  if (!options.resume.empty()) so_far = earlier_rows(earlier, options.resume, result.json);
   std::vector<SweepRow> rows;
   std::size_t expected = 0;
   {
