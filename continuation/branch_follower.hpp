@@ -42,7 +42,7 @@ class BranchFollower {
 
  private:
   // The two ways of following, and what both do at each step.
-  Curve follow_states(OrbitProblem& problem, const BranchStart& start, Branch& branch);
+  Curve follow_states(OrbitProblem& problem, const BranchStart& given, Branch& branch);
   Curve follow_signature(SignatureProblem& problem, const BranchStart& start, Branch& branch);
   Verdict monitor_states(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
   Verdict monitor_signature(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
@@ -70,7 +70,7 @@ class BranchFollower {
                    std::vector<MetPoint>& met) const;
   SpecialPoint plain_point(BranchProblem& problem, const Vector& u, PointType type, const Branch& branch) const;
   void mark(BranchProblem& problem, const Vector& u, PointType type, Branch& branch);
-  Vector at_value(BranchProblem& problem, Vector guess, double value) const;
+  Vector at_value(BranchProblem& problem, Vector u, double value) const;
 
   const HybridSystem& system_;
   const ContinuationOptions& options_;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace graze {
@@ -113,16 +114,23 @@ double SignatureProblem::clear_section(const Vector& u) const {
   return std::fmod(middle, 1.0);
 }
 
+/// A flight that cannot be carried out leaves no states: NaN, from which nothing can be evaluated, and that is no misuse.
+std::vector<Vector> SignatureProblem::states_at(const Vector& u, const std::vector<double>& times) {
+  std::vector<Vector> states = equations_.states_at(u, times);
+  const Vector nowhere = Vector::Constant(equations_.states(), std::numeric_limits<double>::quiet_NaN());
+  if (states.empty()) states.assign(times.size(), nowhere);
+  return states;
+}
+
 OrbitProblem& SignatureProblem::stroboscopic(const Vector& u, Vector& out) {
   set_value(u);
   const int n = equations_.period();
   const double T = equations_.duration() / n, section = clear_section(u);
   if (stroboscopic_) carried_elsewhere_ += stroboscopic_->time_carried();
   stroboscopic_ = std::make_unique<OrbitProblem>(equations_.system(), p_, n, n, parameter_, scale_, options_, section);
-  std::vector<double> times;
-  for (int j = 0; j < n; ++j) times.push_back((section + j) * T);
-  const std::vector<Vector> nodes = equations_.states_at(u, times);
-  out = stroboscopic_->pack(nodes, equations_.duration(), value(u));
+  std::vector<double> times(static_cast<std::size_t>(n));
+  for (int j = 0; j < n; ++j) times[static_cast<std::size_t>(j)] = (section + j) * T;
+  out = stroboscopic_->pack(states_at(u, times), equations_.duration(), value(u));
   return *stroboscopic_;
 }
 
@@ -151,8 +159,8 @@ BranchPoint SignatureProblem::branch_point(const Vector& u, double arclength) {
     phase_0.push_back(j * T);
     sections.push_back((point.section_phase + j) * T);
   }
-  point.states = equations_.states_at(u, phase_0);
-  point.nodes = point.section_phase == 0.0 ? point.states : equations_.states_at(u, sections);
+  point.states = states_at(u, phase_0);
+  point.nodes = point.section_phase == 0.0 ? point.states : states_at(u, sections);
   std::vector<std::pair<double, std::size_t>> events;
   for (int k = 0; k < m; ++k) {
     double t = std::fmod(equations_.time(u, k), point.duration);

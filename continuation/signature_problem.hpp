@@ -47,6 +47,7 @@ class SignatureProblem : public BranchProblem {
  private:
   bool set_value(const Vector& u);
   double clear_section(const Vector& u) const;
+  std::vector<Vector> states_at(const Vector& u, const std::vector<double>& times);
 
   SignatureEquations equations_;
   Vector p_;
