@@ -71,7 +71,7 @@ std::string attractor_text(const Attractor& attractor) {
   }
   text += aligned(table);
   if (average.periods == 0) return text;
-  if (!periodic) text += fmt::format("  Kaplan-Yorke dimension {}\n", rounded(attractor.kaplan_yorke, 6));
+  if (!periodic) text += fmt::format("  Kaplan-Yorke dimension {}\n", rounded(kaplan_yorke_dimension(attractor.exponents), 6));
   if (average.liouville_residual >= 0.0)
     text += fmt::format("  Liouville residual {} per period (bound 1e-10, {})\n", rounded(average.liouville_residual, 2),
                         average.liouville_residual < 1e-10 ? "ok" : "FAILED");

@@ -11,12 +11,6 @@ namespace graze::apps {
 
 namespace {
 
-Vector vector_from(const Json& json) {
-  Vector out(static_cast<Eigen::Index>(json.size()));
-  for (std::size_t i = 0; i < json.size(); ++i) out[static_cast<Eigen::Index>(i)] = json[i].get<double>();
-  return out;
-}
-
 std::vector<Vector> vectors_from(const Json& json) {
   std::vector<Vector> list;
   for (const Json& item : json) list.push_back(vector_from(item));

@@ -39,6 +39,12 @@ Json to_json(const Vector& vector) {
   return out;
 }
 
+Vector vector_from(const Json& json) {
+  Vector out(static_cast<Eigen::Index>(json.size()));
+  for (std::size_t i = 0; i < json.size(); ++i) out[static_cast<Eigen::Index>(i)] = json[i].get<double>();
+  return out;
+}
+
 Json to_json(const std::vector<std::complex<double>>& values) {
   Json out = Json::array();
   for (const std::complex<double>& value : values) out.push_back({value.real(), value.imag()});

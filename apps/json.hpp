@@ -18,6 +18,7 @@ namespace graze::apps {
 using Json = nlohmann::ordered_json;
 
 Json to_json(const Vector& vector);
+Vector vector_from(const Json& json);  ///< the inverse
 Json to_json(const std::vector<std::complex<double>>& values);
 
 /// Indented; what fits stands on one line.

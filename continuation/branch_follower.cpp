@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/branch_follower.hpp>
+#include <graze/continuation/widest_gap.hpp>
 
 #include <fmt/format.h>
 
@@ -153,10 +154,8 @@ bool BranchFollower::end_on_bound(BranchProblem& problem, Branch& branch) {
   const BranchPoint& end = branch.points.back();
   for (const double bound : {low_, high_}) {
     if (end.value == bound || std::abs(end.value - bound) > 1e-6 * (1.0 + std::abs(bound))) continue;
-    Vector u = last_;
-    u[u.size() - 1] = bound;
-    if (!correct(problem.zero_problem(), problem.parameter_direction(), u, options_.trace).converged()) return false;
-    u[u.size() - 1] = bound;
+    const Vector u = at_value(problem, last_, bound);
+    if (u.size() == 0) return false;
     BranchPoint point = problem.branch_point(u, end.arclength + std::abs(end.value - bound) / (high_ - low_));
     if (!point.multipliers.valid || point.signature != end.signature) return false;
     branch.points.push_back(std::move(point));
@@ -183,15 +182,10 @@ double BranchFollower::better_section(OrbitProblem& problem, const Vector& u) co
   const double room = std::min(places.front(), 1.0 - places.back());
   constexpr double too_close = 0.02;
   if (room > too_close) return current;
-  double widest = 1.0 - places.back() + places.front(), middle = 0.5 * (places.back() + 1.0 + places.front());
-  for (std::size_t i = 0; i + 1 < places.size(); ++i) {
-    if (places[i + 1] - places[i] <= widest) continue;
-    widest = places[i + 1] - places[i];
-    middle = 0.5 * (places[i] + places[i + 1]);
-  }
-  if (0.5 * widest < 2.0 * room) return current;
+  const Gap gap = widest_gap(places);
+  if (0.5 * gap.length < 2.0 * room) return current;
   // One stretch is period / nodes forcing periods.
-  return std::fmod(current + middle * problem.period() / problem.nodes(), 1.0);
+  return std::fmod(current + gap.middle * problem.period() / problem.nodes(), 1.0);
 }
 
 Curve BranchFollower::follow_states(OrbitProblem& problem, const BranchStart& given, Branch& branch) {

@@ -64,8 +64,7 @@ class BranchFollower {
                                 const BranchPoint& reached, const Branch& branch) const;
   bool reaches_grazing(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
   std::optional<GrazingEnd> broken_off_at_grazing(OrbitProblem& problem, Branch& branch);
-  SpecialPoint grazing_point(const OrbitProblem& problem, const LocatedGrazing& located, int impacts_before, int impacts_after,
-                             const Branch& branch) const;
+  SpecialPoint grazing_point(const LocatedGrazing& located, int impacts_before, int impacts_after, const Branch& branch) const;
   void user_points(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, const Branch& branch,
                    std::vector<MetPoint>& met) const;
   SpecialPoint plain_point(BranchProblem& problem, const Vector& u, PointType type, const Branch& branch) const;

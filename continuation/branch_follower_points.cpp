@@ -111,8 +111,7 @@ MetPoint BranchFollower::locate(BranchProblem& problem, const TestFunction& test
   OrbitProblem& states = problem.stroboscopic(best.u, u);
   LocatedPoint located = test.locate(states, u, {best, best_branch});
   // Newton must not have left for another point of the kind: it stays within the step that announced this one.
-  const Vector away = located.u - u;
-  const bool near = away.size() > 0 && std::sqrt(states.zero_problem().weights.dot(away.cwiseAbs2())) <= length;
+  const bool near = located.u.size() > 0 && weighted_norm(states.zero_problem().weights, located.u - u) <= length;
   point.newton = located.newton;
   if (located.newton.converged() && near) {
     point.status = PointStatus::converged;
@@ -137,14 +136,14 @@ MetPoint BranchFollower::locate(BranchProblem& problem, const TestFunction& test
   return {place_of(zero, before.curve, best.u), best.u, std::move(point)};
 }
 
-SpecialPoint BranchFollower::grazing_point(const OrbitProblem& problem, const LocatedGrazing& located, int impacts_before,
-                                           int impacts_after, const Branch& branch) const {
+SpecialPoint BranchFollower::grazing_point(const LocatedGrazing& located, int impacts_before, int impacts_after,
+                                           const Branch& branch) const {
   SpecialPoint point;
   point.type = PointType::GR;
   point.after_point = branch.points.size() - 1;
   point.status = PointStatus::converged;
   point.newton = located.newton;
-  point.value = problem.value(located.u);
+  point.value = located.u[located.u.size() - 1];
   point.precision = std::max(located.precision, 4e-16 * std::abs(point.value));
   point.interval[0] = point.value - point.precision;
   point.interval[1] = point.value + point.precision;
@@ -173,9 +172,10 @@ MetPoint BranchFollower::locate_impact_change(OrbitProblem& problem, const Curve
   for (const double further : {0.0, 0.37, 0.71}) {
     const bool moving = further > 0.0;
     if (moving && problem.equations().autonomous()) break;
-    OrbitProblem moved = problem.with_section(std::fmod(section + further, 1.0));
-    const std::optional<Vector> u = moving ? problem.to_section(moved, with_impact) : with_impact;
-    OrbitProblem& here = moving ? moved : problem;
+    std::optional<OrbitProblem> moved;
+    if (moving) moved.emplace(problem.with_section(std::fmod(section + further, 1.0)));
+    const std::optional<Vector> u = moving ? problem.to_section(*moved, with_impact) : with_impact;
+    OrbitProblem& here = moving ? *moved : problem;
     const std::optional<GrazingGuess> guess = u ? weakest_contact(here, *u) : std::nullopt;
     if (!guess) continue;
     const LocatedGrazing located = locate_grazing(here, *u, *guess);
@@ -185,7 +185,7 @@ MetPoint BranchFollower::locate_impact_change(OrbitProblem& problem, const Curve
         before.u + (value - before.u[before.u.size() - 1]) / (after.u - before.u)[before.u.size() - 1] * (after.u - before.u);
     const Vector& place = moving ? along : located.u;
     return {place_of(problem.zero_problem(), before, place), place,
-            grazing_point(here, located, last.impacts, reached.impacts, branch)};
+            grazing_point(located, last.impacts, reached.impacts, branch)};
   }
   SpecialPoint point;
   point.type = PointType::GR;
@@ -202,6 +202,15 @@ MetPoint BranchFollower::locate_impact_change(OrbitProblem& problem, const Curve
 }
 
 namespace {
+
+/// The grazing of a hard contact that Newton finds from a guess at u, if it lies right there.
+std::optional<LocatedGrazing> hard_grazing_near(OrbitProblem& problem, const Vector& u, const GrazingGuess& guess) {
+  constexpr double near = 0.02;
+  LocatedGrazing located = locate_grazing(problem, u, guess);
+  if (!located.newton.converged() || located.scenario == GrazingScenario::smooth) return std::nullopt;
+  if (weighted_norm(problem.zero_problem().weights, located.u - u) > near) return std::nullopt;
+  return located;
+}
 
 /// Where the weak contact of event k of u lies in the stroboscopic equations.
 GrazingGuess guess_of_event(SignatureProblem& problem, const Vector& u, int k, OrbitProblem& states, const Vector& v) {
@@ -268,38 +277,28 @@ bool BranchFollower::reaches_grazing(SignatureProblem& problem, const CurvePoint
   const std::optional<GrazingGuess> guess =
       beyond->lost ? guess_of_event(problem, good, beyond->event, states, u) : nearest_miss(states, u);
   if (!guess) return false;
-  LocatedGrazing located = locate_grazing(states, u, *guess);
-  constexpr double near = 0.02;
-  const Vector away = located.u - u;
-  if (!located.newton.converged() || located.scenario == GrazingScenario::smooth ||
-      std::sqrt(states.zero_problem().weights.dot(away.cwiseAbs2())) > near)
-    return false;
+  std::optional<LocatedGrazing> located = hard_grazing_near(states, u, *guess);
+  if (!located) return false;
   // What lies before the grazing on this step is taken up; the grazing's own multipliers are singular.
   if (point.multipliers.valid && !take(problem, before, last, std::move(point), {}, branch)) return false;
   const int impacts = branch.points.back().impacts;
-  Vector again;
-  branch.special_points.push_back(
-      grazing_point(problem.stroboscopic(good, again), located, impacts, impacts + (beyond->lost ? -1 : 1), branch));
+  branch.special_points.push_back(grazing_point(*located, impacts, impacts + (beyond->lost ? -1 : 1), branch));
   after = std::move(last);
-  grazing_ = GrazingEnd{std::move(located), beyond->lost};
+  grazing_ = GrazingEnd{std::move(*located), beyond->lost};
   return true;
 }
 
 std::optional<GrazingEnd> BranchFollower::broken_off_at_grazing(OrbitProblem& problem, Branch& branch) {
   const BranchPoint& end = branch.points.back();
   const Vector u = problem.pack(end.nodes, end.duration, end.value);
-  const ZeroProblem zero = problem.zero_problem();
   // The impact about to be lost, or else the maximum about to become one: whichever grazing lies right beyond the last point.
-  constexpr double near = 0.02;
   for (const bool lost : {true, false}) {
     const std::optional<GrazingGuess> guess = lost ? weakest_contact(problem, u) : nearest_miss(problem, u);
     if (!guess) continue;
-    LocatedGrazing located = locate_grazing(problem, u, *guess);
-    if (!located.newton.converged() || located.scenario == GrazingScenario::smooth) continue;
-    const Vector away = located.u - u;
-    if (std::sqrt(zero.weights.dot(away.cwiseAbs2())) > near) continue;
-    branch.special_points.push_back(grazing_point(problem, located, end.impacts, end.impacts + (lost ? -1 : 1), branch));
-    return GrazingEnd{std::move(located), lost};
+    std::optional<LocatedGrazing> located = hard_grazing_near(problem, u, *guess);
+    if (!located) continue;
+    branch.special_points.push_back(grazing_point(*located, end.impacts, end.impacts + (lost ? -1 : 1), branch));
+    return GrazingEnd{std::move(*located), lost};
   }
   return std::nullopt;
 }

@@ -84,9 +84,11 @@ class Graph {
       std::vector<Task> round;
       for (; !tasks_.empty() && round.size() < round_size; tasks_.pop_front()) round.push_back(std::move(tasks_.front()));
       // The next seed only when all that hangs together with the last one is done: most of the others lie on it.
-      for (; round.empty() ? !seed_tasks_.empty() : !seed_tasks_.empty() && seed_tasks_.front().seed == round.back().seed;
-           seed_tasks_.pop_front())
-        round.push_back(std::move(seed_tasks_.front()));
+      if (round.empty()) {
+        const int seed = seed_tasks_.front().seed;
+        for (; !seed_tasks_.empty() && seed_tasks_.front().seed == seed; seed_tasks_.pop_front())
+          round.push_back(std::move(seed_tasks_.front()));
+      }
       std::vector<Outcome> outcomes(round.size());
       const std::size_t known = graph_.branches.size();
       arena.execute([&] {
@@ -143,9 +145,9 @@ class Graph {
   double value_of(const PeriodicOrbit& orbit) const { return orbit.parameters[static_cast<Eigen::Index>(parameter_)]; }
 
   /// Branches from the seed `except` do not count.
-  bool is_known(const PeriodicOrbit& orbit, double value, int except = 0) const {
+  bool is_known(const std::vector<Vector>& states, double value, int except = 0) const {
     for (std::size_t k = 0; k < graph_.branches.size(); ++k)
-      if ((except == 0 || seeds_[k] != except) && lies_on(system_, graph_.branches[k], orbit, value)) return true;
+      if ((except == 0 || seeds_[k] != except) && lies_on(system_, graph_.branches[k], states, value)) return true;
     return false;
   }
 
@@ -195,7 +197,7 @@ class Graph {
     Outcome out;
     const double value = value_of(task.orbit);
     if (task.direction > 0 ? value >= high_ : value <= low_) return out;  // straight out of the range
-    if (is_known(task.orbit, value, task.seed)) return out;
+    if (is_known(task.orbit.states, value, task.seed)) return out;
     OrbitProblem problem = problem_at(task.orbit);
     const Vector u = problem.pack(task.orbit.nodes, task.orbit.duration, value);
     follow_from({u, task.direction * problem.parameter_direction()}, problem,
@@ -213,7 +215,7 @@ class Graph {
     branch.parent = BranchParent{graph_.branches[task.parent].id, pd.label};
     if (const std::optional<BranchStart> start = doubled_start(pd, parent, doubled, options_.trace)) {
       const double value = doubled.value(start->u);
-      if (value < low_ || value > high_ || is_known(doubled.orbit(start->u, {}), value)) return out;
+      if (value < low_ || value > high_ || is_known(doubled.orbit(start->u, {}).states, value)) return out;
       follow_from(*start, doubled, std::move(branch), out);
       return out;
     }
@@ -272,11 +274,7 @@ class Graph {
     for (const std::size_t quarter : {1, 2, 3}) {
       if (branch.points.size() <= 4) break;
       const BranchPoint& inside = branch.points[branch.points.size() * quarter / 4];
-      PeriodicOrbit orbit;
-      orbit.period = branch.period;
-      orbit.state = inside.state();
-      orbit.states = inside.states;
-      if (is_known(orbit, inside.value)) return;
+      if (is_known(inside.states, inside.value)) return;
     }
     branch.id = ++last_id_;
     for (SpecialPoint& point : branch.special_points) point.label = labels_.next(point.type);

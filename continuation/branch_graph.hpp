@@ -38,7 +38,8 @@ struct BranchGraph {
 BranchGraph follow_branches(const HybridSystem& system, const std::vector<BranchSeed>& seeds, const ContinuationOptions& options,
                             const std::vector<Branch>& so_far = {});
 
-/// True if the orbit (at that value of the parameter) is one of the branch's, up to a shift by forcing periods.
-bool lies_on(const HybridSystem& system, const Branch& branch, const PeriodicOrbit& orbit, double value);
+/// True if the orbit with these states at phase 0 of its periods (at that value of the parameter) is one of the branch's, up to a
+/// shift by forcing periods.
+bool lies_on(const HybridSystem& system, const Branch& branch, const std::vector<Vector>& states, double value);
 
 }  // namespace graze

@@ -30,15 +30,15 @@ std::optional<BranchStart> doubled_start(const SpecialPoint& pd, OrbitProblem& p
   direction.head(v.size()) = v;
   direction.segment(v.size(), v.size()) = -v;
   const ZeroProblem zero = doubled.zero_problem();
-  direction /= std::sqrt(zero.weights.dot(direction.cwiseAbs2()));
+  direction /= weighted_norm(zero.weights, direction);
   // Small, and small steps after it: in a cascade the next bifurcation may follow closely. The parameter follows with the square
   // of the push, and fast beside a grazing: down to where rounding begins.
   for (const double push : {2e-4, 5e-5, 1e-5, 2e-6, 2e-7, 2e-8, 1e-3}) {
     BranchStart start{at_birth + push * direction, {}, {}, false, push};
     if (!correct(zero, direction, start.u, options).converged()) continue;
     start.orientation = start.u - at_birth;
-    const double length = std::sqrt(zero.weights.dot(start.orientation.cwiseAbs2()));
-    if (length < 1.5 * push) return start;  // a correction as long as the push has found something else
+    if (weighted_norm(zero.weights, start.orientation) < 1.5 * push)
+      return start;  // a correction as long as the push has found something else
   }
   return std::nullopt;
 }

@@ -62,11 +62,7 @@ void find_retraces(const HybridSystem& system, const Branch& branch, const auto&
     earlier.parameter = branch.parameter;
     earlier.parameters = branch.parameters;
     earlier.points.assign(branch.points.begin(), branch.points.begin() + static_cast<std::ptrdiff_t>(k - apart));
-    PeriodicOrbit orbit;
-    orbit.period = branch.period;
-    orbit.state = branch.points[k].state();
-    orbit.states = branch.points[k].states;
-    if (lies_on(system, earlier, orbit, branch.points[k].value))
+    if (lies_on(system, earlier, branch.points[k].states, branch.points[k].value))
       violated(fmt::format("point {} is an orbit that the branch has met before", k));
   }
 }
@@ -86,14 +82,16 @@ std::vector<std::string> check_branch(const HybridSystem& system, const Branch& 
   for (std::size_t k = 0; k < branch.points.size(); ++k) {
     const BranchPoint& point = branch.points[k];
     if (point.section_phase != problem.equations().section_phase()) problem = problem_of(point);
-    const BranchPoint again = problem.branch_point(problem.pack(point.nodes, point.duration, point.value), point.arclength);
+    NewtonReport accepted;
+    accepted.status = NewtonStatus::converged;
+    const PeriodicOrbit again = problem.orbit(problem.pack(point.nodes, point.duration, point.value), accepted);
     // The state after a weak impact is known to the corrector's tolerance over the impact's speed.
     double weakest = 1.0;
-    for (const EventRecord& event : problem.orbit(problem.pack(point.nodes, point.duration, point.value), {}).events)
+    for (const EventRecord& event : again.events)
       if (event.kind == EventKind::impact) weakest = std::min(weakest, event.normal_speed);
     if (!(again.checks.residual >= 0.0 && again.checks.residual < 1e-11 + 1e-12 / weakest))
       violated(fmt::format("point {} leaves a residual of {:.3g}", k, again.checks.residual));
-    if (again.stable != point.stable)
+    if (again.stable() != point.stable)
       violated(fmt::format("point {} is stored as {}stable and is not", k, point.stable ? "" : "un"));
     if (again.signature != point.signature) violated(fmt::format("point {} has another signature than stored", k));
     if (k > 0 && !(point.arclength > branch.points[k - 1].arclength))

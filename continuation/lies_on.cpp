@@ -52,8 +52,8 @@ std::vector<Vector> matching_states(const std::vector<Vector>& a, const std::vec
 
 }  // namespace
 
-bool lies_on(const HybridSystem& system, const Branch& branch, const PeriodicOrbit& orbit, double value) {
-  if (branch.period != orbit.period || orbit.states.empty()) return false;
+bool lies_on(const HybridSystem& system, const Branch& branch, const std::vector<Vector>& states, double value) {
+  if (states.size() != static_cast<std::size_t>(branch.period)) return false;
   const std::size_t parameter = parameter_index(system.parameters, branch.parameter);
   const auto at = [&](double v) {
     Vector p = branch.parameters;
@@ -69,7 +69,7 @@ bool lies_on(const HybridSystem& system, const Branch& branch, const PeriodicOrb
     // Where a hard impact passes phase 0 between a and b, the states there jump: then those at another phase tell.
     for (const double phase : {0.0, 0.37}) {
       if (phase > 0.0 && !system.forcing_frequency) continue;
-      const std::vector<Vector> here = later(system, at(value), orbit.states, phase);
+      const std::vector<Vector> here = later(system, at(value), states, phase);
       const std::vector<Vector> guess = here.empty() ? here
                                                      : matching_states(later(system, at(a.value), a.states, phase),
                                                                        later(system, at(b.value), b.states, phase), s, here);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/signature_problem.hpp>
+#include <graze/continuation/widest_gap.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -105,13 +106,7 @@ double SignatureProblem::clear_section(const Vector& u) const {
   std::sort(phases.begin(), phases.end());
   constexpr double room = 0.02;
   if (phases.front() > room && phases.back() < 1.0 - room) return 0.0;
-  double widest = 1.0 - phases.back() + phases.front(), middle = phases.back() + 0.5 * widest;
-  for (std::size_t i = 0; i + 1 < phases.size(); ++i) {
-    if (phases[i + 1] - phases[i] <= widest) continue;
-    widest = phases[i + 1] - phases[i];
-    middle = 0.5 * (phases[i] + phases[i + 1]);
-  }
-  return std::fmod(middle, 1.0);
+  return std::fmod(widest_gap(phases).middle, 1.0);
 }
 
 /// A flight that cannot be carried out leaves no states: NaN, from which nothing can be evaluated, and that is no misuse.

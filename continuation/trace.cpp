@@ -12,8 +12,6 @@ Vector weights_of(const ZeroProblem& problem) {
   return problem.weights.size() == problem.unknowns ? problem.weights : Vector::Ones(problem.unknowns);
 }
 
-double norm(const Vector& weights, const Vector& v) { return std::sqrt(weights.dot(v.cwiseAbs2())); }
-
 /// [J; row] with one row added below.
 Matrix bordered(const Matrix& jacobian, const Vector& row) {
   Matrix A(jacobian.rows() + 1, jacobian.cols());
@@ -35,12 +33,12 @@ bool return_to_start(const ZeroProblem& problem, const Vector& weights, const Cu
   const double before = normal.dot(last.u - first.u), after = normal.dot(next.u - first.u);
   if (!(before < 0.0 && after >= 0.0)) return false;
   Vector u = last.u + before / (before - after) * (next.u - last.u);
-  if (norm(weights, u - first.u) > norm(weights, next.u - last.u)) return false;
+  if (weighted_norm(weights, u - first.u) > weighted_norm(weights, next.u - last.u)) return false;
   if (!correct(problem, first.tangent, u, options).converged()) return false;
-  if (norm(weights, u - first.u) > 1e-8 * (1.0 + norm(weights, u))) return false;
+  if (weighted_norm(weights, u - first.u) > 1e-8 * (1.0 + weighted_norm(weights, u))) return false;
   next.u = first.u;
   next.tangent = first.tangent;
-  next.arclength = last.arclength + norm(weights, first.u - last.u);
+  next.arclength = last.arclength + weighted_norm(weights, first.u - last.u);
   return true;
 }
 
@@ -94,7 +92,7 @@ Vector tangent_at(const ZeroProblem& problem, const Vector& u, const Vector& ori
   right[problem.unknowns - 1] = 1.0;
   Vector tangent = bordered(jacobian, weights.cwiseProduct(orientation)).partialPivLu().solve(right);
   if (!tangent.allFinite()) tangent = Eigen::FullPivLU<Matrix>(jacobian).kernel().col(0);
-  const double length = norm(weights, tangent);
+  const double length = weighted_norm(weights, tangent);
   if (!(length > 0.0) || !std::isfinite(length)) return {};
   tangent /= length;
   if (weights.cwiseProduct(orientation).dot(tangent) < 0.0) tangent = -tangent;
@@ -107,7 +105,7 @@ Curve trace(const ZeroProblem& problem, const Vector& u0, const Vector& orientat
   const Vector weights = weights_of(problem);
   CurvePoint start;
   start.u = u0;
-  start.newton = correct(problem, orientation / norm(weights, orientation), start.u, options);
+  start.newton = correct(problem, orientation / weighted_norm(weights, orientation), start.u, options);
   if (start.newton.converged()) start.tangent = tangent_at(problem, start.u, orientation);
   if (start.tangent.size() == 0) {
     curve.stop = TraceStop::start_failed;
@@ -127,11 +125,11 @@ Curve trace(const ZeroProblem& problem, const Vector& u0, const Vector& orientat
     bool closes = false;
     if (next.newton.converged()) {
       next.tangent = tangent_at(problem, next.u, last.tangent);
-      next.arclength = last.arclength + norm(weights, next.u - last.u);
+      next.arclength = last.arclength + weighted_norm(weights, next.u - last.u);
       const double cosine = next.tangent.size() == 0 ? -1.0 : weights.cwiseProduct(next.tangent).dot(last.tangent);
       // A jump to a neighbouring curve shows as a correction longer than the step, a kink as a large angle.
-      const bool smooth =
-          std::acos(std::clamp(cosine, -1.0, 1.0)) <= options.max_angle && norm(weights, next.u - predicted) <= 0.5 * step;
+      const bool smooth = std::acos(std::clamp(cosine, -1.0, 1.0)) <= options.max_angle &&
+                          weighted_norm(weights, next.u - predicted) <= 0.5 * step;
       if (smooth) closes = return_to_start(problem, weights, origin ? *origin : curve.points.front(), last, next, options);
       if (smooth || (step <= options.min_step && next.tangent.size() > 0))
         verdict = monitor ? monitor(last, next) : Verdict::go_on;

@@ -4,6 +4,7 @@
 
 #include <graze/lib/vector.hpp>
 
+#include <cmath>
 #include <functional>
 #include <string>
 
@@ -18,5 +19,8 @@ struct ZeroProblem {
   /// Why the last evaluation failed, for people; may be empty.
   std::function<std::string()> failure;
 };
+
+/// |v| in the arclength norm of these weights.
+inline double weighted_norm(const Vector& weights, const Vector& v) { return std::sqrt(weights.dot(v.cwiseAbs2())); }
 
 }  // namespace graze

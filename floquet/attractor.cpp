@@ -107,7 +107,6 @@ Attractor find_attractor(const HybridSystem& system, const Vector& p, const Vect
   }
   out.exponents = out.time_average.exponents;
   out.standard_errors = out.time_average.standard_errors;
-  out.kaplan_yorke = out.time_average.kaplan_yorke;
   if (!out.exponents.empty() && out.exponents[0] > options.significance * out.standard_errors[0])
     out.type = AttractorType::chaotic;
   return out;

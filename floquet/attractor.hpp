@@ -32,7 +32,6 @@ struct Attractor {
   Vector state;                 ///< on it, at forcing phase 0
   std::optional<PeriodicOrbit> orbit;
   std::vector<double> exponents, standard_errors;  ///< of a periodic one from its multipliers, without error
-  double kaplan_yorke = 0.0;
   LyapunovSpectrum time_average;
   Termination termination = Termination::failed;  ///< of the transient; time: all is well
 };

@@ -21,7 +21,6 @@
 #include <algorithm>
 #include <memory>
 #include <stdexcept>
-#include <thread>
 
 namespace graze::apps {
 
@@ -61,7 +60,7 @@ SkeletonOptions skeleton_options(const Options& options, const Problem& problem,
   following.to = *options.to;
   following.max_period = options.max_period;
   following.max_branches = options.max_branches;
-  following.threads = console.threads > 0 ? console.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  following.threads = console.thread_count();
   if (options.max_step) following.trace.max_step = *options.max_step;
   following.cancelled = interrupted;
   following.progress = [&progress](const Branch& branch) {

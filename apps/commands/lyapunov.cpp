@@ -85,7 +85,7 @@ int run(const Options& options, const Console& console) {
   result.json["converged"] = periodic || attractor.time_average.converged();
   result.json["periods"] = attractor.time_average.periods;
   result.json["liouville_residual"] = average["liouville_residual"];
-  result.json["kaplan_yorke"] = periodic ? 0.0 : attractor.kaplan_yorke;
+  result.json["kaplan_yorke"] = kaplan_yorke_dimension(attractor.exponents);
   result.json["stop"] = periodic ? Json("the attractor is a stable orbit") : average["stop"];
   result.json["attractor"] = attractor_json(attractor);
   result.json["time_average"] = average;

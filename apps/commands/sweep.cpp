@@ -19,7 +19,6 @@
 #include <limits>
 #include <memory>
 #include <stdexcept>
-#include <thread>
 
 namespace graze::apps {
 
@@ -48,7 +47,7 @@ SweepOptions sweep_options(const Options& options, const Problem& problem, const
   out.attractor.lyapunov.max_periods = options.periods;
   out.attractor.lyapunov.min_periods = std::min(options.periods, 500);
   out.attractor.lyapunov.standard_error = options.standard_error.value_or(1e-3);
-  out.threads = console.threads > 0 ? console.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  out.threads = console.thread_count();
   out.cancelled = interrupted;
   const double all = static_cast<double>(sweep_values(out.from, out.to, out.step).size() * out.directions.size());
   out.progress = [&progress, all, name = options.parameter](std::size_t rows, double value) {
@@ -71,11 +70,6 @@ Json row_json(const SweepRow& row) {
   return json;
 }
 
-Vector vector_of(const Json& json) {
-  const auto values = json.get<std::vector<double>>();
-  return Eigen::Map<const Vector>(values.data(), static_cast<Eigen::Index>(values.size()));
-}
-
 std::vector<double> numbers_of(const Json& json) {
   std::vector<double> list;
   for (const Json& item : json) list.push_back(item.is_null() ? -std::numeric_limits<double>::infinity() : item.get<double>());
@@ -91,13 +85,13 @@ SweepRow row_of(const Json& json) {
     if (attractor.at("type") == attractor_type_name(type)) row.attractor.type = type;
   if (attractor.at("period").is_number()) row.attractor.period = attractor["period"];
   if (attractor.at("impacts").is_number()) row.attractor.impacts = attractor["impacts"];
-  row.attractor.state = vector_of(attractor.at("state"));
+  row.attractor.state = vector_from(attractor.at("state"));
   row.attractor.termination = Termination::time;
   row.attractor.exponents = numbers_of(json.at("exponents"));
   row.attractor.standard_errors = numbers_of(json.at("standard_errors"));
   row.attractor.time_average.periods = json.at("periods");
-  row.end = vector_of(json.at("end"));
-  for (const Json& state : json.at("states")) row.states.push_back(vector_of(state));
+  row.end = vector_from(json.at("end"));
+  for (const Json& state : json.at("states")) row.states.push_back(vector_from(state));
   row.impact_speeds = json.at("impact_speeds").get<std::vector<double>>();
   return row;
 }

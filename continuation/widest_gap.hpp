@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The widest gap between places on a circle of circumference 1: where a section lies clear of the impacts.
+#pragma once
+
+#include <vector>
+
+namespace graze {
+
+struct Gap {
+  double length = 0.0;
+  double middle = 0.0;  ///< in [0, 2)
+};
+
+/// `places`: in [0, 1], ascending, at least one.
+inline Gap widest_gap(const std::vector<double>& places) {
+  const double around = 1.0 - places.back() + places.front();
+  Gap widest{around, places.back() + 0.5 * around};
+  for (std::size_t i = 0; i + 1 < places.size(); ++i)
+    if (places[i + 1] - places[i] > widest.length) widest = {places[i + 1] - places[i], 0.5 * (places[i] + places[i + 1])};
+  return widest;
+}
+
+}  // namespace graze
