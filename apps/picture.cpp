@@ -27,11 +27,19 @@ std::string range(const std::optional<std::array<double, 2>>& limits) {
   return limits ? fmt::format("[{}:{}]", exact((*limits)[0]), exact((*limits)[1])) : "[*:*]";
 }
 
-std::string terminal(const std::string& format) {
+/// A sheet, in picture elements (of hundredths of an inch).
+struct Sheet {
+  int width = 1000, height = 700;
+};
+
+std::string terminal(const std::string& format, const Sheet& sheet) {
   // Text as it stands ("noenhanced": k_H is not k with an index), in sizes that can be read at a width of 800.
-  if (format == "svg") return "set terminal svg noenhanced size 1000,700 font 'Sans,15' background 'white'";
-  if (format == "pdf") return "set terminal pdfcairo noenhanced size 10in,7in font 'Sans,15'";
-  return "set terminal pngcairo noenhanced size 1000,700 font 'Sans,13' background 'white'";
+  const std::string size = fmt::format("{},{}", sheet.width, sheet.height);
+  if (format == "svg") return "set terminal svg noenhanced size " + size + " font 'Sans,15' background 'white'";
+  if (format == "pdf")
+    return fmt::format("set terminal pdfcairo noenhanced size {}in,{}in font 'Sans,15'", sheet.width / 100.0,
+                       sheet.height / 100.0);
+  return "set terminal pngcairo noenhanced size " + size + " font 'Sans,13' background 'white'";
 }
 
 std::string style(const Curve& curve) {
@@ -58,18 +66,37 @@ std::string data_block(const std::string& name, const std::vector<std::array<dou
   return out + "END\n";
 }
 
-/// The legend has rows of its own below the axis label, which gnuplot's own placement writes over.
-std::string legend(const Picture& picture) {
+/// Rows of the legend, in how many columns, and of what height in characters.
+struct Legend {
+  std::size_t rows = 0, columns = 3;
+  int font = 13;
+  double row_height() const { return font < 13 ? 0.9 : 1.25; }
+};
+
+Legend legend_of(const Picture& picture) {
   std::size_t entries = picture.unit_circle ? 1 : 0, longest = 0;
   for (const Curve& curve : picture.curves) {
     entries += curve.title.empty() ? 0 : 1;
     longest = std::max(longest, curve.title.size());
   }
-  const std::size_t columns = longest > 24 ? 2 : 3, rows = (entries + columns - 1) / columns;
-  const int size = rows > 4 ? 9 : 13;
-  return fmt::format(
-      "set key at screen 0.5, screen 0.015 bottom center horizontal maxcols {} samplen 3 font ',{}'\nset bmargin {}\n", columns,
-      size, (picture.x_names.empty() ? 4.0 : 6.5) + (size < 13 ? 0.9 : 1.25) * static_cast<double>(rows));
+  Legend legend;
+  legend.columns = longest > 24 ? 2 : 3;
+  legend.rows = (entries + legend.columns - 1) / legend.columns;
+  legend.font = legend.rows > 4 ? 9 : 13;
+  return legend;
+}
+
+/// The legend has rows of its own below the axis label, which gnuplot's own placement writes over.
+std::string legend(const Picture& picture, double x, double y) {
+  const Legend legend = legend_of(picture);
+  return fmt::format("set key at screen {}, screen {} bottom center horizontal maxcols {} samplen 3 font ',{}'\n", x, y,
+                     legend.columns, legend.font);
+}
+
+/// Room below the axes, in lines of text, for tics, axis label and legend.
+double lines_below(const Picture& picture, bool names_x) {
+  const Legend legend = legend_of(picture);
+  return (!names_x ? 1.0 : picture.x_names.empty() ? 4.0 : 6.5) + legend.row_height() * static_cast<double>(legend.rows);
 }
 
 /// The range of one coordinate: as given, or that of the curves.
@@ -142,22 +169,43 @@ std::string labels(const Picture& picture) {
   return s;
 }
 
-}  // namespace
-
-std::string ending(const std::string& file) {
-  std::string text = std::filesystem::path(file).extension().string();
-  if (!text.empty()) text.erase(0, 1);
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
+std::string title_of(const Picture& picture) {
+  return wrapped(picture.title) + (picture.subtitle.empty() ? "" : "\n" + wrapped(picture.subtitle));
 }
 
-std::string gnuplot_script(const Picture& picture, const std::string& format) {
-  std::string s = terminal(format) + "\n";
-  s += "set encoding utf8\n";
-  s += "set title " + quoted(wrapped(picture.title) + (picture.subtitle.empty() ? "" : "\n" + wrapped(picture.subtitle))) + "\n";
+/// Barriers: a line each, its words, and a shade over what lies beyond.
+std::string barriers(const Picture& picture) {
+  std::string s;
+  int object = 1;
+  for (const Barrier& barrier : picture.barriers) {
+    const std::string at = exact(barrier.position);
+    const std::string from = barrier.vertical ? at + ", graph 0" : "graph 0, first " + at;
+    const std::string to = barrier.vertical ? at + ", graph 1" : "graph 1, first " + at;
+    s += fmt::format("set arrow from {} to {} nohead front lc rgb '#b22222' lw 1.8\n", from, to);
+    if (barrier.shaded)
+      s += fmt::format(
+          "set object {} rectangle from {} to graph 1, graph 1 behind fc rgb '#b22222' fs transparent solid 0.07 noborder\n",
+          object++, from);
+    s +=
+        barrier.vertical
+            ? fmt::format("set label {} at {}, graph 0.03 right offset -0.6,0 front tc rgb '#b22222'\n", quoted(barrier.text), at)
+            : fmt::format("set label {} at graph 0.01, first {} offset 0,0.6 front tc rgb '#b22222'\n", quoted(barrier.text), at);
+  }
+  return s;
+}
+
+/// What gnuplot is told of one pair of axes: the data, the settings, and at last the plot.
+struct Drawn {
+  std::string data, settings, plot;
+};
+
+/// `prefix`: of the names of its data; `columns`, `rows`: elements of an image.
+Drawn axes(const Picture& picture, const std::string& prefix, int columns, int rows) {
+  Drawn out;
+  std::string& s = out.settings;
+  s += "set title " + quoted(title_of(picture)) + "\n";
   s += "set xlabel " + quoted(picture.x_label) + "\nset ylabel " + quoted(picture.y_label) + "\n";
   s += "set border lw 1.2\nset tics out nomirror\n";
-  s += legend(picture);
   if (picture.grid) s += "set grid lc rgb '#dddddd' lt 1 lw 0.8\n";
   const bool image = !picture.logarithmic_y && std::any_of(picture.curves.begin(), picture.curves.end(), is_dense);
   const auto x_range = drawn_range(picture, 0, image, picture.x_range), y_range = drawn_range(picture, 1, image, picture.y_range);
@@ -175,53 +223,95 @@ std::string gnuplot_script(const Picture& picture, const std::string& format) {
       s += fmt::format("{}{} {}", i ? ", " : "", quoted(picture.x_names[i]), i);
     s += ") rotate by 20 right\n";
   }
-  int object = 1;
-  for (const Barrier& barrier : picture.barriers) {
-    const std::string at = exact(barrier.position);
-    const std::string from = barrier.vertical ? at + ", graph 0" : "graph 0, first " + at;
-    const std::string to = barrier.vertical ? at + ", graph 1" : "graph 1, first " + at;
-    s += fmt::format("set arrow from {} to {} nohead front lc rgb '#b22222' lw 1.8\n", from, to);
-    if (barrier.shaded)
-      s += fmt::format(
-          "set object {} rectangle from {} to graph 1, graph 1 behind fc rgb '#b22222' fs transparent solid 0.07 noborder\n",
-          object++, from);
-    s +=
-        barrier.vertical
-            ? fmt::format("set label {} at {}, graph 0.03 right offset -0.6,0 front tc rgb '#b22222'\n", quoted(barrier.text), at)
-            : fmt::format("set label {} at graph 0.01, first {} offset 0,0.6 front tc rgb '#b22222'\n", quoted(barrier.text), at);
-  }
-  s += labels(picture);
+  s += barriers(picture) + labels(picture);
   if (picture.unit_circle) {
     std::vector<std::array<double, 3>> circle;
     for (int i = 0; i <= 360; ++i) circle.push_back({std::cos(i * M_PI / 180.0), std::sin(i * M_PI / 180.0), 0.0});
-    s += data_block("circle", circle);
+    out.data += data_block(prefix + "circle", circle);
+    out.plot = fmt::format("${}circle using 1:2 with lines lc rgb '#888888' lw 1.2 title 'unit circle'", prefix);
   }
-  std::string plot = picture.unit_circle ? "$circle using 1:2 with lines lc rgb '#888888' lw 1.2 title 'unit circle'" : "";
+  const auto add = [&plot = out.plot](const std::string& text) { plot += (plot.empty() ? "" : ", \\\n     ") + text; };
   const std::array<double, 2> x = extent(picture, 0, x_range), y = extent(picture, 1, y_range);
   if (image) {
-    Raster raster(x, y);
+    Raster raster(x, y, columns, rows);
     for (const Curve& curve : picture.curves)
       if (is_dense(curve)) raster.paint(curve);
-    s += "$raster << END\n" + raster.data() + "END\n";
-    plot += std::string(plot.empty() ? "" : ", \\\n     ") + "$raster using 1:2:3:4:5:6 with rgbalpha notitle";
+    out.data += "$" + prefix + "raster << END\n" + raster.data() + "END\n";
+    add(fmt::format("${}raster using 1:2:3:4:5:6 with rgbalpha notitle", prefix));
   }
   for (std::size_t i = 0; i < picture.curves.size(); ++i) {
     const Curve& curve = picture.curves[i];
     if (image && is_dense(curve)) {
       // What stands for it in the legend; a point outside the picture is no point.
-      if (!curve.title.empty()) plot += fmt::format(", \\\n     NaN {} title {}", style(curve), quoted(curve.title));
+      if (!curve.title.empty()) add(fmt::format("NaN {} title {}", style(curve), quoted(curve.title)));
       continue;
     }
     const bool empty =
         std::all_of(curve.points.begin(), curve.points.end(), [](const auto& p) { return std::isnan(p[0] + p[1]); });
     if (empty) continue;
-    const std::string name = fmt::format("curve{}", i);
-    s += data_block(name, thinned(curve, x, y));
-    plot += fmt::format("{}${} using {} {} {}", plot.empty() ? "" : ", \\\n     ", name, curve.coloured ? "1:2:3" : "1:2",
-                        style(curve), curve.title.empty() ? "notitle" : "title " + quoted(curve.title));
+    const std::string name = fmt::format("{}curve{}", prefix, i);
+    out.data += data_block(name, thinned(curve, x, y));
+    add(fmt::format("${} using {} {} {}", name, curve.coloured ? "1:2:3" : "1:2", style(curve),
+                    curve.title.empty() ? "notitle" : "title " + quoted(curve.title)));
   }
-  if (plot.empty()) throw std::runtime_error("there is nothing to draw");
-  return s + "plot " + plot + "\n";
+  if (out.plot.empty()) throw std::runtime_error("there is nothing to draw");
+  out.plot = "plot " + out.plot + "\n";
+  return out;
+}
+
+/// One pair of axes on a sheet of its own.
+std::string single(const Picture& picture, const std::string& format) {
+  const Drawn drawn = axes(picture, "", 800, 500);
+  return terminal(format, {}) + "\nset encoding utf8\n" + drawn.settings + legend(picture, 0.5, 0.015) +
+         fmt::format("set bmargin {}\n", lines_below(picture, true)) + drawn.data + drawn.plot;
+}
+
+/// Several on one: below each other with a common x axis, or side by side.
+std::string several(const std::vector<Picture>& pictures, bool below, const std::string& format) {
+  const auto count = static_cast<int>(pictures.size());
+  const Sheet sheet = below ? Sheet{1000, 160 + 430 * count} : Sheet{750 * count, 700};
+  constexpr double line = 21.0;  // picture elements
+  std::string data, commands;
+  for (int i = 0; i < count; ++i) {
+    const Picture& picture = pictures[static_cast<std::size_t>(i)];
+    const bool names_x = !below || i + 1 == count;
+    // Place of the panel with all that stands around its axes.
+    const double width = below ? sheet.width : sheet.width / static_cast<double>(count);
+    const double height = below ? sheet.height / static_cast<double>(count) : sheet.height;
+    const double left = below ? 0.0 : i * width, bottom = below ? sheet.height - (i + 1) * height : 0.0;
+    const std::string title = title_of(picture);
+    const double title_lines = title.empty() ? 0.6 : 1.0 + static_cast<double>(std::count(title.begin(), title.end(), '\n') + 1);
+    const double from_x = left + 110.0, to_x = left + width - 35.0;
+    const double from_y = bottom + line * lines_below(picture, names_x), to_y = bottom + height - line * title_lines;
+    const Drawn drawn = axes(picture, fmt::format("panel{}", i), static_cast<int>(0.96 * (to_x - from_x)),
+                             static_cast<int>(0.96 * (to_y - from_y)));
+    data += drawn.data;
+    commands += "reset\nset encoding utf8\n" + drawn.settings;
+    commands += legend(picture, (from_x + to_x) / 2.0 / sheet.width, (bottom + 8.0) / sheet.height);
+    commands +=
+        fmt::format("set lmargin at screen {}\nset rmargin at screen {}\nset bmargin at screen {}\nset tmargin at screen {}\n",
+                    from_x / sheet.width, to_x / sheet.width, from_y / sheet.height, to_y / sheet.height);
+    if (!names_x) commands += "set format x ''\nunset xlabel\n";
+    commands += drawn.plot;
+  }
+  return terminal(format, sheet) + "\nset encoding utf8\n" + data + "set multiplot\n" + commands + "unset multiplot\n";
+}
+
+}  // namespace
+
+std::string ending(const std::string& file) {
+  std::string text = std::filesystem::path(file).extension().string();
+  if (!text.empty()) text.erase(0, 1);
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+std::string gnuplot_script(const Picture& picture, const std::string& format) {
+  if (picture.below.empty() && picture.beside.empty()) return single(picture, format);
+  const bool below = picture.beside.empty();
+  std::vector<Picture> all = below ? picture.below : picture.beside;
+  all.insert(all.begin(), picture);
+  return several(all, below, format);
 }
 
 }  // namespace graze::apps

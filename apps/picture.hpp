@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Picture: curves, marks and text in one pair of axes, drawn by gnuplot. It knows nothing of oscillators: what a result looks
-// like is said in apps/pictures/.
+// Picture: curves, marks and text in one pair of axes, or several of them on one sheet, drawn by gnuplot. It knows nothing of
+// oscillators: what a result looks like is said in apps/pictures/.
 #pragma once
 
 #include <array>
@@ -51,6 +51,8 @@ struct Picture {
   std::vector<Label> labels;
   std::vector<Barrier> barriers;
   std::vector<std::string> x_names;  ///< names at x = 0, 1, 2, ... instead of numbers
+  std::vector<Picture> below;        ///< further axes under these, with the same x axis
+  std::vector<Picture> beside;       ///< or to the right of these
 };
 
 /// Endings that say the format: "png", "svg", "pdf".

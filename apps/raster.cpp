@@ -11,8 +11,7 @@ namespace graze::apps {
 
 namespace {
 
-// A little coarser than the axes of the default picture: an element that gnuplot has no room for would be lost.
-constexpr int columns = 800, rows = 500;
+constexpr int usual_columns = 800, usual_rows = 500;
 constexpr std::size_t many_points = 12000;  // gnuplot needs a second for these, and ever longer for lines that cross
 constexpr std::size_t few_points = 5000;
 
@@ -36,20 +35,21 @@ std::vector<std::array<double, 3>> thinned(const Curve& curve, const std::array<
     const auto& point = curve.points[i];
     const bool last = i + 1 == curve.points.size() || std::isnan(curve.points[i + 1][0] + curve.points[i + 1][1]);
     const bool near = !kept.empty() &&
-                      std::abs(place(point[0], x, fine * columns) - place(kept.back()[0], x, fine * columns)) < 1.0 &&
-                      std::abs(place(point[1], y, fine * rows) - place(kept.back()[1], y, fine * rows)) < 1.0;
+                      std::abs(place(point[0], x, fine * usual_columns) - place(kept.back()[0], x, fine * usual_columns)) < 1.0 &&
+                      std::abs(place(point[1], y, fine * usual_rows) - place(kept.back()[1], y, fine * usual_rows)) < 1.0;
     if (last || !near) kept.push_back(point);
   }
   return kept;
 }
 
-Raster::Raster(const std::array<double, 2>& x, const std::array<double, 2>& y) : x_(x), y_(y), cells_(columns * rows, 0) {}
+Raster::Raster(const std::array<double, 2>& x, const std::array<double, 2>& y, int columns, int rows)
+    : x_(x), y_(y), columns_(columns), rows_(rows), cells_(static_cast<std::size_t>(columns * rows), 0) {}
 
 void Raster::mark(double column, double row, bool wide) {
   const auto set = [&](double c, double r) {
-    if (!(c >= 0.0 && c <= columns && r >= 0.0 && r <= rows)) return;
-    const int i = std::min(static_cast<int>(c), columns - 1), j = std::min(static_cast<int>(r), rows - 1);
-    cells_[static_cast<std::size_t>(j * columns + i)] = static_cast<unsigned char>(colours_.size());
+    if (!(c >= 0.0 && c <= columns_ && r >= 0.0 && r <= rows_)) return;
+    const int i = std::min(static_cast<int>(c), columns_ - 1), j = std::min(static_cast<int>(r), rows_ - 1);
+    cells_[static_cast<std::size_t>(j * columns_ + i)] = static_cast<unsigned char>(colours_.size());
   };
   set(column, row);
   if (!wide) return;
@@ -70,8 +70,8 @@ void Raster::line(double column, double row, double to_column, double to_row, bo
     to = std::min(to, std::max(a, b));
   };
   const double dc = to_column - column, dr = to_row - row;
-  clip(column, dc, columns);
-  clip(row, dr, rows);
+  clip(column, dc, columns_);
+  clip(row, dr, rows_);
   if (!(from <= to)) return;
   const int steps = 1 + static_cast<int>(2.0 * (to - from) * std::max(std::abs(dc), std::abs(dr)));  // half an element each
   for (int i = 0; i <= steps; ++i) {
@@ -85,7 +85,7 @@ void Raster::paint(const Curve& curve) {
   const bool wide = is_line(curve) && curve.size > 1.5;
   double last_column = std::nan(""), last_row = last_column;
   for (const auto& point : curve.points) {
-    const double column = place(point[0], x_, columns), row = place(point[1], y_, rows);
+    const double column = place(point[0], x_, columns_), row = place(point[1], y_, rows_);
     if (is_line(curve) && std::isfinite(last_column + last_row + column + row))
       line(last_column, last_row, column, row, wide);
     else
@@ -107,11 +107,11 @@ std::string Raster::data() const {
   }
   std::string out;
   out.reserve(cells_.size() * 40);
-  const double width = (x_[1] - x_[0]) / columns, height = (y_[1] - y_[0]) / rows;
-  for (int j = 0; j < rows; ++j)
-    for (int i = 0; i < columns; ++i)
+  const double width = (x_[1] - x_[0]) / columns_, height = (y_[1] - y_[0]) / rows_;
+  for (int j = 0; j < rows_; ++j)
+    for (int i = 0; i < columns_; ++i)
       fmt::format_to(std::back_inserter(out), "{} {} {}\n", x_[0] + (i + 0.5) * width, y_[0] + (j + 0.5) * height,
-                     colours[cells_[static_cast<std::size_t>(j * columns + i)]]);
+                     colours[cells_[static_cast<std::size_t>(j * columns_ + i)]]);
   return out;
 }
 

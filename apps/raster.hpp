@@ -20,8 +20,9 @@ std::vector<std::array<double, 3>> thinned(const Curve& curve, const std::array<
 /// Picture elements touched by curves; those painted later lie on top.
 class Raster {
  public:
-  /// `x`, `y`: the ranges of the axes.
-  Raster(const std::array<double, 2>& x, const std::array<double, 2>& y);
+  /// `x`, `y`: the ranges of the axes; `columns`, `rows`: elements, no more than the axes have: gnuplot loses what it has no room
+  /// for.
+  Raster(const std::array<double, 2>& x, const std::array<double, 2>& y, int columns = 800, int rows = 500);
   void paint(const Curve& curve);
   /// Rows "x y red green blue alpha" for gnuplot's style rgbalpha.
   std::string data() const;
@@ -33,6 +34,7 @@ class Raster {
   void line(double column, double row, double to_column, double to_row, bool wide);
 
   std::array<double, 2> x_, y_;
+  int columns_, rows_;
   std::vector<unsigned char> cells_;  // 0: nothing; else the number of the colour, from 1
   std::vector<std::string> colours_;
 };

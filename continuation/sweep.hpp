@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Sweep: the attractor followed from one value of a parameter to the next, up, down or both ways: what a laboratory sees, with
 // its hysteresis. Each value starts from the state in which the one before ended.
+//
+// Where the motion is not periodic, its time average (which takes long) and the values behind it are computed side by side: the
+// next value starts from the state after transient and samples. Should the average end on a stable orbit after all, the values
+// behind it are computed again, from that orbit. So the result is that of one value after the other, on any number of threads.
 #pragma once
 
 #include <graze/floquet/attractor.hpp>
@@ -23,7 +27,7 @@ struct SweepOptions {
   int first_transient = 1000;  ///< forcing periods at the first value; AttractorOptions::transient at the others
   int samples = 200;           ///< stroboscopic states (and impacts) kept of an attractor that is not periodic
   AttractorOptions attractor = {};
-  int threads = 1;  ///< the two directions run side by side; the result does not depend on it
+  int threads = 1;  ///< the result does not depend on it
   std::function<bool()> cancelled = {};
   std::function<void(std::size_t rows, double value)> progress = {};  ///< by one thread at a time
 };

@@ -71,7 +71,21 @@ std::optional<PeriodicOrbit> settling_orbit(const HybridSystem& system, const Ve
   return std::nullopt;
 }
 
-Attractor find_attractor(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options) {
+namespace {
+
+void take(Attractor& attractor, PeriodicOrbit orbit) {
+  attractor.type = AttractorType::periodic;
+  attractor.period = orbit.period;
+  attractor.impacts = orbit.impacts;
+  attractor.state = orbit.state;
+  attractor.exponents = orbit.multipliers.exponents;
+  attractor.standard_errors.assign(attractor.exponents.size(), 0.0);
+  attractor.orbit = std::move(orbit);
+}
+
+}  // namespace
+
+Attractor approach_attractor(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options) {
   Attractor out;
   SettleOptions settling;
   settling.periods = options.transient;
@@ -82,33 +96,35 @@ Attractor find_attractor(const HybridSystem& system, const Vector& p, const Vect
   out.termination = settled.termination;
   out.state = settled.state;
   if (settled.termination != Termination::time) return out;
-  const auto take = [&](PeriodicOrbit orbit) {
-    out.type = AttractorType::periodic;
-    out.period = orbit.period;
-    out.impacts = orbit.impacts;
-    out.state = orbit.state;
-    out.exponents = orbit.multipliers.exponents;
-    out.standard_errors.assign(out.exponents.size(), 0.0);
-    out.orbit = std::move(orbit);
-  };
+  if (auto orbit = settling_orbit(system, p, settled.state, options.max_period, options.lyapunov.flow))
+    take(out, std::move(*orbit));
+  return out;
+}
+
+void average_on_attractor(const HybridSystem& system, const Vector& p, Attractor& attractor, const AttractorOptions& options) {
+  if (attractor.termination != Termination::time) return;
   LyapunovOptions averaging = options.lyapunov;
-  if (auto orbit = settling_orbit(system, p, settled.state, options.max_period, averaging.flow)) {
-    take(std::move(*orbit));
+  if (attractor.type == AttractorType::periodic) {
     averaging.max_periods = std::min<std::int64_t>(averaging.max_periods, options.periods_on_orbit);
-    if (averaging.max_periods >= averaging.interval) out.time_average = lyapunov_spectrum(system, p, out.state, averaging);
-    return out;
+    if (averaging.max_periods >= averaging.interval)
+      attractor.time_average = lyapunov_spectrum(system, p, attractor.state, averaging);
+    return;
   }
-  out.time_average = lyapunov_spectrum(system, p, settled.state, averaging);
-  out.state = out.time_average.state;
-  // What looked like chaos may have been a long transient.
-  if (auto orbit = settling_orbit(system, p, out.state, options.max_period, averaging.flow)) {
-    take(std::move(*orbit));
-    return out;
+  attractor.time_average = lyapunov_spectrum(system, p, attractor.state, averaging);
+  attractor.state = attractor.time_average.state;
+  if (auto orbit = settling_orbit(system, p, attractor.state, options.max_period, averaging.flow)) {
+    take(attractor, std::move(*orbit));
+    return;
   }
-  out.exponents = out.time_average.exponents;
-  out.standard_errors = out.time_average.standard_errors;
-  if (!out.exponents.empty() && out.exponents[0] > options.significance * out.standard_errors[0])
-    out.type = AttractorType::chaotic;
+  attractor.exponents = attractor.time_average.exponents;
+  attractor.standard_errors = attractor.time_average.standard_errors;
+  if (!attractor.exponents.empty() && attractor.exponents[0] > options.significance * attractor.standard_errors[0])
+    attractor.type = AttractorType::chaotic;
+}
+
+Attractor find_attractor(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options) {
+  Attractor out = approach_attractor(system, p, start, options);
+  average_on_attractor(system, p, out, options);
   return out;
 }
 

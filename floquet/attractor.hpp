@@ -39,6 +39,14 @@ struct Attractor {
 /// The attractor reached from `start` at forcing phase 0. @throws std::invalid_argument as lyapunov_spectrum does.
 Attractor find_attractor(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options = {});
 
+/// Its two halves. The first lets the transient die out, and knows a stable orbit by Newton's method; the second takes the time
+/// average from the state reached, looks for an orbit once more (what looked like chaos may have been a long transient), and
+/// tells chaotic from undecided.
+Attractor approach_attractor(const HybridSystem& system, const Vector& p, const Vector& start,
+                             const AttractorOptions& options = {});
+void average_on_attractor(const HybridSystem& system, const Vector& p, Attractor& attractor,
+                          const AttractorOptions& options = {});
+
 /// The stable orbit that a motion at `state` is settling on, if it is periodic with period up to max_period.
 std::optional<PeriodicOrbit> settling_orbit(const HybridSystem& system, const Vector& p, const Vector& state, int max_period,
                                             const FlowOptions& flow = {});

@@ -12,9 +12,9 @@ namespace graze::apps {
 
 const std::vector<PictureKind>& picture_kinds() {
   static const std::vector<PictureKind> list = {
-      branch_picture(),     multipliers_picture(), skeleton_picture(),        orbit_phase_picture(),
-      orbit_time_picture(), point_phase_picture(), trajectory_time_picture(), trajectory_phase_picture(),
-      section_picture(),    verify_picture(),      sweep_picture(),           exponents_picture(),
+      branch_picture(),        multipliers_picture(),     skeleton_picture(),         orbit_phase_picture(), orbit_time_picture(),
+      point_phase_picture(),   trajectory_time_picture(), trajectory_phase_picture(), section_picture(),     verify_picture(),
+      sweep_diagram_picture(), sweep_picture(),           exponents_picture(),
   };
   return list;
 }

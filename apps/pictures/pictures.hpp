@@ -54,6 +54,7 @@ PictureKind trajectory_time_picture();
 PictureKind trajectory_phase_picture();
 PictureKind section_picture();
 PictureKind verify_picture();
+PictureKind sweep_diagram_picture();
 PictureKind sweep_picture();
 PictureKind exponents_picture();
 

@@ -59,7 +59,21 @@ Picture draw_exponents(const Json& result) {
   return picture;
 }
 
+/// The attractors above their exponents, on one axis.
+Picture draw_diagram(const Json& result) {
+  Picture picture = draw_states(result), exponents = draw_exponents(result);
+  picture.title = "Attractors and their Lyapunov exponents";
+  exponents.title.clear();
+  exponents.subtitle.clear();
+  picture.below.push_back(std::move(exponents));
+  return picture;
+}
+
 }  // namespace
+
+PictureKind sweep_diagram_picture() {
+  return {"graze.sweep/1", "diagram", "stroboscopic states above the exponents, against the parameter", draw_diagram, {}};
+}
 
 PictureKind sweep_picture() {
   return {"graze.sweep/1", "states", "stroboscopic states of the attractors against the parameter", draw_states, {}};

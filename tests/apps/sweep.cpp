@@ -31,7 +31,7 @@ Json json_of(const Outcome& outcome) {
 TEST_CASE("sweep follows the attractor and shows hysteresis") {
   // Upwards the impactless orbit lasts to its grazing at 0.7107; downwards chaos lasts to 0.6975.
   const Json json = json_of(run(
-      {"--from", "0.69", "--to", "0.715", "--step", "0.001", "--direction", "both", "--standard-error", "5e-3", "--json", "-"},
+      {"--from", "0.69", "--to", "0.715", "--step", "0.001", "--direction", "both", "--standard-error", "5e-4", "--json", "-"},
       "hertz-damped"));
   CHECK(json["schema"] == "graze.sweep/1");
   REQUIRE(json["rows"].size() == 26 * 2);
@@ -62,6 +62,7 @@ TEST_CASE("sweep goes on from what an interrupted run has left, to the last bit"
   const std::string out = folder.file("run");
   const Json whole = json_of(run(with({"--out", out, "--json", "-"})));
   REQUIRE(whole["rows"].size() == 6);
+  CHECK(std::filesystem::exists(out + "/sweep-diagram.png"));
   CHECK(std::filesystem::exists(out + "/sweep-states.png"));
   CHECK(std::filesystem::exists(out + "/sweep-exponents.png"));
   Json part = whole;
