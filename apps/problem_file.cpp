@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Reading problem files: the one place that knows TOML.
+// Reading problem files.
 #include <graze/apps/number.hpp>
 #include <graze/apps/problem.hpp>
+#include <graze/apps/toml_section.hpp>
 
 #include <graze/lib/oscillator.hpp>
 #include <graze/lib/physical_units.hpp>
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <sstream>
 #include <stdexcept>
 
 namespace graze::apps {
@@ -21,117 +20,6 @@ namespace graze::apps {
 namespace {
 
 constexpr std::uintmax_t largest_file = 1000000;  // bytes
-
-std::string position(const std::string& file, const toml::source_region& source) {
-  return source.begin ? fmt::format("{}:{}", file, source.begin.line) : file;
-}
-
-/// What a value looks like in a message.
-std::string shown(const toml::node& node) {
-  std::ostringstream text;
-  node.visit([&](const auto& value) {
-    using Value = std::remove_cvref_t<decltype(value)>;
-    if constexpr (toml::is_table<Value>)
-      text << "a table";
-    else
-      text << value;
-  });
-  return text.str();
-}
-
-/// One table of a file. Keys are looked up by what may be there; finish() complains about all others.
-class Section {
- public:
-  Section(const std::string& file, const toml::table& root, std::string name) : file_(file), name_(std::move(name)) {
-    const toml::node* node = root.get(name_);
-    if (!node) return;
-    table_ = node->as_table();
-    if (!table_)
-      throw std::invalid_argument(
-          fmt::format("{}: {} is {}; it must be a section [{}]", position(file_, node->source()), name_, shown(*node), name_));
-  }
-
-  bool present() const { return table_ != nullptr; }
-  bool has(std::string_view key) const { return table_ && table_->contains(key); }
-
-  std::optional<std::string> text(const std::string& key) {
-    const toml::node* node = find(key);
-    if (!node) return std::nullopt;
-    const auto value = node->value_exact<std::string>();
-    if (!value) throw wrong_type(key, *node, "text in quotes");
-    return value;
-  }
-
-  std::optional<double> number(const std::string& key) {
-    const toml::node* node = find(key);
-    if (!node) return std::nullopt;
-    const std::optional<double> value = as_number(*node);
-    if (!value) throw wrong_type(key, *node, "a number (0.05, or in quotes \"36/35\", \"2*pi\")");
-    return value;
-  }
-
-  std::optional<int> count(const std::string& key, int least, int most = std::numeric_limits<int>::max()) {
-    const toml::node* node = find(key);
-    if (!node) return std::nullopt;
-    const auto value = node->value_exact<std::int64_t>();
-    if (!value || *value < least || *value > most) {
-      const bool limited = most < std::numeric_limits<int>::max() || (value && *value > most);
-      throw wrong_type(key, *node, fmt::format("a whole number >= {}{}", least, limited ? fmt::format(" and <= {}", most) : ""));
-    }
-    return static_cast<int>(*value);
-  }
-
-  std::optional<Vector> state(const std::string& key) {
-    const toml::node* node = find(key);
-    if (!node) return std::nullopt;
-    const toml::array* array = node->as_array();
-    Vector out(2);
-    if (array && array->size() == 2) {
-      const auto x = as_number(*array->get(0)), v = as_number(*array->get(1));
-      if (x && v) return Vector{{*x, *v}};
-    }
-    throw wrong_type(key, *node, "two numbers [x, v]");
-  }
-
-  /// @throws for keys that nobody asked for.
-  /// `contact`: the law of the model, where the keys are its parameters.
-  void finish(const std::string& contact = {}) const {
-    if (!table_) return;
-    for (const auto& [key, node] : *table_)
-      if (std::find(known_.begin(), known_.end(), key.str()) == known_.end())
-        throw std::invalid_argument(fmt::format("{}: in [{}], {}{}", position(file_, node.source()), name_,
-                                                unknown_name("key", key.str(), known_),
-                                                contact.empty() ? "" : owner_of(key.str(), contact)));
-  }
-
-  /// Position of a key, or of the section where it is missing.
-  std::string where(std::string_view key = {}) const {
-    if (has(key)) return position(file_, table_->get(key)->source());
-    return table_ ? position(file_, table_->source()) : file_;
-  }
-
- private:
-  const toml::node* find(const std::string& key) {
-    known_.push_back(key);
-    return table_ ? table_->get(key) : nullptr;
-  }
-
-  static std::optional<double> as_number(const toml::node& node) {
-    if (node.is_number()) return node.value<double>();
-    const auto text = node.value_exact<std::string>();
-    return text ? parse_number(*text) : std::nullopt;
-  }
-
-  std::invalid_argument wrong_type(const std::string& key, const toml::node& node, const std::string& wanted) const {
-    return std::invalid_argument(
-        fmt::format("{}: {} = {} in [{}] must be {}", position(file_, node.source()), key, shown(node), name_, wanted));
-  }
-
-  const std::string& file_;
-  std::string name_;
-  const toml::table* table_ = nullptr;
-  std::vector<std::string> known_;
-};
 
 /// A value in range, or one sentence. `info` carries name, range and unit.
 double checked(const std::string& where, const ParameterInfo& info, double value) {
@@ -143,7 +31,7 @@ double checked(const std::string& where, const ParameterInfo& info, double value
   return value;
 }
 
-void read_parameters(Section& section, Problem& problem) {
+void read_parameters(TomlSection& section, Problem& problem) {
   for (std::size_t i = 0; i < problem.system.parameters.size(); ++i) {
     const ParameterInfo& info = problem.system.parameters[i];
     const std::optional<double> value = section.number(info.name);
@@ -156,7 +44,7 @@ void read_parameters(Section& section, Problem& problem) {
 }
 
 /// Physical quantities of the file, by name and in the order they are listed to users; and their conversion.
-void read_physical(Section& section, Problem& problem) {
+void read_physical(TomlSection& section, Problem& problem) {
   const std::optional<std::string> name = section.text("excitation");
   std::vector<std::string> names;
   for (const ExcitationKind& kind : excitation_kinds()) names.push_back(kind.name);
@@ -215,27 +103,8 @@ void read_physical(Section& section, Problem& problem) {
   problem.converted_from = std::move(from);
 }
 
-/// The first line that is not UTF-8.
-std::optional<std::size_t> not_utf8(std::string_view text) {
-  std::size_t line = 1;
-  for (std::size_t i = 0; i < text.size();) {
-    const auto byte = static_cast<unsigned char>(text[i]);
-    const std::size_t length = byte < 0x80                   ? 1
-                               : byte >= 0xC2 && byte < 0xE0 ? 2
-                               : byte >= 0xE0 && byte < 0xF0 ? 3
-                               : byte >= 0xF0 && byte < 0xF5 ? 4
-                                                             : 0;
-    if (length == 0 || i + length > text.size()) return line;
-    for (std::size_t k = 1; k < length; ++k)
-      if ((static_cast<unsigned char>(text[i + k]) & 0xC0) != 0x80) return line;
-    line += byte == '\n' ? 1 : 0;
-    i += length;
-  }
-  return std::nullopt;
-}
-
 /// The name in [model], checked against the names there are.
-std::string model_name(Section& section, const std::string& key, const std::vector<std::string>& names) {
+std::string model_name(TomlSection& section, const std::string& key, const std::vector<std::string>& names) {
   const std::optional<std::string> name = section.text(key);
   if (!name)
     throw std::invalid_argument(fmt::format("{}: [model] lacks {} = \"...\": {}", section.where(), key, fmt::join(names, ", ")));
@@ -247,22 +116,14 @@ std::string model_name(Section& section, const std::string& key, const std::vect
 }  // namespace
 
 Problem parse_problem(std::string_view text, const std::string& file) {
-  if (const auto line = not_utf8(text))
-    throw std::invalid_argument(
-        fmt::format("{}:{}: holds bytes that are not text in UTF-8; save it in that encoding", file, *line));
-  toml::table root;
-  try {
-    root = toml::parse(text, file);
-  } catch (const toml::parse_error& error) {
-    throw std::invalid_argument(fmt::format("{}: not valid TOML: {}", position(file, error.source()), error.description()));
-  }
+  const toml::table root = parse_toml(text, file);
   const std::vector<std::string> sections = {"model", "parameters", "physical", "start"};
   for (const auto& [key, node] : root)
     if (std::find(sections.begin(), sections.end(), key.str()) == sections.end())
       throw std::invalid_argument(
-          fmt::format("{}: {}", position(file, node.source()), unknown_name("section", key.str(), sections)));
+          fmt::format("{}: {}", toml_position(file, node.source()), unknown_name("section", key.str(), sections)));
 
-  Section model(file, root, "model"), parameters(file, root, "parameters"), physical(file, root, "physical"),
+  TomlSection model(file, root, "model"), parameters(file, root, "parameters"), physical(file, root, "physical"),
       start(file, root, "start");
   if (!model.present())
     throw std::invalid_argument(fmt::format("{}: the section [model] is missing: it names oscillator and contact", file));

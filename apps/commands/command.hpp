@@ -35,6 +35,7 @@ Command diagram_command();
 Command lyapunov_command();
 Command sweep_command();
 Command verify_command();
+Command reproduce_command();
 Command trajectory_command();
 Command poincare_command();
 Command plot_command();

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/attractor_report.hpp>
+#include <graze/apps/number.hpp>
+#include <graze/apps/published/exponents.hpp>
+
+#include <graze/continuation/neighbourhood.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace graze::apps {
+
+namespace {
+
+/// "(-0.015, -0.089)" with so many decimals.
+std::string pair_text(const std::vector<double>& values, int decimals) {
+  std::string text;
+  for (const double value : values)
+    text += (text.empty() ? "" : ", ") + (std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-infinity");
+  return "(" + text + ")";
+}
+
+bool agree(const std::vector<double>& computed, const std::vector<double>& errors, const std::vector<double>& printed,
+           int digits) {
+  if (computed.size() != printed.size()) return false;
+  for (std::size_t i = 0; i < computed.size(); ++i)
+    if (!agrees_with_print(computed[i], i < errors.size() ? errors[i] : 0.0, printed[i], digits)) return false;
+  return true;
+}
+
+double gap(const std::vector<double>& a, const std::vector<double>& b) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
+  return largest;
+}
+
+class Comparing {
+ public:
+  Comparing(const Published& published, const PublishedExponents& item, const ExponentsOptions& options)
+      : item_(item), options_(options), problem_(problem_of(published, item.system, item.eta, item.beta)) {
+    finding_.transient = options.transient;
+    finding_.lyapunov.cancelled = options.cancelled;
+    finding_.lyapunov.standard_error = parameter(problem_, "beta") == 0.0 ? options.standard_error : options.cantilever_error;
+    finding_.lyapunov.max_periods = options.max_periods;
+  }
+
+  ExponentsComparison compare(std::vector<Start> starts) {
+    ExponentsComparison out;
+    Comparison& row = out.row;
+    row.figure = item_.figure;
+    row.system = item_.system;
+    row.quantity = "exponents";
+    row.eta = parameter(problem_, "eta");
+    row.published = numbers_json(item_.lambda);
+    row.published_text = fmt::format("{} {}", pair_text(item_.lambda, item_.digits), label(item_.attractor));
+    row.details["attractor"] = label(item_.attractor);
+    if (item_.initial) starts.insert(starts.begin(), {"the printed state", *item_.initial});
+    starts.push_back({"rest", start_state(problem_, std::nullopt)});
+    found_ = attractors_from(problem_, starts, finding_);
+    if (found_.empty()) {
+      add_remark(row.remark, "no motion could be carried on from any of the starts");
+      row.computed_text = "nothing";
+      return out;
+    }
+    for (FoundAttractor& found : found_)
+      if (found.attractor.type == AttractorType::periodic || likeness(found.attractor, item_.attractor) == 3)
+        average_on_attractor(problem_.system, problem_.parameters, found.attractor, finding_);
+    FoundAttractor& meant = choose();
+    if (meant.attractor.exponents.empty()) average_on_attractor(problem_.system, problem_.parameters, meant.attractor, finding_);
+    row.computed = numbers_json(meant.attractor.exponents);
+    row.uncertainty = numbers_json(meant.attractor.standard_errors);
+    row.computed_text = fmt::format("{} {}", pair_text(meant.attractor.exponents, item_.digits + 2), label(meant.attractor));
+    row.verdict = agree(meant.attractor.exponents, meant.attractor.standard_errors, item_.lambda, item_.digits)
+                      ? Verdict::agrees
+                      : Verdict::differs;
+    add_details(row, meant);
+    remark_on_motion(row, meant);
+    if (row.verdict == Verdict::differs) remark_on_difference(row, meant);
+    if (meant.attractor.type != AttractorType::periodic) remark_on_rule(row, meant.attractor);
+    out.problem = problem_;
+    out.attractor = meant.attractor;
+    return out;
+  }
+
+ private:
+  /// The attractor that is most like the one described; among equals the one with the nearest exponents.
+  FoundAttractor& choose() {
+    return *std::min_element(found_.begin(), found_.end(), [&](const FoundAttractor& a, const FoundAttractor& b) {
+      const int like_a = likeness(a.attractor, item_.attractor), like_b = likeness(b.attractor, item_.attractor);
+      if (like_a != like_b) return like_a > like_b;
+      return gap(a.attractor.exponents, item_.lambda) < gap(b.attractor.exponents, item_.lambda);
+    });
+  }
+
+  void add_details(Comparison& row, const FoundAttractor& meant) const {
+    row.details["reached_from"] = meant.origin;
+    row.details["computed_attractor"] = attractor_json(meant.attractor);
+    row.details["time_average"] = spectrum_json(meant.attractor.time_average);
+    row.details["others"] = Json::array();
+    for (const FoundAttractor& other : found_)
+      if (&other != &meant)
+        row.details["others"].push_back({{"attractor", label(other.attractor)},
+                                         {"reached_from", other.origin},
+                                         {"exponents", numbers_json(other.attractor.exponents)}});
+  }
+
+  /// What is there instead of the motion described.
+  void remark_on_motion(Comparison& row, const FoundAttractor& meant) const {
+    const Attractor& attractor = meant.attractor;
+    if (is_described(attractor, item_.attractor)) return;
+    std::string there = label(attractor);
+    if (attractor.orbit && attractor.impacts > 0)
+      there += fmt::format(" (slowest impact {})", rounded(slowest_impact(*attractor.orbit), 2));
+    add_remark(row.remark, fmt::format("what is there is {}, not {}", there, label(item_.attractor)));
+    const auto end = end_of_impactless(problem_);
+    if (item_.attractor.type == "impactless" && end && *row.eta > *end)
+      add_remark(row.remark, fmt::format("no motion without impact exists above eta = {}: its amplitude exceeds the clearance",
+                                         rounded(*end, 9)));
+  }
+
+  void remark_on_difference(Comparison& row, const FoundAttractor& meant) const {
+    std::vector<double> turned = item_.lambda;
+    if (!turned.empty()) turned[0] = -turned[0];
+    const Attractor& attractor = meant.attractor;
+    if (agree(attractor.exponents, attractor.standard_errors, turned, item_.digits))
+      add_remark(row.remark, "the sign of the first exponent is lost in print");
+    for (const FoundAttractor& other : found_)
+      if (&other != &meant && agree(other.attractor.exponents, other.attractor.standard_errors, item_.lambda, item_.digits))
+        add_remark(row.remark,
+                   fmt::format("the printed pair is that of {}, reached from {}", label(other.attractor), other.origin));
+    if (attractor.orbit)
+      remark_on_branch(row, *attractor.orbit);
+    else
+      remark_on_average(row, attractor);
+  }
+
+  /// How far eta would have to move, and what lies next to it.
+  void remark_on_branch(Comparison& row, const PeriodicOrbit& orbit) const {
+    NeighbourhoodOptions asking;
+    asking.exponent = item_.lambda.front();
+    asking.cancelled = options_.cancelled;
+    const Neighbourhood near = neighbourhood(problem_.system, orbit, asking);
+    const double eta = *row.eta;
+    if (near.value_of_exponent) {
+      row.details["eta_for_printed_value"] = *near.value_of_exponent;
+      add_remark(row.remark, fmt::format("the printed first exponent is that of eta = {}, {:+.2g} away",
+                                         rounded(*near.value_of_exponent, 9), *near.value_of_exponent - eta));
+    } else {
+      add_remark(row.remark,
+                 fmt::format("on its branch no eta within {} has the printed first exponent", rounded(asking.reach, 2)));
+    }
+    if (const SpecialPoint* point = near.nearest(eta)) {
+      row.details["nearest_bifurcation"] = {{"type", point_type_name(point->type)}, {"eta", point->value}};
+      add_remark(row.remark, fmt::format("{} at eta = {}, {:+.2g} away", point_type_name(point->type), rounded(point->value, 9),
+                                         point->value - eta));
+    }
+  }
+
+  /// The same average from other states, and what Liouville's identity says of the printed pair.
+  void remark_on_average(Comparison& row, const Attractor& attractor) const {
+    if (attractor.exponents.empty()) return;
+    const double error = attractor.standard_errors[0];
+    add_remark(row.remark, fmt::format("the first exponents are {} of our standard errors apart",
+                                       rounded(std::abs(attractor.exponents[0] - item_.lambda[0]) / error, 2)));
+    AttractorOptions again = finding_;
+    again.transient = 1000;
+    Json others = Json::array();
+    double low = attractor.exponents[0], high = low;
+    const Vector first = start_state(problem_, std::nullopt);
+    for (const double part : {0.25, 0.5, 0.75}) {
+      Vector start = first;
+      start[0] = part * parameter(problem_, "r");
+      const Attractor other = find_attractor(problem_.system, problem_.parameters, start, again);
+      if (other.exponents.empty()) continue;
+      others.push_back({{"start", to_json(start)},
+                        {"attractor", label(other)},
+                        {"exponents", numbers_json(other.exponents)},
+                        {"standard_errors", numbers_json(other.standard_errors)}});
+      low = std::min(low, other.exponents[0]);
+      high = std::max(high, other.exponents[0]);
+    }
+    row.details["from_other_states"] = others;
+    add_remark(row.remark,
+               fmt::format("from {} further states it is between {} and {}", others.size(), rounded(low, 4), rounded(high, 4)));
+    const double printed = std::accumulate(item_.lambda.begin(), item_.lambda.end(), 0.0);
+    const double sum = std::accumulate(attractor.exponents.begin(), attractor.exponents.end(), 0.0);
+    const bool same = std::abs(printed - sum) <= 1.0000001 * std::pow(10.0, -item_.digits) + 3.0 * error;
+    add_remark(row.remark, fmt::format("the printed sum {} {} with ours, {}", rounded(printed, 5), same ? "agrees" : "disagrees",
+                                       rounded(sum, 5)));
+  }
+
+  /// The average as the source stopped it, from several states on the attractor.
+  void remark_on_rule(Comparison& row, const Attractor& attractor) const {
+    LyapunovOptions rule;
+    rule.interval = 15;
+    rule.change = 1e-6;
+    rule.max_periods = parameter(problem_, "beta") == 0.0 ? 150000 : 7500;
+    rule.cancelled = options_.cancelled;
+    Vector state = attractor.state;
+    Json runs = Json::array();
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    std::int64_t shortest = rule.max_periods, longest = 0;
+    for (int k = 0; k < options_.source_runs; ++k) {
+      const LyapunovSpectrum spectrum = lyapunov_spectrum(problem_.system, problem_.parameters, state, rule);
+      if (spectrum.stop == LyapunovStop::interrupted || spectrum.stop == LyapunovStop::failed) break;
+      state = spectrum.state;
+      runs.push_back({{"exponents", numbers_json(spectrum.exponents)},
+                      {"periods", spectrum.periods},
+                      {"stop", lyapunov_stop_text(spectrum.stop)}});
+      low = std::min(low, spectrum.exponents[0]);
+      high = std::max(high, spectrum.exponents[0]);
+      shortest = std::min(shortest, spectrum.periods);
+      longest = std::max(longest, spectrum.periods);
+    }
+    row.details["source_rule"] = runs;
+    if (!runs.empty())
+      add_remark(row.remark,
+                 fmt::format("stopped by the source's rule, {} averages end between {} and {}, after {} to {} periods",
+                             runs.size(), rounded(low, 4), rounded(high, 4), shortest, longest));
+  }
+
+  const PublishedExponents& item_;
+  const ExponentsOptions& options_;
+  Problem problem_;
+  AttractorOptions finding_;
+  std::vector<FoundAttractor> found_;
+};
+
+}  // namespace
+
+ExponentsComparison compare_exponents(const Published& published, const PublishedExponents& item,
+                                      const std::vector<Start>& starts, const ExponentsOptions& options) {
+  return Comparing(published, item, options).compare(starts);
+}
+
+}  // namespace graze::apps

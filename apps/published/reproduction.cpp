@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/published/points.hpp>
+#include <graze/apps/published/reproduction.hpp>
+
+#include <fmt/format.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <algorithm>
+#include <iterator>
+#include <mutex>
+#include <numeric>
+
+namespace graze::apps {
+
+namespace {
+
+// Shares of the time that the parts take.
+constexpr double until_diagrams = 0.45, until_rows = 0.8;
+
+SweptDiagram sweep_diagram(const Published& published, const PublishedDiagram& diagram, const ReproductionOptions& options,
+                           const std::vector<SweepRow>& so_far, const std::function<void(double)>& progress) {
+  SweptDiagram out{diagram, problem_of(published, diagram.system), {}};
+  SweepOptions sweeping;
+  sweeping.from = diagram.from;
+  sweeping.to = diagram.to;
+  sweeping.step = diagram.step;
+  sweeping.directions = {SweepDirection::up, SweepDirection::down};
+  sweeping.samples = options.samples;
+  sweeping.attractor.transient = 500;
+  sweeping.attractor.periods_on_orbit = 0;  // the multipliers say it all
+  sweeping.attractor.lyapunov.min_periods = 5000;
+  sweeping.attractor.lyapunov.max_periods = options.sweep_periods;
+  sweeping.attractor.lyapunov.standard_error = options.sweep_error;
+  sweeping.threads = options.threads;
+  sweeping.cancelled = options.cancelled;
+  const auto all = 2.0 * static_cast<double>(sweep_values(diagram.from, diagram.to, diagram.step).size());
+  sweeping.progress = [&](std::size_t rows, double) { progress(static_cast<double>(rows) / all); };
+  out.rows = sweep(out.problem.system, out.problem.parameters, start_state(out.problem, std::nullopt), sweeping, so_far);
+  return out;
+}
+
+/// Rows of the points and exponents, side by side; those that take long come first.
+class Rows {
+ public:
+  Rows(const Published& published, const ReproductionOptions& options, const std::vector<SweptDiagram>& diagrams)
+      : published_(published), options_(options), diagrams_(diagrams), points_(published.points.size()),
+        motions_(published.exponents.size()) {}
+
+  void compute(const std::function<void(double)>& progress) {
+    std::vector<std::size_t> order(motions_.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return cost(a) > cost(b); });
+    const std::size_t count = order.size() + points_.size();
+    std::mutex telling;
+    std::size_t done = 0;
+    oneapi::tbb::task_arena arena(std::max(1, options_.threads));
+    arena.execute([&] {
+      const auto one = [&](std::size_t k) {
+        if (options_.cancelled && options_.cancelled()) return;
+        if (k < order.size())
+          motions_[order[k]] = motion(published_.exponents[order[k]]);
+        else
+          points_[k - order.size()] = compare_point(published_, published_.points[k - order.size()], options_.cancelled);
+        const std::lock_guard lock(telling);
+        progress(static_cast<double>(++done) / static_cast<double>(count));
+      };
+      oneapi::tbb::parallel_for(std::size_t{0}, count, one, oneapi::tbb::simple_partitioner());
+    });
+  }
+
+  void append(Reproduction& out) {
+    for (std::vector<Comparison>& rows : points_) std::move(rows.begin(), rows.end(), std::back_inserter(out.rows));
+    for (const ExponentsComparison& motion : motions_)
+      if (!motion.row.quantity.empty()) out.rows.push_back(motion.row);
+    out.motions = std::move(motions_);
+  }
+
+ private:
+  int cost(std::size_t k) const {
+    const PublishedExponents& item = published_.exponents[k];
+    return (item.beta.value_or(0.0) != 0.0 ? 2 : 0) + (item.attractor.type == "chaotic" ? 1 : 0);
+  }
+
+  ExponentsComparison motion(const PublishedExponents& item) const {
+    ExponentsOptions asking = options_.exponents;
+    asking.cancelled = options_.cancelled;
+    std::vector<Start> starts;
+    for (const SweptDiagram& swept : diagrams_)
+      if (swept.diagram.system == item.system && item.eta && !item.beta)
+        for (Start& start : starts_from(swept, *item.eta)) starts.push_back(std::move(start));
+    return compare_exponents(published_, item, starts, asking);
+  }
+
+  const Published& published_;
+  const ReproductionOptions& options_;
+  const std::vector<SweptDiagram>& diagrams_;
+  std::vector<std::vector<Comparison>> points_;
+  std::vector<ExponentsComparison> motions_;
+};
+
+bool has_system(const Published& published, const std::string& id) {
+  return std::any_of(published.systems.begin(), published.systems.end(), [&](const auto& system) { return system.id == id; });
+}
+
+}  // namespace
+
+Reproduction reproduce(const Published& published, const ReproductionOptions& options, const std::vector<SweptDiagram>& so_far) {
+  Reproduction out;
+  const auto stopped = [&] { return options.cancelled && options.cancelled(); };
+  const auto tell = [&](const std::string& what, double fraction) {
+    if (options.progress) options.progress(what, fraction);
+  };
+  const auto count = static_cast<double>(published.diagrams.size());
+  for (const PublishedDiagram& diagram : published.diagrams) {
+    const auto earlier = std::find_if(so_far.begin(), so_far.end(),
+                                      [&](const SweptDiagram& swept) { return swept.diagram.figure == diagram.figure; });
+    const auto begun = static_cast<double>(out.diagrams.size());
+    out.diagrams.push_back(
+        sweep_diagram(published, diagram, options, earlier == so_far.end() ? std::vector<SweepRow>() : earlier->rows,
+                      [&](double share) { tell("figure " + diagram.figure, until_diagrams * (begun + share) / count); }));
+    if (stopped()) return out;
+  }
+  Rows rows(published, options, out.diagrams);
+  rows.compute([&](double share) { tell("exponents", until_diagrams + (until_rows - until_diagrams) * share); });
+  rows.append(out);
+  for (const SweptDiagram& swept : out.diagrams)
+    for (Comparison& row : compare_windows(swept)) out.rows.push_back(std::move(row));
+  if (stopped()) return out;
+  ClaimOptions asking{options.threads, options.cancelled, {}};
+  const double half = 0.5 * (1.0 - until_rows);
+  if (options.claims && has_system(published, "hertz-undamped") && has_system(published, "newton-elastic")) {
+    asking.progress = [&](double share) { tell("the exponents near grazing", until_rows + half * share); };
+    out.claims.push_back(claim_of_equal_exponents(published, "hertz-undamped", "newton-elastic", asking));
+  }
+  if (options.claims && !stopped() && has_system(published, "hertz-damped")) {
+    asking.progress = [&](double share) { tell("the width of chaos", until_rows + half + half * share); };
+    out.claims.push_back(claim_of_widest_chaos(published, "hertz-damped", 2.0, asking));
+  }
+  out.complete = !stopped();
+  return out;
+}
+
+}  // namespace graze::apps
