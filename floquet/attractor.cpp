@@ -110,6 +110,7 @@ void average_on_attractor(const HybridSystem& system, const Vector& p, Attractor
       attractor.time_average = lyapunov_spectrum(system, p, attractor.state, averaging);
     return;
   }
+  averaging.significance = options.significance;  // long enough to tell chaos, too
   attractor.time_average = lyapunov_spectrum(system, p, attractor.state, averaging);
   attractor.state = attractor.time_average.state;
   if (auto orbit = settling_orbit(system, p, attractor.state, options.max_period, averaging.flow)) {

@@ -24,8 +24,8 @@ void check(const HybridSystem& system, const LyapunovOptions& options) {
   if (options.max_periods < options.interval)
     throw std::invalid_argument(
         fmt::format("max_periods is {}; allowed is at least the interval, {}", options.max_periods, options.interval));
-  if (!(options.standard_error >= 0.0) || !(options.change >= 0.0))
-    throw std::invalid_argument("the bounds of standard error and change must be >= 0");
+  if (!(options.standard_error >= 0.0) || !(options.change >= 0.0) || !(options.significance >= 0.0))
+    throw std::invalid_argument("the bounds of standard error, significance and change must be >= 0");
 }
 
 /// Tangent vectors, orthonormalised now and then.
@@ -94,6 +94,7 @@ LyapunovSpectrum lyapunov_spectrum(const HybridSystem& system, const Vector& p, 
   std::vector<double> before(static_cast<std::size_t>(n), 0.0);
   const auto settled = [&] {
     if (out.periods < options.min_periods) return false;
+    if (!lost[0] && std::abs(means[0].mean()) < options.significance * means[0].standard_error()) return false;
     return std::all_of(means.begin(), means.end(), [&](const BatchMeans& mean) {
       return lost[static_cast<std::size_t>(&mean - means.data())] ||
              mean.standard_error() / interval_time < options.standard_error;

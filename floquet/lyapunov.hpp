@@ -19,7 +19,7 @@ namespace graze {
 
 enum class LyapunovStop {
   not_run,
-  standard_error,  ///< every standard error is below the bound
+  standard_error,  ///< every standard error is below the bound, and the first exponent's sign is known if that was asked for
   change,          ///< the source's rule: all exponents changed by less than LyapunovOptions::change
   budget,          ///< max_periods were carried out
   interrupted,
@@ -31,6 +31,7 @@ std::string_view lyapunov_stop_text(LyapunovStop reason);
 struct LyapunovOptions {
   int interval = 1;              ///< forcing periods between two orthonormalisations
   double standard_error = 3e-4;  ///< bound, for all exponents; 0: the budget is used up
+  double significance = 0.0;     ///< > 0: goes on until the first exponent also differs from zero by so many standard errors
   double change = 0.0;           ///< > 0: stop where all exponents change by less than this from one interval to the next
   std::int64_t min_periods = 2000;
   std::int64_t max_periods = 200000;

@@ -31,7 +31,7 @@ std::vector<FoundAttractor> attractors_from(const Problem& problem, const std::v
 int likeness(const Attractor& attractor, const PublishedAttractor& described) {
   if (described.type == "chaotic") return attractor.type == AttractorType::periodic ? 0 : 3;
   if (attractor.type != AttractorType::periodic) return 0;
-  if (described.type == "impactless") return attractor.impacts == 0 ? 3 : 0;
+  if (described.type == "impactless") return attractor.impacts == 0 ? 3 : 1;
   if (attractor.impacts == 0) return 0;
   if (described.periods == 0) return 3;
   if (attractor.period != described.periods) return 1;

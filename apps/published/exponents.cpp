@@ -79,7 +79,7 @@ class Comparing {
     add_details(row, meant);
     remark_on_motion(row, meant);
     if (row.verdict == Verdict::differs) remark_on_difference(row, meant);
-    if (meant.attractor.type != AttractorType::periodic) remark_on_rule(row, meant.attractor);
+    if (row.verdict == Verdict::differs || meant.attractor.type != AttractorType::periodic) remark_on_rule(row, meant.attractor);
     out.problem = problem_;
     out.attractor = meant.attractor;
     return out;
@@ -167,6 +167,7 @@ class Comparing {
                                        rounded(std::abs(attractor.exponents[0] - item_.lambda[0]) / error, 2)));
     AttractorOptions again = finding_;
     again.transient = 1000;
+    again.lyapunov.standard_error = 1e-3;  // a tenth of the time: another attractor would show
     Json others = Json::array();
     double low = attractor.exponents[0], high = low;
     const Vector first = start_state(problem_, std::nullopt);
