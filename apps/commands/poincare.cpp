@@ -4,25 +4,20 @@
 #include <graze/apps/commands/command.hpp>
 #include <graze/apps/find_orbit.hpp>
 #include <graze/apps/interrupt.hpp>
-#include <graze/apps/motion.hpp>
 #include <graze/apps/number.hpp>
 #include <graze/apps/progress.hpp>
 #include <graze/apps/result.hpp>
+#include <graze/apps/section.hpp>
 
 #include <fmt/format.h>
 
-#include <array>
-#include <cmath>
 #include <memory>
-#include <numbers>
 
 namespace graze::apps {
 
 namespace {
 
-constexpr int patience = 1000;        // forcing periods without an impact after which none is expected any more
 constexpr int most_points = 5000000;  // a result is held in memory before it is written
-constexpr int stretch = 50;           // forcing periods that are run at a time
 
 struct Options {
   StartOptions start;
@@ -31,40 +26,17 @@ struct Options {
   OutputOptions output;
 };
 
-struct Section {
-  std::vector<std::array<double, 2>> points;
-  int periods = 0;
-  Termination termination = Termination::time;
-};
-
-/// Runs on until there are enough points, or nothing comes any more.
 Section collect(const Problem& problem, const Vector& start, const Options& options, const Console& console) {
-  Section section;
   Progress progress(console.err, console.quiet, "collecting");
-  const auto wanted = static_cast<std::size_t>(options.points);
-  const double eta = parameter(problem, "eta");
-  const bool impacts = options.section == "impact";
-  Vector state = start;
-  int idle = 0;
-  while (section.points.size() < wanted && idle < patience && section.termination == Termination::time) {
-    const Motion motion = run_motion(problem.system, problem.parameters, state, {.periods = stretch, .cancelled = interrupted});
-    const std::size_t before = section.points.size();
-    // A run of n periods gives n points, the next run begins with the state at its end.
-    for (std::size_t k = 0; !impacts && k < static_cast<std::size_t>(motion.periods) && section.points.size() < wanted; ++k)
-      section.points.push_back({motion.strobe[k][0], motion.strobe[k][1]});
-    for (const EventRecord& event : motion.events) {
-      if (!impacts || section.points.size() == wanted || (event.kind != EventKind::impact && event.kind != EventKind::enter))
-        continue;
-      section.points.push_back({std::fmod(eta * event.t, 2.0 * std::numbers::pi), event.normal_speed});
-    }
-    section.periods += motion.periods;
-    section.termination = motion.termination;
-    state = motion.strobe.back();
-    idle = section.points.size() > before ? 0 : idle + stretch;
-    progress.update(static_cast<double>(section.points.size()) / options.points,
-                    [&] { return fmt::format("{} of {} points", section.points.size(), options.points); });
-  }
-  return section;
+  SectionOptions collecting;
+  collecting.kind = options.section == "impact" ? SectionKind::impact : SectionKind::stroboscopic;
+  collecting.points = options.points;
+  collecting.cancelled = interrupted;
+  collecting.progress = [&](std::size_t points) {
+    progress.update(static_cast<double>(points) / options.points,
+                    [&] { return fmt::format("{} of {} points", points, options.points); });
+  };
+  return collect_section(problem, start, collecting);
 }
 
 int run(const Options& options, const Console& console) {
@@ -90,13 +62,9 @@ int run(const Options& options, const Console& console) {
     message = fmt::format("stopped after {}: no impact in the last {} forcing periods", counted(section.points.size(), "point"),
                           patience);
   }
-  const bool impacts = options.section == "impact";
   set_status(result.json, status, message);
-  result.json["section"] = options.section;
-  result.json["periods"] = section.periods;
-  result.json["columns"] = impacts ? Json{"phase", "speed"} : Json{"x", "v"};
-  result.json["points"] = section.points;
-  result.table.columns = impacts ? std::vector<std::string>{"phase", "speed"} : std::vector<std::string>{"x", "v"};
+  result.json.update(section_json(section));
+  result.table.columns = result.json["columns"].get<std::vector<std::string>>();
   for (const auto& point : section.points) result.table.rows.push_back({exact(point[0]), exact(point[1])});
   result.text =
       fmt::format("{}\n{} of the {} section in {}\n{}", describe(problem), counted(section.points.size(), "point"),

@@ -2,15 +2,24 @@
 // graze reproduce: published figures beside computed ones, row by row, and the pictures.
 #include <graze/apps/arguments.hpp>
 #include <graze/apps/commands/command.hpp>
+#include <graze/apps/input_file.hpp>
 #include <graze/apps/interrupt.hpp>
+#include <graze/apps/number.hpp>
+#include <graze/apps/output_file.hpp>
 #include <graze/apps/progress.hpp>
-#include <graze/apps/published/reproduction.hpp>
+#include <graze/apps/published/figures.hpp>
 #include <graze/apps/result.hpp>
+#include <graze/apps/sweep_report.hpp>
 #include <graze/apps/version.hpp>
 
 #include <fmt/format.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <memory>
+#include <mutex>
 #include <stdexcept>
 
 namespace graze::apps {
@@ -19,36 +28,165 @@ namespace {
 
 struct Options {
   std::string file, resume;
+  bool no_claims = false;
   OutputOptions output;
 };
 
-int run(const Options& options, const Console& console) {
-  const Published published = load_published(options.file);
+/// The file given, or the one that came with the program: installed beside it, or in the tree it was built from.
+std::string published_file(const Options& options) {
+  if (!options.file.empty()) return options.file;
+  std::error_code error;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
+  const std::filesystem::path installed = program.parent_path() / GRAZE_INSTALLED_DATA / "published.toml";
+  if (!error && std::filesystem::exists(installed, error)) return installed.lexically_normal().string();
+  const std::string source = GRAZE_SOURCE_DATA "/published.toml";
+  if (std::filesystem::exists(source, error)) return source;
+  throw std::invalid_argument(
+      "published.toml is neither installed beside the program nor in the tree it was built from; give the file");
+}
+
+Json diagrams_json(const std::vector<SweptDiagram>& diagrams) {
+  Json list = Json::array();
+  for (const SweptDiagram& swept : diagrams)
+    list.push_back({{"figure", swept.diagram.figure},
+                    {"system", swept.diagram.system},
+                    {"eta", {swept.diagram.from, swept.diagram.to}},
+                    {"step", swept.diagram.step},
+                    {"rows", rows_json(swept.rows)}});
+  return list;
+}
+
+/// What an earlier run has left, where it is about the same: diagrams of the same range, rows, claims.
+Reproduction earlier_run(const Options& options, const Published& published) {
+  Reproduction earlier;
+  if (options.resume.empty()) return earlier;
+  const Json json = read_to_resume(options.resume, "reproduce");
+  try {
+    for (const Json& row : json.at("rows")) earlier.rows.push_back(comparison_from(row));
+    for (const Json& claim : json.at("claims")) earlier.claims.push_back(claim_from(claim));
+    for (const Json& swept : json.at("diagrams"))
+      for (const PublishedDiagram& diagram : published.diagrams)
+        if (swept.at("figure") == diagram.figure && swept.at("system") == diagram.system && swept.at("step") == diagram.step &&
+            swept.at("eta") == Json{diagram.from, diagram.to})
+          earlier.diagrams.push_back({diagram, problem_of(published, diagram.system), rows_from(swept.at("rows"))});
+  } catch (const Json::exception& error) {
+    throw std::invalid_argument(
+        fmt::format("--resume: {}/reproduce.json is damaged ({}); compute it anew", options.resume, plain(error)));
+  }
+  return earlier;
+}
+
+std::string report(const Reproduction& found) {
+  Table numbers{{"figure", "system", "eta", "quantity", "published", "computed", "verdict"}, {}};
+  Table windows{{"figure", "system", "published window", "verdict"}, {}};
+  const Table all = comparisons_table(found.rows);
+  for (std::size_t k = 0; k < found.rows.size(); ++k) {
+    const std::vector<std::string>& cells = all.rows[k];
+    if (found.rows[k].quantity == "window")
+      windows.rows.push_back({cells[0], cells[1], cells[4], cells[6]});
+    else
+      numbers.rows.push_back(cells);
+  }
+  std::string text = aligned(numbers) + "\n" + aligned(windows);
+  text += fmt::format("\n{} of {} rows agree, {} differ\n", count_of(found.rows, Verdict::agrees), found.rows.size(),
+                      count_of(found.rows, Verdict::differs));
+  std::string remarks;
+  for (const Comparison& row : found.rows)
+    if (!row.remark.empty())
+      remarks += fmt::format("  {}{} {} {}: {}\n", row.figure.empty() ? "" : row.figure + " ", row.system, row.quantity,
+                             row.published_text, row.remark);
+  if (!remarks.empty()) text += "\nremarks\n" + remarks;
+  for (const Claim& claim : found.claims)
+    text += fmt::format("\nclaim: {}\n  criterion: {}\n  computed: {}\n  verdict: {}\n", claim.statement, claim.criterion,
+                        claim.computed, claim.verdict == Verdict::agrees ? "agrees" : "differs");
+  return text;
+}
+
+/// Draws the figures into the folder, side by side, and writes the page. Sentences on what could not be written.
+std::vector<std::string> write_pictures(const Published& published, const Reproduction& found, const std::string& folder,
+                                        const Console& console) {
+  const std::vector<Figure> figures = figures_of(published, found);
+  std::vector<std::string> failures;
+  Progress progress(console.err, console.quiet, "drawing");
+  std::mutex telling;
+  std::size_t done = 0;
+  oneapi::tbb::task_arena arena(console.thread_count());
+  arena.execute([&] {
+    const auto one = [&](std::size_t k) {
+      const std::string file = fmt::format("{}/{}.png", folder, figures[k].name);
+      std::optional<std::string> failure;
+      try {
+        failure = write_whole(file, draw(figures[k].picture(), "png"));
+      } catch (const std::exception& error) {
+        failure = fmt::format("{}: {}", file, error.what());
+      }
+      const std::lock_guard lock(telling);
+      if (failure) failures.push_back(*failure);
+      progress.update(static_cast<double>(++done) / static_cast<double>(figures.size()), [&] { return figures[k].name; });
+    };
+    oneapi::tbb::parallel_for(std::size_t{0}, figures.size(), one, oneapi::tbb::simple_partitioner());
+  });
+  if (const auto failure = write_whole(folder + "/index.html", index_page(published, found, figures)))
+    failures.push_back(*failure);
+  return failures;
+}
+
+int run(const Options& given, const Console& console) {
+  Options options = given;
+  if (!options.resume.empty() && options.output.out.empty()) options.output.out = options.resume;
+  const std::string file = published_file(options);
+  const Published published = load_published(file);
+  check_outputs(options.output, file);
+  const Reproduction earlier = earlier_run(options, published);
   Reproduction found;
   {
     Progress progress(console.err, console.quiet, "reproducing");
     ReproductionOptions asking;
     asking.threads = console.thread_count();
+    asking.claims = !options.no_claims;
     asking.cancelled = interrupted;
     asking.progress = [&](const std::string& what, double fraction) { progress.update(fraction, [&] { return what; }); };
-    found = reproduce(published, asking);
+    found = reproduce(published, asking, earlier);
   }
   Result result;
+  result.json = {{"schema", "graze.reproduce/1"}, {"graze", program_version},
+                 {"command", "reproduce"},        {"file", file},
+                 {"systems", Json::object()},     {"options", {{"claims", !options.no_claims}}}};
+  for (const PublishedSystem& system : published.systems) {
+    result.json["systems"][system.id]["contact"] = system.contact;
+    for (const auto& [name, value] : system.parameters) result.json["systems"][system.id]["parameters"][name] = value;
+  }
+  const Status status = found.complete ? Status::done : Status::interrupted;
+  const std::string message =
+      found.complete ? "" : fmt::format("interrupted with {} of {} rows", found.rows.size(), published.items());
+  set_status(result.json, status, message);
   result.json["rows"] = Json::array();
   for (const Comparison& row : found.rows) result.json["rows"].push_back(comparison_json(row));
+  result.json["claims"] = Json::array();
   for (const Claim& claim : found.claims) result.json["claims"].push_back(claim_json(claim));
+  result.json["diagrams"] = diagrams_json(found.diagrams);
   result.table = comparisons_table(found.rows);
-  result.text = aligned(result.table);
-  for (const Comparison& row : found.rows)
-    if (!row.remark.empty())
-      result.text += fmt::format("\n{} {} {}: {}", row.figure, row.quantity, row.published_text, row.remark);
-  for (const Claim& claim : found.claims) result.text += "\n" + claim.statement + ": " + claim.computed;
-  return deliver(result, options.output, "reproduce", 0, console);
+  result.table.columns.emplace_back("remark");
+  for (std::size_t k = 0; k < found.rows.size(); ++k) result.table.rows[k].push_back(found.rows[k].remark);
+  result.text = report(found);
+  if (status != Status::done) console.err << "graze reproduce: " << message << "\n";
+  int code = deliver(result, options.output, "reproduce", exit_code(status), console);
+  if (options.output.out.empty() || status != Status::done) return code;
+  for (const std::string& failure : write_pictures(published, found, options.output.out, console)) {
+    console.err << "graze reproduce: " << failure << "\n";
+    if (code == 0) code = interrupted() ? 130 : 2;
+  }
+  console.note(fmt::format("{}/index.html shows all of it", options.output.out));
+  return code;
 }
 
 std::function<int(const Console&)> setup(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  add_text(app, "FILE", options->file, "FILE", "published figures (TOML)");
+  begin_group(app, "Reproduction");
+  add_text(app, "FILE", options->file, "FILE",
+           "published figures (TOML; default: the published.toml that came with the program)");
+  add_flag(app, "--no-claims", options->no_claims, "leave out what the source says in words");
+  add_text(app, "--resume", options->resume, "DIR", "go on from the result that an interrupted run left in DIR (its --out)");
   add_output_options(app, options->output, "reproduce/1");
   return [options](const Console& console) { return run(*options, console); };
 }
@@ -56,7 +194,15 @@ std::function<int(const Console&)> setup(CLI::App& app) {
 }  // namespace
 
 Command reproduce_command() {
-  return {"reproduce", "published figures against computed ones, row by row, and the pictures", "", {}, setup};
+  return {
+      "reproduce",
+      "published figures against computed ones, row by row, and the pictures",
+      "Every special point, pair of exponents and window of a bifurcation diagram in the file is computed anew, with its\n"
+      "uncertainty. A number agrees where it lies within half a unit of the last printed decimal and three standard errors of\n"
+      "ours; a remark says what is known where it does not. --out gets the figures as well, and index.html, which shows them\n"
+      "beside the comparison. The exit code is 0 whatever the verdicts are.",
+      {"graze reproduce --out reproduction", "graze reproduce data/published.toml --json -"},
+      setup};
 }
 
 }  // namespace graze::apps

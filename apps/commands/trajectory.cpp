@@ -4,7 +4,7 @@
 #include <graze/apps/commands/command.hpp>
 #include <graze/apps/find_orbit.hpp>
 #include <graze/apps/interrupt.hpp>
-#include <graze/apps/motion.hpp>
+#include <graze/apps/motion_report.hpp>
 #include <graze/apps/number.hpp>
 #include <graze/apps/orbit_report.hpp>
 #include <graze/apps/progress.hpp>
@@ -27,19 +27,6 @@ struct Options {
   int periods = 10, samples = 100;
   OutputOptions output;
 };
-
-Json motion_json(const Motion& motion, const ContactList& list) {
-  Json out;
-  out["periods"] = motion.periods;
-  out["end"] = termination_text(motion.termination);
-  out["columns"] = {"tau", "x", "v"};
-  out["samples"] = motion.samples;
-  out["stroboscopic"] = Json::array();
-  for (const Vector& state : motion.strobe) out["stroboscopic"].push_back(to_json(state));
-  out["events"] = events_json(motion.events, list);
-  out["contacts"] = contacts_json(list.contacts);
-  return out;
-}
 
 std::string motion_text(const Motion& motion, const ContactList& list) {
   const Vector& end = motion.strobe.back();

@@ -47,9 +47,8 @@ class Comparing {
     finding_.lyapunov.max_periods = options.max_periods;
   }
 
-  ExponentsComparison compare(std::vector<Start> starts) {
-    ExponentsComparison out;
-    Comparison& row = out.row;
+  Comparison compare(std::vector<Start> starts) {
+    Comparison row;
     row.figure = item_.figure;
     row.system = item_.system;
     row.quantity = "exponents";
@@ -57,13 +56,14 @@ class Comparing {
     row.published = numbers_json(item_.lambda);
     row.published_text = fmt::format("{} {}", pair_text(item_.lambda, item_.digits), label(item_.attractor));
     row.details["attractor"] = label(item_.attractor);
+    row.details["beta"] = parameter(problem_, "beta");
     if (item_.initial) starts.insert(starts.begin(), {"the printed state", *item_.initial});
     starts.push_back({"rest", start_state(problem_, std::nullopt)});
     found_ = attractors_from(problem_, starts, finding_);
     if (found_.empty()) {
       add_remark(row.remark, "no motion could be carried on from any of the starts");
       row.computed_text = "nothing";
-      return out;
+      return row;
     }
     for (FoundAttractor& found : found_)
       if (found.attractor.type == AttractorType::periodic || likeness(found.attractor, item_.attractor) == 3)
@@ -80,9 +80,7 @@ class Comparing {
     remark_on_motion(row, meant);
     if (row.verdict == Verdict::differs) remark_on_difference(row, meant);
     if (row.verdict == Verdict::differs || meant.attractor.type != AttractorType::periodic) remark_on_rule(row, meant.attractor);
-    out.problem = problem_;
-    out.attractor = meant.attractor;
-    return out;
+    return row;
   }
 
  private:
@@ -232,8 +230,8 @@ class Comparing {
 
 }  // namespace
 
-ExponentsComparison compare_exponents(const Published& published, const PublishedExponents& item,
-                                      const std::vector<Start>& starts, const ExponentsOptions& options) {
+Comparison compare_exponents(const Published& published, const PublishedExponents& item, const std::vector<Start>& starts,
+                             const ExponentsOptions& options) {
   return Comparing(published, item, options).compare(starts);
 }
 

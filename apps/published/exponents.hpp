@@ -22,14 +22,9 @@ struct ExponentsOptions {
   std::function<bool()> cancelled = {};
 };
 
-struct ExponentsComparison {
-  Comparison row;
-  Problem problem;
-  std::optional<Attractor> attractor;  ///< the one that is compared
-};
-
-/// `starts`: see attractors_from. @throws std::invalid_argument for a system that is not there.
-ExponentsComparison compare_exponents(const Published& published, const PublishedExponents& item,
-                                      const std::vector<Start>& starts, const ExponentsOptions& options);
+/// `starts`: see attractors_from. details.computed_attractor says which attractor is compared, details.beta and eta where.
+/// @throws std::invalid_argument for a system that is not there.
+Comparison compare_exponents(const Published& published, const PublishedExponents& item, const std::vector<Start>& starts,
+                             const ExponentsOptions& options);
 
 }  // namespace graze::apps

@@ -43,8 +43,9 @@ SweptDiagram sweep_diagram(const Published& published, const PublishedDiagram& d
 /// Rows of the points and exponents, side by side; those that take long come first.
 class Rows {
  public:
-  Rows(const Published& published, const ReproductionOptions& options, const std::vector<SweptDiagram>& diagrams)
-      : published_(published), options_(options), diagrams_(diagrams), points_(published.points.size()),
+  Rows(const Published& published, const ReproductionOptions& options, const std::vector<SweptDiagram>& diagrams,
+       const std::vector<Comparison>& so_far)
+      : published_(published), options_(options), diagrams_(diagrams), so_far_(so_far), points_(published.points.size()),
         motions_(published.exponents.size()) {}
 
   void compute(const std::function<void(double)>& progress) {
@@ -71,9 +72,8 @@ class Rows {
 
   void append(Reproduction& out) {
     for (std::vector<Comparison>& rows : points_) std::move(rows.begin(), rows.end(), std::back_inserter(out.rows));
-    for (const ExponentsComparison& motion : motions_)
-      if (!motion.row.quantity.empty()) out.rows.push_back(motion.row);
-    out.motions = std::move(motions_);
+    for (Comparison& row : motions_)
+      if (!row.quantity.empty()) out.rows.push_back(std::move(row));
   }
 
  private:
@@ -82,7 +82,12 @@ class Rows {
     return (item.beta.value_or(0.0) != 0.0 ? 2 : 0) + (item.attractor.type == "chaotic" ? 1 : 0);
   }
 
-  ExponentsComparison motion(const PublishedExponents& item) const {
+  Comparison motion(const PublishedExponents& item) const {
+    for (const Comparison& row : so_far_)
+      if (row.quantity == "exponents" && row.system == item.system && row.figure == item.figure &&
+          row.published == Json(item.lambda) && row.details.value("beta", 0.0) == item.beta.value_or(0.0) &&
+          (!item.eta || row.eta == item.eta))
+        return row;
     ExponentsOptions asking = options_.exponents;
     asking.cancelled = options_.cancelled;
     std::vector<Start> starts;
@@ -95,8 +100,9 @@ class Rows {
   const Published& published_;
   const ReproductionOptions& options_;
   const std::vector<SweptDiagram>& diagrams_;
+  const std::vector<Comparison>& so_far_;
   std::vector<std::vector<Comparison>> points_;
-  std::vector<ExponentsComparison> motions_;
+  std::vector<Comparison> motions_;
 };
 
 bool has_system(const Published& published, const std::string& id) {
@@ -105,7 +111,7 @@ bool has_system(const Published& published, const std::string& id) {
 
 }  // namespace
 
-Reproduction reproduce(const Published& published, const ReproductionOptions& options, const std::vector<SweptDiagram>& so_far) {
+Reproduction reproduce(const Published& published, const ReproductionOptions& options, const Reproduction& so_far) {
   Reproduction out;
   const auto stopped = [&] { return options.cancelled && options.cancelled(); };
   const auto tell = [&](const std::string& what, double fraction) {
@@ -113,29 +119,41 @@ Reproduction reproduce(const Published& published, const ReproductionOptions& op
   };
   const auto count = static_cast<double>(published.diagrams.size());
   for (const PublishedDiagram& diagram : published.diagrams) {
-    const auto earlier = std::find_if(so_far.begin(), so_far.end(),
+    const auto earlier = std::find_if(so_far.diagrams.begin(), so_far.diagrams.end(),
                                       [&](const SweptDiagram& swept) { return swept.diagram.figure == diagram.figure; });
     const auto begun = static_cast<double>(out.diagrams.size());
     out.diagrams.push_back(
-        sweep_diagram(published, diagram, options, earlier == so_far.end() ? std::vector<SweepRow>() : earlier->rows,
+        sweep_diagram(published, diagram, options, earlier == so_far.diagrams.end() ? std::vector<SweepRow>() : earlier->rows,
                       [&](double share) { tell("figure " + diagram.figure, until_diagrams * (begun + share) / count); }));
     if (stopped()) return out;
   }
-  Rows rows(published, options, out.diagrams);
+  Rows rows(published, options, out.diagrams, so_far.rows);
   rows.compute([&](double share) { tell("exponents", until_diagrams + (until_rows - until_diagrams) * share); });
   rows.append(out);
   for (const SweptDiagram& swept : out.diagrams)
     for (Comparison& row : compare_windows(swept)) out.rows.push_back(std::move(row));
   if (stopped()) return out;
+  if (!options.claims) {
+    out.complete = true;
+    return out;
+  }
   ClaimOptions asking{options.threads, options.cancelled, {}};
   const double half = 0.5 * (1.0 - until_rows);
-  if (options.claims && has_system(published, "hertz-undamped") && has_system(published, "newton-elastic")) {
+  const auto add = [&](Claim claim) {
+    if (!stopped()) out.claims.push_back(std::move(claim));
+  };
+  const auto kept = [&](const char* name) {
+    const auto found = std::find_if(so_far.claims.begin(), so_far.claims.end(), [&](const Claim& c) { return c.name == name; });
+    if (found != so_far.claims.end()) out.claims.push_back(*found);
+    return found != so_far.claims.end();
+  };
+  if (has_system(published, "hertz-undamped") && has_system(published, "newton-elastic") && !kept("equal-exponents")) {
     asking.progress = [&](double share) { tell("the exponents near grazing", until_rows + half * share); };
-    out.claims.push_back(claim_of_equal_exponents(published, "hertz-undamped", "newton-elastic", asking));
+    add(claim_of_equal_exponents(published, "hertz-undamped", "newton-elastic", asking));
   }
-  if (options.claims && !stopped() && has_system(published, "hertz-damped")) {
+  if (!stopped() && has_system(published, "hertz-damped") && !kept("widest-chaos")) {
     asking.progress = [&](double share) { tell("the width of chaos", until_rows + half + half * share); };
-    out.claims.push_back(claim_of_widest_chaos(published, "hertz-damped", 2.0, asking));
+    add(claim_of_widest_chaos(published, "hertz-damped", 2.0, asking));
   }
   out.complete = !stopped();
   return out;

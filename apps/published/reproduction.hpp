@@ -28,13 +28,11 @@ struct Reproduction {
   std::vector<Comparison> rows;  ///< points, exponents, windows; in the order of the file
   std::vector<Claim> claims;
   std::vector<SweptDiagram> diagrams;
-  std::vector<ExponentsComparison> motions;  ///< behind the rows of exponents
   bool complete = false;
 };
 
-/// `so_far`: diagrams swept by an earlier run, complete or not, which are gone on with.
+/// `so_far`: what an earlier run of the same options has left; it is kept, and gone on with.
 /// @throws std::invalid_argument for a file that names what there is not.
-Reproduction reproduce(const Published& published, const ReproductionOptions& options,
-                       const std::vector<SweptDiagram>& so_far = {});
+Reproduction reproduce(const Published& published, const ReproductionOptions& options, const Reproduction& so_far = {});
 
 }  // namespace graze::apps
