@@ -21,13 +21,6 @@ std::vector<Vector> states_from(const Json& point) {
   return point.contains("states") ? vectors_from(point["states"]) : std::vector<Vector>{vector_from(point.at("state"))};
 }
 
-FloquetMultipliers multipliers_from(const Json& json) {
-  FloquetMultipliers out;
-  for (const Json& mu : json) out.values.emplace_back(mu.at(0).get<double>(), mu.at(1).get<double>());
-  out.valid = !out.values.empty();
-  return out;
-}
-
 /// Nodes of the shooting equations: the states at phase 0 unless the result has others.
 void add_nodes(const Json& point, const std::vector<Vector>& states, std::vector<Vector>& nodes, double& section_phase) {
   section_phase = point.value("section_phase", 0.0);
@@ -112,6 +105,13 @@ Branch branch_from(const Json& json, const Problem& problem, const std::string& 
 }
 
 }  // namespace
+
+FloquetMultipliers multipliers_from(const Json& json) {
+  FloquetMultipliers out;
+  for (const Json& mu : json) out.values.emplace_back(mu.at(0).get<double>(), mu.at(1).get<double>());
+  out.valid = !out.values.empty();
+  return out;
+}
 
 std::vector<Branch> branches_from_json(const Json& result) {
   const Problem problem = problem_of(result);

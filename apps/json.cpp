@@ -82,8 +82,12 @@ std::string plain(const Json::exception& error) {
   return end == std::string::npos ? text : text.substr(end + 2);
 }
 
+const char* status_name(Status status) {
+  return status == Status::done ? "done" : status == Status::failed ? "failed" : "interrupted";
+}
+
 void set_status(Json& result, Status status, const std::string& message) {
-  result["status"] = status == Status::done ? "done" : status == Status::failed ? "failed" : "interrupted";
+  result["status"] = status_name(status);
   if (!message.empty()) result["message"] = message;
 }
 

@@ -32,6 +32,7 @@ std::string plain(const Json::exception& error);
 
 /// How a command ended, as it stands in its result.
 enum class Status { done, failed, interrupted };
+const char* status_name(Status status);
 void set_status(Json& result, Status status, const std::string& message = {});
 /// 0, 1 or 130.
 int exit_code(Status status);

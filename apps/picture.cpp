@@ -70,7 +70,7 @@ std::string data_block(const std::string& name, const std::vector<std::array<dou
 struct Legend {
   std::size_t rows = 0, columns = 3;
   int font = 13;
-  double row_height() const { return font < 13 ? 0.9 : 1.25; }
+  double row_height() const { return font < 11 ? 0.9 : font < 13 ? 1.05 : 1.25; }
 };
 
 Legend legend_of(const Picture& picture) {
@@ -82,7 +82,7 @@ Legend legend_of(const Picture& picture) {
   Legend legend;
   legend.columns = longest > 24 ? 2 : 3;
   legend.rows = (entries + legend.columns - 1) / legend.columns;
-  legend.font = legend.rows > 4 ? 9 : 13;
+  legend.font = legend.rows > 5 ? 9 : legend.rows > 4 ? 11 : 13;
   return legend;
 }
 
@@ -137,6 +137,8 @@ std::optional<std::array<double, 2>> drawn_range(const Picture& picture, std::si
 
 /// Lines of a width that fits above the picture, broken where a list goes on.
 std::string wrapped(const std::string& text) {
+  if (const std::size_t end = text.find('\n'); end != std::string::npos)
+    return wrapped(text.substr(0, end)) + "\n" + wrapped(text.substr(end + 1));
   constexpr std::size_t longest = 96;
   const std::size_t lines = (text.size() + longest - 1) / longest, width = text.size() / std::max<std::size_t>(lines, 1) + 8;
   std::string out, rest = text;
@@ -269,7 +271,9 @@ std::string single(const Picture& picture, const std::string& format) {
 /// Several on one: below each other with a common x axis, or side by side.
 std::string several(const std::vector<Picture>& pictures, bool below, const std::string& format) {
   const auto count = static_cast<int>(pictures.size());
-  const Sheet sheet = below ? Sheet{1000, 160 + 430 * count} : Sheet{750 * count, 700};
+  double heights = 0.0, above = 0.0;
+  for (const Picture& picture : pictures) heights += picture.height;
+  const Sheet sheet = below ? Sheet{1000, 160 + static_cast<int>(430.0 * heights)} : Sheet{750 * count, 700};
   constexpr double line = 21.0;  // picture elements
   std::string data, commands;
   for (int i = 0; i < count; ++i) {
@@ -277,8 +281,9 @@ std::string several(const std::vector<Picture>& pictures, bool below, const std:
     const bool names_x = !below || i + 1 == count;
     // Place of the panel with all that stands around its axes.
     const double width = below ? sheet.width : sheet.width / static_cast<double>(count);
-    const double height = below ? sheet.height / static_cast<double>(count) : sheet.height;
-    const double left = below ? 0.0 : i * width, bottom = below ? sheet.height - (i + 1) * height : 0.0;
+    const double height = below ? sheet.height * picture.height / heights : sheet.height;
+    above += height;
+    const double left = below ? 0.0 : i * width, bottom = below ? sheet.height - above : 0.0;
     const std::string title = title_of(picture);
     const double title_lines = title.empty() ? 0.6 : 1.0 + static_cast<double>(std::count(title.begin(), title.end(), '\n') + 1);
     const double from_x = left + 110.0, to_x = left + width - 35.0;

@@ -51,6 +51,7 @@ struct Picture {
   std::vector<Label> labels;
   std::vector<Barrier> barriers;
   std::vector<std::string> x_names;  ///< names at x = 0, 1, 2, ... instead of numbers
+  double height = 1.0;               ///< of these axes, as against others below or above them
   std::vector<Picture> below;        ///< further axes under these, with the same x axis
   std::vector<Picture> beside;       ///< or to the right of these
 };

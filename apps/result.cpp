@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <functional>
 #include <stdexcept>
 
@@ -47,11 +48,13 @@ std::vector<OutputFile> files(const Result& result, const OutputOptions& options
 
 }  // namespace
 
-void add_output_options(CLI::App& app, OutputOptions& options, const std::string& schema) {
+void add_output_options(CLI::App& app, OutputOptions& options, const std::string& schema, const std::string& other) {
   begin_group(app, "Results");
   add_text(app, "--json", options.json, "FILE|-", "result as JSON, to a file or to stdout (then nothing else goes there)");
   add_text(app, "--csv", options.csv, "FILE|-", "result as a table, to a file or to stdout");
-  const std::vector<std::string> kinds = picture_names("graze." + schema);
+  std::vector<std::string> kinds = picture_names("graze." + schema);
+  for (const std::string& kind : picture_names("graze." + other))
+    if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) kinds.push_back(kind);
   if (!kinds.empty()) add_text(app, "--plot", options.plot, "FILE", "picture of the result (.png, .svg, .pdf)");
   if (kinds.size() > 1)
     add_choice(app, "--plot-kind", options.plot_kind, kinds, fmt::format("what the picture shows (default {})", kinds.front()));

@@ -27,8 +27,9 @@ struct OutputOptions {
   std::string out;        ///< folder for all of it
 };
 
-/// Adds --json, --csv, --plot, --out; and --plot-kind where pictures of `schema` come in several kinds.
-void add_output_options(CLI::App& app, OutputOptions& options, const std::string& schema);
+/// Adds --json, --csv, --plot, --out; and --plot-kind where pictures of `schema` come in several kinds. `other`: a second schema
+/// that the command may give its result in; its kinds are allowed too.
+void add_output_options(CLI::App& app, OutputOptions& options, const std::string& schema, const std::string& other = {});
 
 /// Finds out before anything is computed whether all outputs can be written, and none of them over another or over the `input`.
 /// @throws std::invalid_argument.

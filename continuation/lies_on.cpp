@@ -64,7 +64,7 @@ bool lies_on(const HybridSystem& system, const Branch& branch, const std::vector
   patient.max_iterations = 20;
   for (std::size_t i = 0; i + 1 < branch.points.size(); ++i) {
     const BranchPoint &a = branch.points[i], &b = branch.points[i + 1];
-    if ((a.value < value) == (b.value < value)) continue;
+    if (a.value == b.value || value < std::min(a.value, b.value) || value > std::max(a.value, b.value)) continue;
     const double s = (value - a.value) / (b.value - a.value);
     // Where a hard impact passes phase 0 between a and b, the states there jump: then those at another phase tell.
     for (const double phase : {0.0, 0.37}) {

@@ -1,18 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// graze diagram --skeleton: every branch in a range of a parameter that hangs together with the orbits found there.
+// graze diagram: every branch in a range of a parameter that hangs together with the orbits found there, and on it the attractors
+// of sweeps up and down, with their exponents.
 #include <graze/apps/arguments.hpp>
 #include <graze/apps/branch_reading.hpp>
 #include <graze/apps/branch_report.hpp>
-#include <graze/apps/cascades.hpp>
 #include <graze/apps/commands/command.hpp>
 #include <graze/apps/find_orbit.hpp>
 #include <graze/apps/input_file.hpp>
 #include <graze/apps/interrupt.hpp>
 #include <graze/apps/number.hpp>
-#include <graze/apps/orbit_report.hpp>
+#include <graze/apps/pictures/pictures.hpp>
 #include <graze/apps/progress.hpp>
 #include <graze/apps/result.hpp>
+#include <graze/apps/skeleton_report.hpp>
+#include <graze/apps/sweep_report.hpp>
+#include <graze/apps/sweeping.hpp>
 
+#include <graze/continuation/off_branches.hpp>
 #include <graze/continuation/skeleton.hpp>
 #include <graze/lib/oscillator.hpp>
 
@@ -26,6 +30,8 @@ namespace graze::apps {
 
 namespace {
 
+constexpr int usual_steps = 300;  // of a sweep through the range
+
 struct Options {
   StartOptions start;
   std::string parameter = "eta";
@@ -33,6 +39,7 @@ struct Options {
   bool skeleton = false;
   int max_period = 16, max_branches = 500, seed = 1;
   std::optional<double> max_step;
+  SweepingOptions sweeping;
   std::string resume;
   OutputOptions output;
 };
@@ -75,159 +82,191 @@ SkeletonOptions skeleton_options(const Options& options, const Problem& problem,
   return out;
 }
 
-/// "1/1 2/1 1/2": the labels z = p/n along a branch, each where it changes.
-std::string labels_along(const Branch& branch) {
-  std::string text, last;
-  for (const BranchPoint& point : branch.points) {
-    const std::string z = label(point.impacts, branch.period);
-    if (z == last) continue;
-    text += (text.empty() ? "" : " ") + z;
-    last = z;
-  }
-  return text;
+/// What of the options says how the skeleton is computed, and what how the sweeps are.
+Json skeleton_json(const Options& options) {
+  Json json = {{"max_period", options.max_period}, {"max_branches", options.max_branches}, {"seed", options.seed}};
+  if (options.max_step) json["max_step"] = *options.max_step;
+  return json;
 }
 
-Table branches_overview(const std::vector<Branch>& branches, const std::string& parameter) {
-  Table table{{"branch", "born at", "period", "z along it", parameter + " from", "to", "points", "stable", "ends"}, {}};
-  for (const Branch& branch : branches) {
-    if (branch.points.empty()) continue;
-    double low = branch.points.front().value, high = low;
-    std::size_t stable = 0;
-    for (const BranchPoint& point : branch.points) {
-      low = std::min(low, point.value);
-      high = std::max(high, point.value);
-      stable += point.stable ? 1 : 0;
-    }
-    table.rows.push_back({std::to_string(branch.id),
-                          branch.parent ? fmt::format("{} of {}", branch.parent->label, branch.parent->branch) : "seed",
-                          std::to_string(branch.period), labels_along(branch), rounded(low, 9), rounded(high, 9),
-                          std::to_string(branch.points.size()),
-                          stable == 0                      ? "no"
-                          : stable == branch.points.size() ? "yes"
-                                                           : "in part",
-                          std::string(branch_stop_name(branch.stop))});
-  }
-  return table;
+Json sweeps_json(const Options& options, const Problem& problem) {
+  Json json = options_json(problem, options.start);
+  json.update(sweeping_json(options.sweeping));
+  return json;
 }
 
-Table special_points_overview(const std::vector<Branch>& branches, const std::string& parameter) {
-  std::vector<std::pair<const Branch*, const SpecialPoint*>> list;
-  for (const Branch& branch : branches)
-    for (const SpecialPoint& point : branch.special_points)
-      if (point.type != PointType::EP) list.emplace_back(&branch, &point);
-  std::stable_sort(list.begin(), list.end(), [](const auto& a, const auto& b) { return a.second->value > b.second->value; });
-  Table table{{"point", parameter, "+-", "branch", "z", "details"}, {}};
-  for (const auto& [branch, point] : list) {
-    std::string details = point->status == PointStatus::bracketed ? "bracketed" : "";
-    for (const char* name : {"criticality", "kind", "scenario"}) {
-      const auto found = point->details.find(name);
-      if (found != point->details.end()) details += (details.empty() ? "" : ", ") + std::get<std::string>(found->second);
-    }
-    table.rows.push_back({point->label, rounded(point->value, 12), rounded(point->precision, 2), std::to_string(branch->id),
-                          label(point->orbit.impacts, point->orbit.period), details});
-  }
-  return table;
+/// Whether these are among the options of an earlier run; one that is missing here must be missing there.
+bool same_options(const Json& earlier, const Json& wanted, const char* optional = "") {
+  const Json given = earlier.value("options", Json::object());
+  for (const auto& [name, value] : wanted.items())
+    if (given.value(name, Json()) != value) return false;
+  return wanted.contains(optional) || !given.contains(optional);
 }
 
-Json seeds_json(const std::vector<SkeletonSeed>& seeds, std::size_t parameter) {
-  Json list = Json::array();
-  for (const SkeletonSeed& seed : seeds)
-    list.push_back({{"value", seed.orbit.parameters[static_cast<Eigen::Index>(parameter)]},
-                    {"period", seed.orbit.period},
-                    {"impacts", seed.orbit.impacts},
-                    {"state", to_json(seed.orbit.state)},
-                    {"stable", seed.orbit.stable()},
-                    {"origin", seed.origin}});
-  return list;
-}
+/// What an earlier run has left.
+struct Earlier {
+  Json result;
+  bool skeleton_done = false;
+  std::vector<Branch> branches;
+  std::vector<CutOff> cut_off;
+  std::vector<SweepRow> rows;
+};
 
-/// The branches of an earlier run, if it was one of the same model over the same range.
-std::vector<Branch> earlier_branches(const Json& earlier, const Options& options, const Problem& problem) {
+/// @throws std::invalid_argument if it was not one of the same model over the same range, or if it cannot be gone on with.
+void check_earlier(Earlier& earlier, const Options& options, const Problem& problem) {
   const auto refuse = [&](const std::string& why) {
     throw std::invalid_argument(fmt::format("--resume: {}/diagram.json {}", options.resume, why));
   };
-  const Problem before = problem_of(earlier);
+  const Json& result = earlier.result;
+  const Problem before = problem_of(result);
   const auto index = static_cast<Eigen::Index>(parameter_index(problem.system.parameters, options.parameter));
   Vector a = problem.parameters, b = before.parameters;
   if (a.size() == b.size()) a[index] = b[index] = 0.0;
-  const Json given = earlier.value("options", Json::object());
+  const Json given = result.value("options", Json::object());
   if (before.oscillator != problem.oscillator || before.contact != problem.contact || a != b)
     refuse("is of another model or of other parameters; give the same problem and settings");
   if (given.value("param", "") != options.parameter || given.value("from", 0.0) != *options.from ||
       given.value("to", 0.0) != *options.to)
     refuse(fmt::format("is over another range: {} from {} to {}", given.value("param", ""), exact(given.value("from", 0.0)),
                        exact(given.value("to", 0.0))));
-  return branches_from_json(earlier);
+  const bool whole = result.value("schema", "") == "graze.diagram/1";
+  if (whole && options.skeleton) refuse("is of a whole diagram, which --skeleton would cut down; leave --skeleton out");
+  earlier.branches = branches_from_json(result);
+  const std::string status = whole ? result.value("parts", Json::object()).value("skeleton", "") : result.value("status", "");
+  earlier.skeleton_done = status == "done" && same_options(result, skeleton_json(options), "max_step");
+  try {
+    earlier.cut_off = cut_off_from(result.at("cut_off"));
+    if (whole) earlier.rows = rows_from(result.at("rows"));
+  } catch (const Json::exception&) {
+    refuse("is damaged; compute it anew");
+  }
+  if (!earlier.rows.empty() && !same_options(result, sweeps_json(options, problem)))
+    refuse("has sweeps of another start or of other options; give the same");
 }
 
-int run(const Options& given, const Console& console) {
-  Options options = given;
-  Json earlier;
-  if (!options.resume.empty()) earlier = read_to_resume(options.resume, "diagram");
-  if (!options.resume.empty() && options.output.out.empty()) options.output.out = options.resume;
-  if (!options.skeleton)
-    throw std::invalid_argument("diagram draws the skeleton of branches so far and nothing else: give --skeleton");
-  check_outputs(options.output, options.start.file);
+/// The skeleton: what the earlier run has, if that was complete, else computed (from what it has). Adds it to the result.
+Status add_skeleton(Result& result, Earlier& earlier, const Options& options, const Problem& problem, const Console& console) {
+  Status status = Status::done;
+  if (earlier.skeleton_done) {
+    for (const char* key : skeleton_keys) result.json[key] = earlier.result.at(key);
+  } else {
+    Progress progress(console.err, console.quiet, "skeleton");
+    SkeletonOptions computing = skeleton_options(options, problem, console, progress);
+    computing.so_far = std::move(earlier.branches);
+    Skeleton found = skeleton(problem.system, problem.parameters, computing);
+    put_skeleton(result.json, found, parameter_index(problem.system.parameters, options.parameter));
+    earlier.branches = std::move(found.graph.branches);
+    earlier.cut_off = std::move(found.graph.cut_off);
+    if (found.graph.interrupted) status = Status::interrupted;
+  }
+  if (earlier.branches.empty() && status == Status::done) status = Status::failed;
+  result.table = branches_table(earlier.branches);
+  result.text += skeleton_text(result.json["seeds"].size(), earlier.branches, earlier.cut_off, options.parameter);
+  return status;
+}
+
+/// Whether simulation and continuation agree.
+std::string off_branches_text(const OffBranches& off, const std::vector<SweepRow>& rows, const Options& options) {
+  std::string text =
+      off.rows.empty() ? fmt::format("\nall {} periodic values up to period {} lie on branches", off.compared, options.max_period)
+                       : fmt::format("\n{} of {} periodic values up to period {} lie on no branch", off.rows.size(), off.compared,
+                                     options.max_period);
+  if (off.longer > 0) text += fmt::format("; {} have longer periods", off.longer);
+  text += off.rows.empty() ? "\n" : ":\n";
+  std::vector<SweepRow> list;
+  for (const std::size_t i : off.rows) list.push_back(rows[i]);
+  return list.empty() ? text : text + aligned(sweep_overview(list, options.parameter));
+}
+
+/// The sweeps up and down over the range. Adds them to the result.
+Swept add_sweeps(Result& result, const Earlier& earlier, const SweepRange& range, const Options& options, const Problem& problem,
+                 const Console& console) {
+  Swept swept = carry_out_sweeps(problem, options.start, range, options.sweeping, console, earlier.rows);
+  const std::vector<ChaoticWindow> windows = chaotic_windows(swept.rows);
+  result.json["rows"] = rows_json(swept.rows);
+  result.json["chaotic_windows"] = chaotic_windows_json(windows);
+  result.text += "\n" + aligned(sweep_overview(swept.rows, options.parameter)) + "\n";
+  result.text += windows.empty() ? "no chaos on the way\n"
+                                 : "chaotic windows:\n" + aligned(chaotic_windows_table(windows, options.parameter));
+  if (swept.status == Status::interrupted) return swept;
+  const OffBranches off = off_branches(problem.system, earlier.branches, swept.rows, options.max_period, console.thread_count());
+  result.json["off_branches"] = {{"compared", off.compared}, {"longer", off.longer}, {"rows", off.rows}};
+  result.text += off_branches_text(off, swept.rows, options);
+  return swept;
+}
+
+/// A kind of picture that this result has. @throws std::invalid_argument.
+void check_plot_kind(const Options& options) {
+  const std::vector<std::string> kinds = picture_names(options.skeleton ? "graze.branch/1" : "graze.diagram/1");
+  if (!options.output.plot_kind.empty() && std::find(kinds.begin(), kinds.end(), options.output.plot_kind) == kinds.end())
+    throw std::invalid_argument(fmt::format("--plot-kind {}: {} --skeleton it is one of {}", options.output.plot_kind,
+                                            options.skeleton ? "with" : "without", fmt::join(kinds, ", ")));
+}
+
+SweepRange range_of(const Options& options) {
+  return {options.parameter,
+          std::min(*options.from, *options.to),
+          std::max(*options.from, *options.to),
+          {SweepDirection::up, SweepDirection::down}};
+}
+
+/// Every mistake is found out before anything is computed.
+void check_options(Options& options, const Problem& problem) {
   if (options.max_step && !(*options.max_step > 0.0)) throw std::invalid_argument("--max-step must be > 0");
-  const Problem problem = open_problem(options.start, console);
-  Problem at_end = problem;  // a wrong value is found out now
+  check_sweeping(options.sweeping);
+  Problem at_end = problem;
   set_parameter(at_end, options.parameter, *options.from, "--from");
   set_parameter(at_end, options.parameter, *options.to, "--to");
   if (*options.from == *options.to)
     throw std::invalid_argument(fmt::format("--from and --to are both {}; a range has two different ends", exact(*options.to)));
-  std::vector<Branch> so_far;
-  if (!options.resume.empty()) so_far = earlier_branches(earlier, options, problem);
-  Skeleton found;
-  {
-    Progress progress(console.err, console.quiet, "skeleton");
-    SkeletonOptions computing = skeleton_options(options, problem, console, progress);
-    computing.so_far = std::move(so_far);
-    found = skeleton(problem.system, problem.parameters, computing);
-  }
-  const std::vector<Branch>& branches = found.graph.branches;
-  Status status = Status::done;
+  if (options.skeleton && (options.sweeping.step || options.sweeping.standard_error))
+    throw std::invalid_argument(
+        fmt::format("{} is of the sweeps, which --skeleton leaves out", options.sweeping.step ? "--step" : "--standard-error"));
+  if (options.skeleton) return;
+  start_state(problem, options.start.start);
+  const SweepRange range = range_of(options);
+  if (!options.sweeping.step) options.sweeping.step = (range.to - range.from) / usual_steps;
+  sweep_values(range.from, range.to, *options.sweeping.step);
+}
+
+int run(const Options& given, const Console& console) {
+  Options options = given;
+  Earlier earlier;
+  if (!options.resume.empty()) earlier.result = read_to_resume(options.resume, "diagram");
+  if (!options.resume.empty() && options.output.out.empty()) options.output.out = options.resume;
+  check_plot_kind(options);
+  check_outputs(options.output, options.start.file);
+  const Problem problem = open_problem(options.start, console);
+  check_options(options, problem);
+  if (!options.resume.empty()) check_earlier(earlier, options, problem);
+  Json described = options_json(problem, options.start);
+  described.update({{"param", options.parameter}, {"from", *options.from}, {"to", *options.to}, {"skeleton", options.skeleton}});
+  described.update(skeleton_json(options));
+  if (!options.skeleton) described.update(sweeping_json(options.sweeping));
+  Result result;
+  result.text = describe(problem, options.parameter) + "\n\n";
+  Status status = add_skeleton(result, earlier, options, problem, console);
   std::string message;
-  if (found.graph.interrupted) {
-    status = Status::interrupted;
-    message = fmt::format("interrupted; {} branches were complete or begun by then", branches.size());
-  } else if (branches.empty()) {
-    status = Status::failed;
+  if (status == Status::interrupted)
+    message = fmt::format("interrupted; {} branches were complete or begun by then", earlier.branches.size());
+  if (status == Status::failed)
     message = fmt::format("no periodic orbit was found for {} in [{}, {}]", options.parameter, exact(*options.from),
                           exact(*options.to));
+  if (!options.skeleton) {
+    result.json["parts"] = {{"skeleton", status_name(status)}, {"sweeps", "not run"}};
+    result.json["rows"] = rows_json(earlier.rows);
+    if (status != Status::interrupted) {
+      const Swept swept = add_sweeps(result, earlier, range_of(options), options, problem, console);
+      result.json["parts"]["sweeps"] = status_name(swept.status);
+      if (status == Status::done || swept.status == Status::interrupted) message = swept.message;
+      if (swept.status != Status::done) status = swept.status;
+    }
   }
-  Json all_options = options_json(problem, options.start);
-  all_options.update({{"param", options.parameter},
-                      {"from", *options.from},
-                      {"to", *options.to},
-                      {"skeleton", true},
-                      {"max_period", options.max_period},
-                      {"max_branches", options.max_branches},
-                      {"seed", options.seed}});
-  if (options.max_step) all_options["max_step"] = *options.max_step;
-  Result result;
-  result.json = result_head("branch/1", "diagram", problem, all_options);
-  result.json["parameter"] = options.parameter;
-  set_status(result.json, status, message);
-  result.json["seeds"] = seeds_json(found.seeds, parameter_index(problem.system.parameters, options.parameter));
-  result.json["branches"] = Json::array();
-  for (const Branch& branch : branches) result.json["branches"].push_back(branch_json(branch));
-  const std::vector<Cascade> doublings = cascades(branches);
-  result.json["cascades"] = cascades_json(doublings);
-  result.json["cut_off"] = Json::array();
-  for (const CutOff& cut : found.graph.cut_off)
-    result.json["cut_off"].push_back({{"branch", cut.branch}, {"label", cut.label}, {"reason", cut.reason}});
-  result.table = branches_table(branches);
-  result.text = describe(problem, options.parameter) + "\n\n" +
-                fmt::format("{}, {}\n", counted(found.seeds.size(), "seed"),
-                            branches.size() == 1 ? "1 branch" : fmt::format("{} branches", branches.size())) +
-                aligned(branches_overview(branches, options.parameter)) + "\n" +
-                aligned(special_points_overview(branches, options.parameter)) + cascades_text(doublings, options.parameter);
-  if (!found.graph.cut_off.empty()) {
-    result.text += fmt::format("\nnot followed ({}):\n", found.graph.cut_off.size());
-    for (const CutOff& cut : found.graph.cut_off)
-      result.text += cut.branch == 0 ? fmt::format("  a seed: {}\n", cut.reason)
-                                     : fmt::format("  {} of branch {}: {}\n", cut.label, cut.branch, cut.reason);
-  }
+  Json head = result_head(options.skeleton ? "branch/1" : "diagram/1", "diagram", problem, described);
+  head["parameter"] = options.parameter;
+  set_status(head, status, message);
+  head.update(result.json);
+  result.json = std::move(head);
   if (status != Status::done) console.err << "graze diagram: " << message << "\n";
   return deliver(result, options.output, "diagram", exit_code(status), console);
 }
@@ -236,16 +275,20 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   auto options = std::make_shared<Options>();
   add_start_options(app, options->start);
   begin_group(app, "Diagram");
-  add_flag(app, "--skeleton", options->skeleton, "all branches, stable and unstable, with their special points");
   add_text(app, "--param", options->parameter, "NAME", "parameter (default eta)");
   add_number(app, "--from", options->from, "one end of its range", Need::required);
   add_number(app, "--to", options->to, "the other end", Need::required);
+  add_flag(app, "--skeleton", options->skeleton, "the skeleton alone, without sweeps (graze.branch/1)");
+  add_text(app, "--resume", options->resume, "DIR", "go on from the result that an interrupted run left in DIR (its --out)");
+  begin_group(app, "Skeleton");
   add_count(app, "--max-period", options->max_period, 1, "longest period that is followed (default 16)");
   add_count(app, "--max-branches", options->max_branches, 1, "most branches; what is cut off is listed (default 500)");
   add_count(app, "--seed", options->seed, 0, "of the global search (default 1)");
   add_number(app, "--max-step", options->max_step, "largest step of arclength");
-  add_text(app, "--resume", options->resume, "DIR", "go on from the result that an interrupted run left in DIR (its --out)");
-  add_output_options(app, options->output, "branch/1");
+  begin_group(app, "Sweeps");
+  add_sweeping_options(app, options->sweeping, Need::optional,
+                       fmt::format("from one value to the next (default: a {}th of the range)", usual_steps));
+  add_output_options(app, options->output, "diagram/1", "branch/1");
   return [options](const Console& console) { return run(*options, console); };
 }
 
@@ -254,15 +297,21 @@ std::function<int(const Console&)> setup(CLI::App& app) {
 Command diagram_command() {
   return {
       "diagram",
-      "the skeleton of a range: every branch that hangs together with the orbits found there",
-      "Seeds are the orbits without impact, what the motion settles on (from rest, sweeping up, sweeping down), and orbits of\n"
-      "period 1 to 4 from a global search. From them everything is followed both ways, through folds, period doublings and\n"
-      "grazings. A family is kept once. What was not followed is listed. Ctrl-C keeps what is there.\n"
-      "Cascades of period doublings are listed with the ratios of their intervals. The picture is the kind skeleton: colours "
-      "are\n"
-      "periods, marks are special points, z stands along the branches.",
-      {"graze diagram data/problems/hertz-damped.toml --skeleton --param eta --from 0.65 --to 0.95 --plot skeleton.png",
-       "graze diagram data/problems/newton-elastic.toml --skeleton --from 0.65 --to 0.95 --json skeleton.json"},
+      "the whole picture of a range: sweeps up and down on the skeleton of branches, exponents below",
+      "First the skeleton. Seeds are the orbits without impact, what the motion settles on (from rest, sweeping up, sweeping "
+      "down), and\n"
+      "orbits of period 1 to 4 from a global search. From them everything is followed both ways, through folds, period "
+      "doublings and\n"
+      "grazings. A family is kept once. What was not followed is listed, and cascades of period doublings with the ratios of "
+      "their intervals.\n"
+      "Then the attractors are followed up and down, with exponents: --start and --settle say from where. Chaotic windows are "
+      "listed, and\n"
+      "stable orbits of the sweeps that lie on no branch, where there are any.\n"
+      "Ctrl-C keeps what is there, --resume goes on. The table (--csv) is that of the branches; the samples of the sweeps are "
+      "\"rows\" in\n"
+      "the JSON, as in that of graze sweep.",
+      {"graze diagram data/problems/hertz-damped.toml --from 0.65 --to 0.95 --plot diagram.png",
+       "graze diagram data/problems/newton-elastic.toml --skeleton --param eta --from 0.65 --to 0.95 --plot skeleton.png"},
       setup};
 }
 

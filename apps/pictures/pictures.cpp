@@ -11,12 +11,33 @@
 namespace graze::apps {
 
 const std::vector<PictureKind>& picture_kinds() {
+  const std::string diagram_schema = "graze.diagram/1";
   static const std::vector<PictureKind> list = {
-      branch_picture(),        multipliers_picture(),     skeleton_picture(),         orbit_phase_picture(), orbit_time_picture(),
-      point_phase_picture(),   trajectory_time_picture(), trajectory_phase_picture(), section_picture(),     verify_picture(),
-      sweep_diagram_picture(), sweep_picture(),           exponents_picture(),
+      branch_picture(),
+      multipliers_picture(),
+      skeleton_picture(),
+      orbit_phase_picture(),
+      orbit_time_picture(),
+      point_phase_picture(),
+      trajectory_time_picture(),
+      trajectory_phase_picture(),
+      section_picture(),
+      verify_picture(),
+      sweep_diagram_picture(),
+      sweep_picture(),
+      exponents_picture(),
+      diagram_picture(),
+      of_schema(skeleton_picture(), diagram_schema),
+      of_schema(sweep_picture(), diagram_schema),
+      of_schema(exponents_picture(), diagram_schema),
   };
   return list;
+}
+
+PictureKind of_schema(PictureKind kind, const std::string& schema) {
+  kind.schema = schema;
+  kind.command.clear();
+  return kind;
 }
 
 std::vector<std::string> picture_names(const std::string& schema) {

@@ -44,6 +44,12 @@ std::string model_title(const Json& result, const std::string& except = {});
 /// The barrier of the result's model, at x = r.
 Barrier barrier_of(const Json& result, bool vertical);
 
+/// The exponents of a sweep without title, to stand below other axes of this range.
+Picture exponents_below(const Json& result, const std::array<double, 2>& x_range);
+
+/// A kind of picture for results of another schema that have what it needs.
+PictureKind of_schema(PictureKind kind, const std::string& schema);
+
 PictureKind branch_picture();
 PictureKind multipliers_picture();
 PictureKind skeleton_picture();
@@ -57,5 +63,6 @@ PictureKind verify_picture();
 PictureKind sweep_diagram_picture();
 PictureKind sweep_picture();
 PictureKind exponents_picture();
+PictureKind diagram_picture();
 
 }  // namespace graze::apps

@@ -1,37 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Picture of graze.branch/1 as a whole: every branch in the colour of its period, special points marked by type, z along
 // branches.
-#include <graze/apps/pictures/branch_curves.hpp>
 #include <graze/apps/pictures/pictures.hpp>
-#include <graze/apps/pictures/word_places.hpp>
-
-#include <graze/floquet/periodic_orbit.hpp>
+#include <graze/apps/pictures/skeleton.hpp>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <map>
 #include <set>
 
 namespace graze::apps {
 
 namespace {
-
-constexpr int longest_with_words = 4;  // periods up to this one come first where words need room
-constexpr const char* mark_colour = "#000000";
-
-using Point = std::array<double, 3>;
-
-/// The same in all pictures; doublings of one and of three are far apart.
-std::string colour_of_period(int period) {
-  static const std::map<int, std::string> colours = {{1, "#1f4e9c"},  {2, "#d9480f"},  {4, "#2b8a3e"},  {8, "#8e44ad"},
-                                                     {16, "#8c564b"}, {32, "#7f7f7f"}, {3, "#0b8fa8"},  {6, "#c2a000"},
-                                                     {12, "#d6569a"}, {5, "#5c7c0a"},  {10, "#b07d4f"}, {7, "#4b4b9f"}};
-  const auto found = colours.find(period);
-  return found == colours.end() ? colour_of(static_cast<std::size_t>(period)) : found->second;
-}
 
 /// Longer periods have more and closer curves.
 double width_of(int period, Stroke stroke) {
@@ -47,123 +28,47 @@ std::string type_words(const std::string& type) {
   return found == words.end() ? type : found->second;
 }
 
-/// What is drawn, before it is put together.
-struct Skeleton {
-  std::map<std::pair<int, Stroke>, std::vector<Point>> curves;       ///< by period and stroke, NaN between pieces
-  std::map<std::pair<std::string, bool>, std::vector<Point>> marks;  ///< by type and whether the period is long
-  std::map<std::string, int> mark_types;
-  struct Named {
-    int period;
-    std::string label;
-    double value;
-    std::vector<double> x;  ///< the largest iterate first
-  };
-  std::vector<Named> named;  ///< special points in the order of the parameter
-};
-
-std::size_t nearest_to(double x, const std::vector<double>& list) {
-  const auto closer = [x](double a, double b) { return std::abs(a - x) < std::abs(b - x); };
-  return static_cast<std::size_t>(std::min_element(list.begin(), list.end(), closer) - list.begin());
+Picture draw_skeleton(const Json& result) {
+  Picture picture;
+  const std::string parameter = result.at("parameter");
+  picture.title = "Skeleton of periodic orbits";
+  picture.subtitle = model_title(result, parameter);
+  picture.x_label = parameter + " (dimensionless)";
+  picture.y_label = "x at forcing phase 0 (dimensionless)";
+  const SkeletonCurves parts = skeleton_curves(result);
+  if (parts.curves.empty()) return picture;
+  SkeletonAxes axes;
+  axes.take_in(parts);
+  axes.add_margins(parts);
+  axes.rows = 27.0 - legend_rows(skeleton_legend(parts, axes, 1.0).size());
+  picture.x_range = axes.x;
+  picture.y_range = axes.y;
+  picture.curves = skeleton_legend(parts, axes, 1.0);
+  add_skeleton(picture, result, parts, axes, 1.0);
+  return picture;
 }
 
-/// The doubling at which an end of a doubled branch lies, by its nearness; null if there is none. Branches begin and stop a
-/// little beside it, which a square root makes a gap that is seen.
-const Json* doubling_at(const Json& result, const Json& branch, const Json& end) {
-  const int period = branch.at("period");
-  const double value = end.at("value");
-  const Json* nearest = nullptr;
-  double least = 0.2;
-  for (const Json& other : result.at("branches")) {
-    if (2 * other.at("period").get<int>() != period) continue;
-    for (const Json& point : other.at("special_points")) {
-      if (point.at("type") != "PD" || std::abs(point.at("value").get<double>() - value) > 1e-3 * std::abs(value)) continue;
-      const std::vector<double> at = positions(point);
-      double farthest = 0.0;
-      for (const double x : positions(end)) farthest = std::max(farthest, std::abs(at[nearest_to(x, at)] - x));
-      if (farthest >= least) continue;
-      least = farthest;
-      nearest = &point;
-    }
-  }
-  return nearest;
+}  // namespace
+
+void SkeletonAxes::take_in(double at_x, double at_y) {
+  x = {std::min(x[0], at_x), std::max(x[1], at_x)};
+  y = {std::min(y[0], at_y), std::max(y[1], at_y)};
 }
 
-/// Lines from the ends of a doubled branch to the doublings at which it begins and ends.
-void close_gaps(const Json& result, const Json& branch, Skeleton& parts) {
-  const Json& points = branch.at("points");
-  if (points.empty()) return;
-  std::vector<const Json*> ends;
-  if (!branch.at("parent").is_null()) ends.push_back(&points.front());
-  if (branch.at("stop").at("reason") == "returned") ends.push_back(&points.back());
-  for (const Json* end : ends) {
-    const Json* doubling = doubling_at(result, branch, *end);
-    if (!doubling) continue;
-    const std::vector<double> at = positions(*doubling);
-    std::vector<Point>& all = parts.curves[{branch.at("period").get<int>(), stroke_of(*end)}];
-    for (const double x : positions(*end)) {
-      if (!all.empty()) all.push_back({NAN, NAN, 0.0});
-      all.push_back({end->at("value"), x, 0.0});
-      all.push_back({doubling->at("value"), at[nearest_to(x, at)], 0.0});
-    }
-  }
-}
-
-Skeleton take_apart(const Json& result) {
-  Skeleton parts;
-  for (const Json& branch : result.at("branches")) {
-    const int period = branch.at("period");
-    const std::vector<Drawn> points = points_in_order(branch);
-    for (std::size_t k = 0; !points.empty() && k < positions(*points.front().point).size(); ++k)
-      for (const Curve& piece : curves_of(points, k)) {
-        std::vector<Point>& all = parts.curves[{period, piece.stroke}];
-        if (!all.empty()) all.push_back({NAN, NAN, 0.0});
-        all.insert(all.end(), piece.points.begin(), piece.points.end());
-      }
-    close_gaps(result, branch, parts);
-    for (const Json& point : branch.at("special_points")) {
-      if (!is_marked(point)) continue;
-      const std::string type = point.at("type");
-      parts.mark_types[type] = mark_of(point);
-      std::vector<double> x = positions(point);
-      std::sort(x.rbegin(), x.rend());
-      for (const double value : x) parts.marks[{type, period > longest_with_words}].push_back({point.at("value"), value, 0.0});
-      parts.named.push_back({period, point.at("label"), point.at("value"), x});
-    }
-  }
-  std::stable_sort(parts.named.begin(), parts.named.end(), [](const auto& a, const auto& b) { return a.value < b.value; });
-  return parts;
-}
-
-/// Axes of the picture, and its places measured in characters.
-struct Axes {
-  std::array<double, 2> x = {HUGE_VAL, -HUGE_VAL}, y = {HUGE_VAL, -HUGE_VAL};
-  double rows = 20.0;
-  Cell cell(double at_x, double at_y) const {
-    return {WordPlaces::columns * (at_x - x[0]) / (x[1] - x[0]), rows * (at_y - y[0]) / (y[1] - y[0])};
-  }
-  Point point(Cell cell) const {
-    return {x[0] + cell.column / WordPlaces::columns * (x[1] - x[0]), y[0] + cell.row / rows * (y[1] - y[0]), 0.0};
-  }
-};
-
-Axes axes_of(const Skeleton& parts, std::size_t legend_rows) {
-  Axes axes;
+void SkeletonAxes::take_in(const SkeletonCurves& parts) {
   for (const auto& [key, points] : parts.curves)
-    for (const Point& point : points) {
-      if (std::isnan(point[0])) continue;
-      axes.x = {std::min(axes.x[0], point[0]), std::max(axes.x[1], point[0])};
-      axes.y = {std::min(axes.y[0], point[1]), std::max(axes.y[1], point[1])};
-    }
-  const double aside = 0.01 * std::max(axes.x[1] - axes.x[0], 1e-9), above = 0.08 * std::max(axes.y[1] - axes.y[0], 1e-6);
-  axes.x = {axes.x[0] - aside, axes.x[1] + aside};
-  // Above, where the largest iterates are, their names need room.
-  axes.y = {axes.y[0] - above, axes.y[1] + (parts.named.size() > 6 ? 3.0 : 1.5) * above};
-  axes.rows = 27.0 - 1.25 * static_cast<double>(legend_rows);
-  return axes;
+    for (const SkeletonCurves::Point& point : points)
+      if (!std::isnan(point[0])) take_in(point[0], point[1]);
 }
 
-/// A line of the legend that stands for curves drawn elsewhere: gnuplot wants a point for it, which lies outside the axes.
-Curve legend_line(const Axes& axes, const std::string& title, Stroke stroke, const std::string& colour, double size) {
+void SkeletonAxes::add_margins(const SkeletonCurves& parts) {
+  const double aside = 0.01 * std::max(x[1] - x[0], 1e-9), above = 0.08 * std::max(y[1] - y[0], 1e-6);
+  x = {x[0] - aside, x[1] + aside};
+  // Above, where the largest iterates are, their names need room.
+  y = {y[0] - above, y[1] + (parts.named.size() > 6 ? 3.0 : 1.5) * above};
+}
+
+Curve legend_line(const SkeletonAxes& axes, const std::string& title, Stroke stroke, const std::string& colour, double size) {
   Curve curve;
   curve.title = title;
   curve.stroke = stroke;
@@ -173,7 +78,7 @@ Curve legend_line(const Axes& axes, const std::string& title, Stroke stroke, con
   return curve;
 }
 
-std::vector<Curve> legend_of(const Skeleton& parts, const Axes& axes) {
+std::vector<Curve> skeleton_legend(const SkeletonCurves& parts, const SkeletonAxes& axes, double widths) {
   std::vector<Curve> list;
   std::set<int> periods;
   std::set<Stroke> strokes;
@@ -182,9 +87,9 @@ std::vector<Curve> legend_of(const Skeleton& parts, const Axes& axes) {
     strokes.insert(key.second);
   }
   for (const int period : periods)
-    list.push_back(legend_line(axes, fmt::format("period {}", period), Stroke::solid, colour_of_period(period), 3.0));
+    list.push_back(legend_line(axes, fmt::format("period {}", period), Stroke::solid, colour_of_period(period), widths * 3.0));
   for (const Stroke stroke : strokes)
-    list.push_back(legend_line(axes, stroke_name(stroke), stroke, "#555555", width_of(1, stroke)));
+    list.push_back(legend_line(axes, stroke_name(stroke), stroke, "#555555", widths * width_of(1, stroke)));
   for (const auto& [type, mark] : parts.mark_types) {
     list.push_back(legend_line(axes, type_words(type), Stroke::marks, mark_colour, 1.1));
     list.back().mark = mark;
@@ -192,159 +97,13 @@ std::vector<Curve> legend_of(const Skeleton& parts, const Axes& axes) {
   return list;
 }
 
-/// Length of a curve from its first point to each, in columns; rows are about twice as high as columns are wide.
-std::vector<double> lengths(const std::vector<Cell>& curve) {
-  std::vector<double> list = {0.0};
-  for (std::size_t i = 0; i + 1 < curve.size(); ++i)
-    list.push_back(list.back() + std::hypot(curve[i + 1].column - curve[i].column, 2.0 * (curve[i + 1].row - curve[i].row)));
-  return list;
+double legend_rows(std::size_t entries) {
+  const auto rows = static_cast<double>((entries + 2) / 3);
+  return (rows > 5.0 ? 0.9 : rows > 4.0 ? 1.05 : 1.25) * rows;
 }
 
-/// A stretch of a branch along which z stays the same: its points, by iterate.
-struct Stretch {
-  int period = 0;
-  std::string z;
-  std::vector<std::vector<Cell>> iterates;
-  double length() const {
-    double longest = 0.0;
-    for (const std::vector<Cell>& curve : iterates) longest = std::max(longest, lengths(curve).back());
-    return longest;
-  }
-};
-
-std::vector<Stretch> stretches_of(const Json& result, const Axes& axes) {
-  std::vector<Stretch> list;
-  for (const Json& branch : result.at("branches")) {
-    const int period = branch.at("period");
-    if (period > longest_with_words) continue;
-    std::string last;
-    for (const Json& point : branch.at("points")) {
-      const std::string z = label(point.at("impacts").get<int>(), period);
-      const std::vector<double> x = positions(point);
-      if (z != last) list.push_back({period, z, std::vector<std::vector<Cell>>(x.size())});
-      last = z;
-      for (std::size_t k = 0; k < x.size() && k < list.back().iterates.size(); ++k)
-        list.back().iterates[k].push_back(axes.cell(point.at("value"), x[k]));
-    }
-  }
-  std::stable_sort(list.begin(), list.end(), [](const Stretch& a, const Stretch& b) { return a.period < b.period; });
-  return list;
-}
-
-/// Places along the stretch that may carry its z, from the middle outwards, iterate beside iterate.
-std::vector<Cell> middle_of(const Stretch& stretch) {
-  std::vector<std::pair<double, Cell>> found;
-  for (const std::vector<Cell>& curve : stretch.iterates) {
-    const std::vector<double> length = lengths(curve);
-    for (int step = 0; step <= 24 && curve.size() > 1; ++step) {
-      const double part = 0.2 + 0.025 * step, at = part * length.back();
-      const auto beyond = std::upper_bound(length.begin() + 1, length.end() - 1, at);
-      const auto i = static_cast<std::size_t>(beyond - length.begin());
-      const Cell &a = curve[i - 1], &b = curve[i];
-      const double t = (at - length[i - 1]) / std::max(length[i] - length[i - 1], 1e-12);
-      found.push_back({std::abs(part - 0.5), {a.column + t * (b.column - a.column), a.row + t * (b.row - a.row)}});
-    }
-  }
-  std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  std::vector<Cell> list;
-  for (const auto& [distance, cell] : found) list.push_back(cell);
-  return list;
-}
-
-/// Puts words where there is room for them, and counts those for which there was none.
-class Wording {
- public:
-  Wording(const Skeleton& parts, const Axes& axes, Picture& picture) : axes_(axes), places_(axes.rows), picture_(picture) {
-    for (const auto& [key, points] : parts.curves)
-      for (std::size_t i = 0; i + 1 < points.size(); ++i)
-        if (!std::isnan(points[i][0]) && !std::isnan(points[i + 1][0]))
-          places_.add_line(axes.cell(points[i][0], points[i][1]), axes.cell(points[i + 1][0], points[i + 1][1]));
-    for (const auto& [key, points] : parts.marks)
-      for (const Point& point : points) places_.add_mark(axes.cell(point[0], point[1]));
-    leaders_.colour = "#444444";
-    leaders_.size = 0.7;
-  }
-
-  /// Names of the special points whose period is within the limits. Returns how many found no room.
-  int name_points(const std::vector<Skeleton::Named>& points, int from, int to, double farthest) {
-    struct Group {
-      std::vector<Cell> marks;
-      std::string words;
-      int size;
-    };
-    std::vector<Group> groups;
-    for (const Skeleton::Named& point : points) {
-      if (point.period < from || point.period > to) continue;
-      std::vector<Cell> marks;
-      for (const double x : point.x) marks.push_back(axes_.cell(point.value, x));
-      const auto same = std::find_if(groups.begin(), groups.end(),
-                                     [&](const Group& group) { return one_mark(group.marks.front(), marks.front()); });
-      if (same == groups.end() || same->size == 4) {
-        groups.insert(groups.begin(), {marks, point.label, 1});
-        continue;
-      }
-      // Only where every one of the group has a mark can the words stand for all.
-      std::erase_if(same->marks, [&](const Cell& mark) {
-        return std::none_of(marks.begin(), marks.end(), [&](const Cell& other) { return one_mark(mark, other); });
-      });
-      same->words += " " + point.label;
-      ++same->size;
-    }
-    int without = 0;
-    // Long words first: they need the most room.
-    std::stable_sort(groups.begin(), groups.end(), [](const Group& a, const Group& b) { return a.size > b.size; });
-    for (const Group& group : groups) {
-      const auto placed = places_.beside_mark(group.marks, group.words, farthest);
-      without += placed ? 0 : group.size;
-      if (placed) put(*placed, group.words, mark_colour);
-    }
-    return without;
-  }
-
-  /// Those from one length to another.
-  void label_stretches(const std::vector<Stretch>& stretches, double from, double to) {
-    for (const Stretch& stretch : stretches) {
-      if (const double length = stretch.length(); length < from || length >= to) continue;
-      if (const auto placed = places_.along_curve(middle_of(stretch), stretch.z))
-        put(*placed, stretch.z, colour_of_period(stretch.period));
-    }
-  }
-
-  Curve leaders() const { return leaders_; }
-
- private:
-  /// Marks that cover each other have their words in one place.
-  static bool one_mark(Cell a, Cell b) { return std::abs(a.column - b.column) < 1.0 && std::abs(a.row - b.row) < 0.5; }
-
-  void put(const PlacedWords& placed, const std::string& text, const std::string& colour) {
-    constexpr int dot = 0;  // the smallest mark that a label can have
-    const Point at = axes_.point(placed.anchor);
-    picture_.labels.push_back({at[0], at[1], text, dot, colour});
-    if (placed.leader.empty()) return;
-    if (!leaders_.points.empty()) leaders_.points.push_back({NAN, NAN, 0.0});
-    for (const Cell& cell : placed.leader) leaders_.points.push_back(axes_.point(cell));
-  }
-
-  const Axes& axes_;
-  WordPlaces places_;
-  Picture& picture_;
-  Curve leaders_;
-};
-
-Picture draw_skeleton(const Json& result) {
-  Picture picture;
-  const std::string parameter = result.at("parameter");
-  picture.title = "Skeleton of periodic orbits";
-  picture.subtitle = model_title(result, parameter);
-  picture.x_label = parameter + " (dimensionless)";
-  picture.y_label = "x at forcing phase 0 (dimensionless)";
-  const Skeleton parts = take_apart(result);
-  if (parts.curves.empty()) return picture;
-  const std::size_t entries = legend_of(parts, {}).size();
-  const Axes axes = axes_of(parts, (entries + 2) / 3);
-  picture.x_range = axes.x;
-  picture.y_range = axes.y;
-  picture.curves = legend_of(parts, axes);
+void add_skeleton(Picture& picture, const Json& result, const SkeletonCurves& parts, const SkeletonAxes& axes, double widths,
+                  const std::vector<Curve>& samples) {
   // Short periods over long ones, stable over unstable.
   for (const Stroke stroke : {Stroke::dotted, Stroke::dashed, Stroke::solid})
     for (auto entry = parts.curves.rbegin(); entry != parts.curves.rend(); ++entry) {
@@ -352,18 +111,13 @@ Picture draw_skeleton(const Json& result) {
       Curve curve;
       curve.stroke = stroke;
       curve.colour = colour_of_period(entry->first.first);
-      curve.size = width_of(entry->first.first, stroke);
+      curve.size = widths * width_of(entry->first.first, stroke);
       curve.points = entry->second;
       picture.curves.push_back(std::move(curve));
     }
-  Wording wording(parts, axes, picture);
-  const std::vector<Stretch> stretches = stretches_of(result, axes);
-  constexpr double conspicuous = 15.0, shortest = 6.0;  // lengths that z comes first on, and that it has room on
-  wording.label_stretches(stretches, conspicuous, HUGE_VAL);
-  int without = wording.name_points(parts.named, 1, longest_with_words, 22.0);
-  wording.label_stretches(stretches, shortest, conspicuous);
-  without += wording.name_points(parts.named, longest_with_words + 1, std::numeric_limits<int>::max(), 5.0);
-  picture.curves.push_back(wording.leaders());
+  SkeletonWords words = skeleton_words(result, parts, axes, picture.barriers, samples);
+  picture.labels.insert(picture.labels.end(), words.labels.begin(), words.labels.end());
+  picture.curves.push_back(std::move(words.leaders));
   for (const auto& [key, points] : parts.marks) {
     Curve curve;
     curve.stroke = Stroke::marks;
@@ -374,11 +128,8 @@ Picture draw_skeleton(const Json& result) {
     picture.curves.push_back(std::move(curve));
   }
   picture.subtitle += "\nalong the branches: z = impacts/periods";
-  if (without > 0) picture.subtitle += fmt::format("; {} special points are marked without their labels", without);
-  return picture;
+  if (words.without > 0) picture.subtitle += fmt::format("; {} special points are marked without their labels", words.without);
 }
-
-}  // namespace
 
 PictureKind skeleton_picture() {
   return {"graze.branch/1", "skeleton", "all branches in the colours of their periods, with special points and z along them",

@@ -10,14 +10,18 @@ namespace graze::apps {
 
 namespace {
 
+std::array<double, 2> range_of(const Json& result) {
+  const double from = result.at("options").at("from"), to = result.at("options").at("to");
+  return {std::min(from, to), std::max(from, to)};
+}
+
 Picture frame(const Json& result, const std::string& title, const std::string& y_label) {
   Picture picture;
   picture.title = title;
   picture.subtitle = model_title(result, result.at("parameter"));
   picture.x_label = result.at("parameter").get<std::string>() + " (dimensionless)";
   picture.y_label = y_label;
-  const Json& options = result.at("options");
-  picture.x_range = {{options.at("from").get<double>(), options.at("to").get<double>()}};
+  picture.x_range = range_of(result);
   return picture;
 }
 
@@ -37,8 +41,17 @@ Picture draw_states(const Json& result) {
   return picture;
 }
 
-Picture draw_exponents(const Json& result) {
+/// The directions are told apart by their colours, the first exponent from the others by its strength.
+std::string exponent_colour(const std::string& direction, std::size_t exponent) {
+  if (direction == "up") return exponent == 0 ? "#1f77b4" : "#9ecae1";
+  return exponent == 0 ? "#d95f02" : "#fdc08a";
+}
+
+Picture exponents_within(const Json& result, const std::array<double, 2>& x_range) {
   Picture picture = frame(result, "Lyapunov exponents", "exponent (per unit of dimensionless time)");
+  picture.x_range = x_range;
+  if (!result.at("rows").empty())
+    picture.curves.push_back({"", Stroke::solid, "#555555", 1.0, 0, {{x_range[0], 0.0, 0.0}, {x_range[1], 0.0, 0.0}}});
   std::map<std::string, std::vector<Curve>> curves;
   for (const Json& row : result.at("rows")) {
     const std::string direction = row.at("direction");
@@ -48,28 +61,37 @@ Picture draw_exponents(const Json& result) {
     for (std::size_t i = 0; i < exponents.size(); ++i) {
       Curve& curve = list[i];
       curve.title = "exponent " + std::to_string(i + 1) + ", sweep " + direction;
-      curve.colour = colour_of(2 * i + (direction == "up" ? 0 : 1));
-      curve.size = 1.5;
+      curve.colour = exponent_colour(direction, i);
+      curve.size = direction == "up" ? 1.3 : 3.0;  // both are seen where they go together
       curve.points.push_back({row.at("value"), exponents[i].is_null() ? NAN : exponents[i].get<double>(), 0.0});
     }
   }
-  for (auto& [direction, list] : curves)
-    for (Curve& curve : list) picture.curves.push_back(std::move(curve));
-  picture.barriers.push_back({false, 0.0, "", false});
+  std::size_t most = 0;
+  for (const auto& [direction, list] : curves) most = std::max(most, list.size());
+  for (std::size_t i = most; i-- > 0;)  // the first exponent over the others
+    for (auto& [direction, list] : curves)
+      if (i < list.size()) picture.curves.push_back(std::move(list[i]));
   return picture;
 }
 
+Picture draw_exponents(const Json& result) { return exponents_within(result, range_of(result)); }
+
 /// The attractors above their exponents, on one axis.
 Picture draw_diagram(const Json& result) {
-  Picture picture = draw_states(result), exponents = draw_exponents(result);
+  Picture picture = draw_states(result);
   picture.title = "Attractors and their Lyapunov exponents";
-  exponents.title.clear();
-  exponents.subtitle.clear();
-  picture.below.push_back(std::move(exponents));
+  picture.below.push_back(exponents_below(result, range_of(result)));
   return picture;
 }
 
 }  // namespace
+
+Picture exponents_below(const Json& result, const std::array<double, 2>& x_range) {
+  Picture picture = exponents_within(result, x_range);
+  picture.title.clear();
+  picture.subtitle.clear();
+  return picture;
+}
 
 PictureKind sweep_diagram_picture() {
   return {"graze.sweep/1", "diagram", "stroboscopic states above the exponents, against the parameter", draw_diagram, {}};

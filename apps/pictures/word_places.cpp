@@ -12,6 +12,7 @@ constexpr double fine = 4.0;  // squares of the grid per character
 // Words as gnuplot draws them beside the anchor of a label.
 constexpr double gap = 1.7, lift = 0.63, height = 1.2, letter = 1.2;
 constexpr double mark_weight = 4.0;  // a covered mark is worse than a covered line
+constexpr double dot_weight = 0.01;  // words in a region full of dots cover as much as words across one line
 constexpr double most_covered = 1.5;
 
 double length_of(const std::string& words) { return letter * static_cast<double>(words.size()); }
@@ -46,6 +47,8 @@ void WordPlaces::add_mark(Cell at) {
   for (const double right : {-0.4, -0.15, 0.1, 0.35})
     for (const double up : {-0.25, 0.0, 0.25}) raise({at.column + right, at.row + up}, mark_weight);
 }
+
+void WordPlaces::add_dot(Cell at) { raise(at, dot_weight); }
 
 WordPlaces::Box WordPlaces::box_of(Cell anchor, const std::string& words) {
   // On the left a little wider than the words, as label_places() has it, which would move what it thinks covered.

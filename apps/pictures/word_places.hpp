@@ -29,6 +29,8 @@ class WordPlaces {
 
   void add_line(Cell from, Cell to);
   void add_mark(Cell at);
+  /// One of many pale dots: words may stand on some, and rather stand on none.
+  void add_dot(Cell at);
 
   /// Words for one of several marks, at most `farthest` characters away from it; the first is preferred.
   std::optional<PlacedWords> beside_mark(const std::vector<Cell>& marks, const std::string& words, double farthest);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// graze diagram --skeleton: misuse, what its JSON has, its picture, its independence of the number of threads, Ctrl-C.
+// graze diagram --skeleton: misuse, what its JSON has, its picture, its independence of the number of threads, Ctrl-C. Whole
+// diagrams are in whole_diagram.cpp.
 #include "graze_program.hpp"
 
 #include <graze/apps/json.hpp>
@@ -45,7 +46,10 @@ std::string misuse(std::vector<std::string> more) {
 }  // namespace
 
 TEST_CASE("diagram refuses what it does not understand") {
-  CHECK_THAT(misuse({"--from", "0.7", "--to", "0.8"}), Contains("--skeleton"));
+  CHECK_THAT(misuse({"--skeleton", "--from", "0.7", "--to", "0.8", "--step", "0.1"}),
+             Contains("--step is of the sweeps, which --skeleton leaves out"));
+  CHECK_THAT(misuse({"--skeleton", "--from", "0.7", "--to", "0.8", "--plot-kind", "states"}),
+             Contains("--plot-kind states: with --skeleton it is one of branch, multipliers, skeleton"));
   CHECK_THAT(misuse({"--skeleton", "--from", "0.7", "--to", "0.7"}), Contains("--from and --to are both 0.7"));
   CHECK_THAT(misuse({"--skeleton", "--from", "0.7"}), Contains("--to is required"));
   CHECK_THAT(misuse({"--skeleton", "--to", "0.7"}), Contains("--from is required"));

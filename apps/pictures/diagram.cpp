@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Picture of graze.diagram/1: the sweeps' samples under the skeleton of branches, and the exponents below on the same axis.
+#include <graze/apps/pictures/pictures.hpp>
+#include <graze/apps/pictures/skeleton.hpp>
+
+#include <algorithm>
+
+namespace graze::apps {
+
+namespace {
+
+constexpr double branch_widths = 0.6;  // thin, so that the sweeps show at their sides
+constexpr double upper_height = 1.6, lower_height = 0.85;
+constexpr double upper_lines = 35.0;  // lines of text that the upper axes would hold without title and legend
+
+const char* sweep_colour(const std::string& direction) { return direction == "up" ? "#86aede" : "#dba678"; }
+
+/// States of the sweeps: periodic ones as bands that show at the sides of the branch they lie on, others as fine dots.
+std::vector<Curve> samples_of(const Json& result) {
+  std::vector<Curve> list;
+  for (const bool periodic : {false, true})
+    for (const char* direction : {"down", "up"}) {  // where both go the same way, the wider band of "down" is seen beside "up"
+      Curve curve;
+      curve.stroke = Stroke::dots;
+      curve.colour = sweep_colour(direction);
+      curve.size = !periodic ? 0.2 : direction == std::string("up") ? 0.6 : 1.0;
+      for (const Json& row : result.at("rows")) {
+        if (row.at("direction") != direction || (row.at("attractor").at("type") == "periodic") != periodic) continue;
+        for (const Json& state : row.at("states")) curve.points.push_back({row.at("value"), state.at(0), 0.0});
+      }
+      if (!curve.points.empty()) list.push_back(std::move(curve));
+    }
+  return list;
+}
+
+Picture draw_diagram(const Json& result) {
+  Picture picture;
+  const std::string parameter = result.at("parameter");
+  picture.title = "Sweeps, branches of periodic orbits, and Lyapunov exponents";
+  picture.subtitle = model_title(result, parameter);
+  picture.x_label = parameter + " (dimensionless)";
+  picture.y_label = "x at forcing phase 0 (dimensionless)";
+  picture.height = upper_height;
+  const SkeletonCurves parts = skeleton_curves(result);
+  const std::vector<Curve> samples = samples_of(result);
+  SkeletonAxes axes;
+  axes.take_in(parts);
+  for (const Curve& curve : samples)
+    for (const auto& point : curve.points) axes.take_in(point[0], point[1]);
+  if (axes.x[0] > axes.x[1]) return picture;
+  axes.add_margins(parts);
+  picture.x_range = axes.x;
+  picture.y_range = axes.y;
+  for (const char* direction : {"up", "down"})
+    if (std::any_of(samples.begin(), samples.end(), [&](const Curve& curve) { return curve.colour == sweep_colour(direction); }))
+      picture.curves.push_back(legend_line(axes, std::string("sweep ") + direction, Stroke::dots, sweep_colour(direction), 1.0));
+  for (Curve& line : skeleton_legend(parts, axes, branch_widths)) picture.curves.push_back(std::move(line));
+  axes.rows = upper_lines - 5.0 - legend_rows(picture.curves.size());
+  const Barrier barrier = barrier_of(result, false);
+  if (axes.y[0] < barrier.position && barrier.position < axes.y[1]) picture.barriers.push_back(barrier);
+  picture.curves.insert(picture.curves.end(), samples.begin(), samples.end());
+  add_skeleton(picture, result, parts, axes, branch_widths, samples);
+  if (result.at("rows").empty()) return picture;
+  picture.below.push_back(exponents_below(result, axes.x));
+  picture.below.back().height = lower_height;
+  return picture;
+}
+
+}  // namespace
+
+PictureKind diagram_picture() {
+  return {"graze.diagram/1",
+          "diagram",
+          "samples of the sweeps under the branches, above the exponents, against the parameter",
+          draw_diagram,
+          {}};
+}
+
+}  // namespace graze::apps

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/branch_report.hpp>
+#include <graze/apps/cascades.hpp>
+#include <graze/apps/number.hpp>
+#include <graze/apps/orbit_report.hpp>
+#include <graze/apps/skeleton_report.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace graze::apps {
+
+namespace {
+
+/// "1/1 2/1 1/2": the labels z = p/n along a branch, each where it changes.
+std::string labels_along(const Branch& branch) {
+  std::string text, last;
+  for (const BranchPoint& point : branch.points) {
+    const std::string z = label(point.impacts, branch.period);
+    if (z == last) continue;
+    text += (text.empty() ? "" : " ") + z;
+    last = z;
+  }
+  return text;
+}
+
+Table branches_overview(const std::vector<Branch>& branches, const std::string& parameter) {
+  Table table{{"branch", "born at", "period", "z along it", parameter + " from", "to", "points", "stable", "ends"}, {}};
+  for (const Branch& branch : branches) {
+    if (branch.points.empty()) continue;
+    double low = branch.points.front().value, high = low;
+    std::size_t stable = 0;
+    for (const BranchPoint& point : branch.points) {
+      low = std::min(low, point.value);
+      high = std::max(high, point.value);
+      stable += point.stable ? 1 : 0;
+    }
+    table.rows.push_back({std::to_string(branch.id),
+                          branch.parent ? fmt::format("{} of {}", branch.parent->label, branch.parent->branch) : "seed",
+                          std::to_string(branch.period), labels_along(branch), rounded(low, 9), rounded(high, 9),
+                          std::to_string(branch.points.size()),
+                          stable == 0                      ? "no"
+                          : stable == branch.points.size() ? "yes"
+                                                           : "in part",
+                          std::string(branch_stop_name(branch.stop))});
+  }
+  return table;
+}
+
+Table special_points_overview(const std::vector<Branch>& branches, const std::string& parameter) {
+  std::vector<std::pair<const Branch*, const SpecialPoint*>> list;
+  for (const Branch& branch : branches)
+    for (const SpecialPoint& point : branch.special_points)
+      if (point.type != PointType::EP) list.emplace_back(&branch, &point);
+  std::stable_sort(list.begin(), list.end(), [](const auto& a, const auto& b) { return a.second->value > b.second->value; });
+  Table table{{"point", parameter, "+-", "branch", "z", "details"}, {}};
+  for (const auto& [branch, point] : list) {
+    std::string details = point->status == PointStatus::bracketed ? "bracketed" : "";
+    for (const char* name : {"criticality", "kind", "scenario"}) {
+      const auto found = point->details.find(name);
+      if (found != point->details.end()) details += (details.empty() ? "" : ", ") + std::get<std::string>(found->second);
+    }
+    table.rows.push_back({point->label, rounded(point->value, 12), rounded(point->precision, 2), std::to_string(branch->id),
+                          label(point->orbit.impacts, point->orbit.period), details});
+  }
+  return table;
+}
+
+Json seeds_json(const std::vector<SkeletonSeed>& seeds, std::size_t parameter) {
+  Json list = Json::array();
+  for (const SkeletonSeed& seed : seeds)
+    list.push_back({{"value", seed.orbit.parameters[static_cast<Eigen::Index>(parameter)]},
+                    {"period", seed.orbit.period},
+                    {"impacts", seed.orbit.impacts},
+                    {"state", to_json(seed.orbit.state)},
+                    {"stable", seed.orbit.stable()},
+                    {"origin", seed.origin}});
+  return list;
+}
+
+}  // namespace
+
+void put_skeleton(Json& result, const Skeleton& found, std::size_t parameter) {
+  result["seeds"] = seeds_json(found.seeds, parameter);
+  result["branches"] = Json::array();
+  for (const Branch& branch : found.graph.branches) result["branches"].push_back(branch_json(branch));
+  result["cascades"] = cascades_json(cascades(found.graph.branches));
+  result["cut_off"] = Json::array();
+  for (const CutOff& cut : found.graph.cut_off)
+    result["cut_off"].push_back({{"branch", cut.branch}, {"label", cut.label}, {"reason", cut.reason}});
+}
+
+std::vector<CutOff> cut_off_from(const Json& list) {
+  std::vector<CutOff> out;
+  for (const Json& cut : list)
+    out.push_back({cut.at("branch").get<int>(), cut.at("label").get<std::string>(), cut.at("reason").get<std::string>()});
+  return out;
+}
+
+std::string skeleton_text(std::size_t seeds, const std::vector<Branch>& branches, const std::vector<CutOff>& cut_off,
+                          const std::string& parameter) {
+  std::string text = fmt::format("{}, {}\n", counted(seeds, "seed"),
+                                 branches.size() == 1 ? "1 branch" : fmt::format("{} branches", branches.size())) +
+                     aligned(branches_overview(branches, parameter)) + "\n" +
+                     aligned(special_points_overview(branches, parameter)) + cascades_text(cascades(branches), parameter);
+  if (cut_off.empty()) return text;
+  text += fmt::format("\nnot followed ({}):\n", cut_off.size());
+  for (const CutOff& cut : cut_off)
+    text += cut.branch == 0 ? fmt::format("  a seed: {}\n", cut.reason)
+                            : fmt::format("  {} of branch {}: {}\n", cut.label, cut.branch, cut.reason);
+  return text;
+}
+
+}  // namespace graze::apps

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/attractor_report.hpp>
+#include <graze/apps/branch_reading.hpp>
+#include <graze/apps/number.hpp>
+#include <graze/apps/orbit_report.hpp>
+#include <graze/apps/sweep_report.hpp>
+
+#include <algorithm>
+#include <limits>
+
+namespace graze::apps {
+
+namespace {
+
+Json row_json(const SweepRow& row) {
+  Json json = {{"value", row.value},
+               {"direction", sweep_direction_name(row.direction)},
+               {"attractor", attractor_json(row.attractor)},
+               {"exponents", numbers_json(row.attractor.exponents)},
+               {"standard_errors", numbers_json(row.attractor.standard_errors)},
+               {"periods", row.attractor.time_average.periods},
+               {"end", to_json(row.end)}};
+  json["states"] = Json::array();
+  for (const Vector& state : row.states) json["states"].push_back(to_json(state));
+  json["impact_speeds"] = row.impact_speeds;
+  return json;
+}
+
+std::vector<double> numbers_of(const Json& json) {
+  std::vector<double> list;
+  for (const Json& item : json) list.push_back(item.is_null() ? -std::numeric_limits<double>::infinity() : item.get<double>());
+  return list;
+}
+
+SweepRow row_of(const Json& json) {
+  SweepRow row;
+  row.value = json.at("value");
+  row.direction = json.at("direction") == "down" ? SweepDirection::down : SweepDirection::up;
+  const Json& attractor = json.at("attractor");
+  for (const AttractorType type : {AttractorType::periodic, AttractorType::chaotic})
+    if (attractor.at("type") == attractor_type_name(type)) row.attractor.type = type;
+  if (attractor.at("period").is_number()) row.attractor.period = attractor["period"];
+  if (attractor.at("impacts").is_number()) row.attractor.impacts = attractor["impacts"];
+  row.attractor.state = vector_from(attractor.at("state"));
+  if (attractor.contains("multipliers")) {
+    PeriodicOrbit& orbit = row.attractor.orbit.emplace();
+    orbit.state = row.attractor.state;
+    orbit.period = row.attractor.period;
+    orbit.impacts = row.attractor.impacts;
+    orbit.multipliers = multipliers_from(attractor["multipliers"]);
+  }
+  row.attractor.termination = Termination::time;
+  row.attractor.exponents = numbers_of(json.at("exponents"));
+  row.attractor.standard_errors = numbers_of(json.at("standard_errors"));
+  row.attractor.time_average.periods = json.at("periods");
+  row.end = vector_from(json.at("end"));
+  for (const Json& state : json.at("states")) row.states.push_back(vector_from(state));
+  row.impact_speeds = json.at("impact_speeds").get<std::vector<double>>();
+  return row;
+}
+
+std::string attractor_name(const Attractor& attractor) {
+  return attractor.type == AttractorType::periodic ? z_label(attractor.impacts, attractor.period)
+                                                   : std::string(attractor_type_name(attractor.type));
+}
+
+}  // namespace
+
+Json rows_json(const std::vector<SweepRow>& rows) {
+  Json list = Json::array();
+  for (const SweepRow& row : rows) list.push_back(row_json(row));
+  return list;
+}
+
+std::vector<SweepRow> rows_from(const Json& rows) {
+  std::vector<SweepRow> list;
+  for (const Json& row : rows) list.push_back(row_of(row));
+  return list;
+}
+
+Table sweep_overview(const std::vector<SweepRow>& rows, const std::string& parameter) {
+  Table table{{"direction", parameter + " from", "to", "attractor", "values", "largest exponent from", "to"}, {}};
+  for (std::size_t i = 0; i < rows.size();) {
+    const std::string name = attractor_name(rows[i].attractor);
+    std::size_t end = i;
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (; end < rows.size() && rows[end].direction == rows[i].direction && attractor_name(rows[end].attractor) == name; ++end) {
+      if (rows[end].attractor.exponents.empty()) continue;
+      low = std::min(low, rows[end].attractor.exponents[0]);
+      high = std::max(high, rows[end].attractor.exponents[0]);
+    }
+    table.rows.push_back({std::string(sweep_direction_name(rows[i].direction)), rounded(rows[i].value, 7),
+                          rounded(rows[end - 1].value, 7), name, std::to_string(end - i), rounded(low, 4), rounded(high, 4)});
+    i = end;
+  }
+  return table;
+}
+
+Table samples_table(const std::vector<SweepRow>& rows, const std::string& parameter) {
+  Table table{{parameter, "direction", "attractor", "period", "impacts", "exponent1", "exponent2", "x", "v"}, {}};
+  for (const SweepRow& row : rows) {
+    const Attractor& attractor = row.attractor;
+    for (const Vector& state : row.states) {
+      std::vector<std::string> cells = {exact(row.value), std::string(sweep_direction_name(row.direction)),
+                                        std::string(attractor_type_name(attractor.type)),
+                                        attractor.period > 0 ? std::to_string(attractor.period) : "",
+                                        attractor.period > 0 ? std::to_string(attractor.impacts) : ""};
+      for (std::size_t i = 0; i < 2; ++i) cells.push_back(i < attractor.exponents.size() ? exact(attractor.exponents[i]) : "");
+      cells.push_back(exact(state[0]));
+      cells.push_back(exact(state[1]));
+      table.rows.push_back(std::move(cells));
+    }
+  }
+  return table;
+}
+
+std::vector<ChaoticWindow> chaotic_windows(const std::vector<SweepRow>& rows) {
+  std::vector<ChaoticWindow> list;
+  bool inside = false;
+  for (const SweepRow& row : rows) {
+    const Attractor& attractor = row.attractor;
+    if (attractor.type != AttractorType::chaotic) {
+      inside = false;
+      continue;
+    }
+    if (!inside || list.back().direction != row.direction)
+      list.push_back({row.direction, row.value, row.value, 0, -std::numeric_limits<double>::infinity(), 0.0, row.value});
+    inside = true;
+    ChaoticWindow& window = list.back();
+    window.from = std::min(window.from, row.value);
+    window.to = std::max(window.to, row.value);
+    ++window.values;
+    if (attractor.exponents[0] <= window.largest_exponent) continue;
+    window.largest_exponent = attractor.exponents[0];
+    window.standard_error = attractor.standard_errors[0];
+    window.at = row.value;
+  }
+  return list;
+}
+
+Json chaotic_windows_json(const std::vector<ChaoticWindow>& windows) {
+  Json list = Json::array();
+  for (const ChaoticWindow& window : windows)
+    list.push_back({{"direction", sweep_direction_name(window.direction)},
+                    {"from", window.from},
+                    {"to", window.to},
+                    {"values", window.values},
+                    {"largest_exponent", window.largest_exponent},
+                    {"standard_error", window.standard_error},
+                    {"at", window.at}});
+  return list;
+}
+
+Table chaotic_windows_table(const std::vector<ChaoticWindow>& windows, const std::string& parameter) {
+  Table table{{"direction", parameter + " from", "to", "values", "largest exponent", "+-", "at"}, {}};
+  for (const ChaoticWindow& window : windows)
+    table.rows.push_back({std::string(sweep_direction_name(window.direction)), rounded(window.from, 7), rounded(window.to, 7),
+                          std::to_string(window.values), rounded(window.largest_exponent, 4), rounded(window.standard_error, 2),
+                          rounded(window.at, 7)});
+  return table;
+}
+
+}  // namespace graze::apps

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Sweeping: what `graze sweep` and `graze diagram` share: the options that say how attractors are followed, and the run itself
+// with its progress and its ending.
+#pragma once
+
+#include <graze/apps/arguments.hpp>
+#include <graze/apps/console.hpp>
+#include <graze/apps/find_orbit.hpp>
+
+#include <graze/continuation/sweep.hpp>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace graze::apps {
+
+struct SweepingOptions {
+  std::optional<double> step, standard_error;
+  int transient = 300, periods = 20000, samples = 200;
+};
+
+/// --step (with `step_help`), --transient, --periods, --standard-error, --samples.
+void add_sweeping_options(CLI::App& app, SweepingOptions& options, Need step, const std::string& step_help);
+
+/// @throws std::invalid_argument for a step or a standard error that is not > 0.
+void check_sweeping(const SweepingOptions& options);
+
+/// As they stand in a result; the step is given by then.
+Json sweeping_json(const SweepingOptions& options);
+
+struct SweepRange {
+  std::string parameter;
+  double from = 0.0, to = 0.0;  ///< from < to
+  std::vector<SweepDirection> directions = {SweepDirection::up};
+};
+
+struct Swept {
+  std::vector<SweepRow> rows;
+  Status status = Status::failed;
+  std::string message;  ///< why not all values were reached
+};
+
+/// The sweeps, with progress on the console; Ctrl-C ends them with what is there. `so_far`: rows that are there already.
+Swept carry_out_sweeps(const Problem& problem, const StartOptions& start, const SweepRange& range, const SweepingOptions& options,
+                       const Console& console, const std::vector<SweepRow>& so_far);
+
+}  // namespace graze::apps
