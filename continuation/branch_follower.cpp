@@ -128,17 +128,35 @@ Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& 
   return section_blocked_ ? Verdict::stop : Verdict::go_on;
 }
 
+/// A branch that starts on its grazing begins with the first orbit beyond it whose impacts are fast enough. One that ends before
+/// there is such an orbit is kept with the one whose weakest impact is fastest: between two grazings close together, or at the
+/// end of the range.
+Verdict BranchFollower::monitor_beyond_grazing(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after,
+                                               Branch& branch) {
+  const double value = problem.value(after.u);
+  const bool outside = value < low_ || value > high_;
+  refused_ = problem.violation(after.u);
+  if (!outside && !refused_) {
+    const double speed = problem.least_speed(after.u);
+    if (speed > fastest_) {
+      fastest_ = speed;
+      fastest_point_ = after.u;
+    }
+    if (speed >= weakest_kept) begin(problem, after.u, branch);
+    return Verdict::go_on;
+  }
+  if (fastest_ < weakest_told) return outside ? Verdict::stop : Verdict::reject;
+  begin(problem, fastest_point_, branch);
+  if (outside || reaches_grazing(problem, before, after, branch)) return Verdict::stop;
+  branch.points.clear();
+  branch.special_points.clear();
+  return Verdict::reject;
+}
+
 Verdict BranchFollower::monitor_signature(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after,
                                           Branch& branch) {
   if (interrupted_now()) return Verdict::stop;
-  // A branch that starts on its grazing begins with the first orbit beyond it.
-  const bool first = branch.points.empty();
-  if (first && problem.violation(after.u)) return Verdict::reject;
-  if (first && problem.least_speed(after.u) < weakest_kept) return Verdict::go_on;
-  if (first) {
-    begin(problem, after.u, branch);
-    return Verdict::go_on;
-  }
+  if (branch.points.empty()) return monitor_beyond_grazing(problem, before, after, branch);
   const std::optional<Verdict> end = end_of_range(problem, before, after);
   if (end == Verdict::reject) return Verdict::reject;
   if (problem.violation(after.u)) return reaches_grazing(problem, before, after, branch) ? Verdict::stop : Verdict::reject;
@@ -258,12 +276,14 @@ std::optional<BranchStart> BranchFollower::to_signature(OrbitProblem& problem, c
   const SignatureProblem moved(system_, problem.equations().parameters(), problem.period(), here->sequence, problem.parameter(),
                                problem.scale(), problem.equations().options());
   out.u = moved.pack(*here, problem.value(start.u));
+  out.orientation = start.orientation[start.orientation.size() - 1] * moved.parameter_direction();
+  // The parameter alone says which way: the differences of motions that are no orbits say nothing.
+  if (start.orientation.head(start.orientation.size() - 1).isZero(0.0)) return out;
   // The direction by differences: small against the square of the speed of a weak impact, which lives within that distance of the
   // barrier.
   const double small = 1e-8 / std::max(1e-300, start.orientation.lpNorm<Eigen::Infinity>());
   const Vector u_before = start.u - small * start.orientation;
   const std::optional<EventNodes> before = event_nodes(problem.orbit(u_before, {}));
-  out.orientation = start.orientation[start.orientation.size() - 1] * moved.parameter_direction();
   if (before && before->sequence == here->sequence) {
     const Vector direction = (out.u - moved.pack(*before, problem.value(u_before))) / small;
     if (direction.allFinite() && direction.lpNorm<Eigen::Infinity>() < 1e6) out.orientation = direction;
@@ -281,6 +301,8 @@ Curve BranchFollower::follow_signature(SignatureProblem& problem, const BranchSt
 
 std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const BranchStart& start, Branch& branch) {
   interrupted_ = returned_ = false;
+  fastest_ = 0.0;
+  refused_.reset();
   grazing_.reset();
   std::optional<BranchStart> by_events;
   if (start.sequence) {
@@ -292,19 +314,28 @@ std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const Br
     SignatureProblem signature(system_, branch.parameters, problem.period(), *by_events->sequence, problem.parameter(),
                                problem.scale(), problem.equations().options());
     const Curve curve = follow_signature(signature, *by_events, branch);
-    if (!branch.points.empty() || start.sequence) return finish(signature, curve, branch);
+    if (!branch.points.empty() || start.sequence) return finish(signature, curve, branch, start.on_grazing);
   }
   const Curve curve = follow_states(problem, start, branch);
-  return finish(problem, curve, branch);
+  return finish(problem, curve, branch, false);
 }
 
-std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const Curve& curve, Branch& branch) {
+std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const Curve& curve, Branch& branch, bool on_grazing) {
   TraceStop why = curve.stop;
   branch.time_carried = problem.time_carried();
-  if (branch.points.empty() && !curve.points.empty()) begin(problem, curve.points.front().u, branch);
+  const bool nothing_beyond = branch.points.empty() && on_grazing && !curve.points.empty();
+  if (branch.points.empty() && !curve.points.empty() && !on_grazing) begin(problem, curve.points.front().u, branch);
   if (branch.points.empty()) {
-    branch.stop = BranchStop::start_failed;
-    branch.message = "the first point did not converge: " + curve.failure;
+    branch.stop = interrupted_ ? BranchStop::interrupted : BranchStop::start_failed;
+    if (interrupted_) {
+      branch.message = "it was interrupted";
+    } else if (!nothing_beyond) {
+      branch.message = "the first point did not converge: " + curve.failure;
+    } else if (refused_ && !refused_->lost) {
+      branch.message = "the orbit with one impact more meets a barrier elsewhere at once";
+    } else {
+      branch.message = "no admissible orbit was found beyond the grazing: " + curve.failure;
+    }
     return std::nullopt;
   }
   if (why == TraceStop::min_step && end_on_bound(problem, branch)) why = TraceStop::monitor;
@@ -320,6 +351,7 @@ std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const C
   if (grazing_) {
     const SpecialPoint& point = branch.special_points.back();
     branch.stop_value = point.value;
+    if (branch.points.size() == 1) branch.direction = point.value < end.value ? -1 : 1;
     stop(BranchStop::grazing, fmt::format("grazing at {} = {:.12g}: an impact is {} ({})", branch.parameter, point.value,
                                           grazing_->lost ? "lost" : "gained", grazing_scenario_name(grazing_->grazing.scenario)));
     return std::move(grazing_);

@@ -19,6 +19,9 @@ namespace graze {
 /// orbit: rounding of the state over that speed is what the instant of the impact is known to.
 inline constexpr double weakest_kept = 1e-5;
 
+/// Speed below which that of an impact cannot be told from rounding.
+inline constexpr double weakest_told = 1e-10;
+
 struct GrazingEnd {
   LocatedGrazing grazing;
   bool lost = false;  ///< the branch had the impact; otherwise the orbits beyond gain it
@@ -46,6 +49,7 @@ class BranchFollower {
   Curve follow_signature(SignatureProblem& problem, const BranchStart& start, Branch& branch);
   Verdict monitor_states(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
   Verdict monitor_signature(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
+  Verdict monitor_beyond_grazing(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
   bool interrupted_now();
   std::optional<Verdict> end_of_range(BranchProblem& problem, const CurvePoint& before, CurvePoint& after) const;
   bool returns_to_parent(const Branch& branch, const BranchPoint& next);
@@ -53,7 +57,7 @@ class BranchFollower {
             std::vector<MetPoint> met, Branch& branch);
   void begin(BranchProblem& problem, const Vector& u, Branch& branch);
   bool end_on_bound(BranchProblem& problem, Branch& branch);
-  std::optional<GrazingEnd> finish(BranchProblem& problem, const Curve& curve, Branch& branch);
+  std::optional<GrazingEnd> finish(BranchProblem& problem, const Curve& curve, Branch& branch, bool on_grazing);
   double better_section(OrbitProblem& problem, const Vector& u) const;
   std::optional<BranchStart> to_signature(OrbitProblem& problem, const BranchStart& start) const;
 
@@ -80,6 +84,10 @@ class BranchFollower {
   bool interrupted_ = false, returned_ = false;
   bool section_blocked_ = false;  ///< an impact has come too close to a node
   std::optional<GrazingEnd> grazing_;
+  // While a branch that starts on a grazing has no point yet:
+  double fastest_ = 0.0;  ///< its weakest impact at its fastest
+  Vector fastest_point_;
+  std::optional<SignatureEquations::Violation> refused_;  ///< why the orbit tried last is no motion
 };
 
 }  // namespace graze

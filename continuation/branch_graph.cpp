@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/branch_graph.hpp>
 
-#include <graze/continuation/branch_follower.hpp>
+#include <graze/continuation/branch_end.hpp>
 #include <graze/continuation/branch_switching.hpp>
 #include <graze/continuation/grazing_edge.hpp>
+#include <graze/continuation/labels.hpp>
 
 #include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <deque>
-#include <map>
 #include <mutex>
 
 namespace graze {
@@ -22,22 +21,6 @@ namespace {
 
 /// Branches followed before what they brought is taken up. Fixed, so that the result does not depend on the number of threads.
 constexpr std::size_t round_size = 4;
-
-/// Hands out "PD1", "PD2", "LP1", ... over a whole run.
-class Labels {
- public:
-  std::string next(PointType type) { return fmt::format("{}{}", point_type_name(type), ++count_[type]); }
-  /// A label that is taken already.
-  void take(const SpecialPoint& point) {
-    const std::string number = point.label.substr(std::min(point.label.size(), point_type_name(point.type).size()));
-    int value = 0;
-    std::from_chars(number.data(), number.data() + number.size(), value);
-    count_[point.type] = std::max(count_[point.type], value);
-  }
-
- private:
-  std::map<PointType, int> count_;
-};
 
 enum class Origin { seed, doubled, beyond_grazing };
 
@@ -56,6 +39,15 @@ struct Outcome {
   std::optional<GrazingEnd> grazing;        ///< on which it ended
   std::optional<PeriodicOrbit> half;        ///< the orbit of half the period to which it returned
   std::optional<GrazingEdge> begins, ends;  ///< at grazings
+  std::string nothing;                      ///< why no orbit was found that should begin there
+  bool none = false;                        ///< and there is none: it is not the grazing that was not found again
+};
+
+/// An end of a branch: its first point (`begins`) or its last one lies at a grazing.
+struct KnownEdge {
+  GrazingEdge edge;
+  std::size_t branch = 0;
+  bool begins = false;
 };
 
 class Graph {
@@ -98,13 +90,17 @@ class Graph {
       });
       for (std::size_t k = 0; k < round.size(); ++k) {
         const bool full = static_cast<int>(graph_.branches.size()) >= options_.max_branches;
-        if (outcomes[k].branch && !full) {
+        if (!outcomes[k].nothing.empty() && !cancelled()) {
+          if (outcomes[k].none) set_scenario_none(graph_.branches[round[k].parent], outcomes[k].nothing);
+          cut_off(round[k], std::move(outcomes[k].nothing));
+        } else if (outcomes[k].branch && !full) {
           accept(round[k], std::move(outcomes[k]));
         } else if (outcomes[k].branch || cancelled()) {
           cut_off(round[k], full ? fmt::format("{} branches are the limit", options_.max_branches) : "it was interrupted");
         }
       }
     }
+    for (std::size_t k = 0; k < graph_.branches.size(); ++k) confirm_grazing(k);
     graph_.interrupted = cancelled();
     if (graph_.interrupted) cut_off_rest("it was interrupted");
     return std::move(graph_);
@@ -122,6 +118,50 @@ class Graph {
     graph_.cut_off.push_back({parent.id, parent.special_points[task.special].label, std::move(reason)});
   }
 
+  /// The scenario of the grazing at the end of a branch, as it is known now, in its details and in the branch's message.
+  static void set_scenario(Branch& branch, const std::function<void(SpecialPoint&)>& change) {
+    SpecialPoint& point = branch.special_points.back();
+    const auto name = [&] { return fmt::format("({})", std::get<std::string>(point.details.at("scenario"))); };
+    const std::string before = name();
+    change(point);
+    if (const std::size_t at = branch.message.rfind(before); at != std::string::npos)
+      branch.message.replace(at, before.size(), name());
+  }
+
+  static void set_scenario_none(Branch& branch, const std::string& reason) {
+    set_scenario(branch, [&](SpecialPoint& point) {
+      point.details.insert_or_assign("scenario", std::string(grazing_scenario_name(GrazingScenario::none)));
+      point.details.insert_or_assign("scenario_from", reason);
+    });
+  }
+
+  /// The branch born on the grazing at the end of this one, or null.
+  const Branch* child_at(const Branch& branch) const {
+    for (const Branch& other : graph_.branches)
+      if (other.parent && other.parent->label == branch.special_points.back().label) return &other;
+    return nullptr;
+  }
+
+  /// With the family on the other side, whichever way that was reached: as its child, as its parent, or from a seed of its own.
+  void confirm_grazing(std::size_t index) {
+    Branch& branch = graph_.branches[index];
+    if (branch.stop != BranchStop::grazing || branch.points.empty()) return;
+    const SpecialPoint& point = branch.special_points.back();
+    const Branch* beyond = child_at(branch);
+    bool begins = true;
+    if (!beyond && ends_[index]) {
+      GrazingEnd end = *ends_[index];
+      const GrazingEdge partner = partner_edge(point, end.grazing, end.lost);
+      for (const KnownEdge& known : edges_) {
+        if (known.branch == index || !same_edge(known.edge, partner)) continue;
+        beyond = &graph_.branches[known.branch];
+        begins = known.begins;
+      }
+    }
+    if (!beyond) return;
+    set_scenario(branch, [&](SpecialPoint& grazing) { confirm_scenario(grazing, branch, *beyond, begins); });
+  }
+
   void cut_off_rest(const std::string& reason) {
     for (const auto& queue : {tasks_, seed_tasks_})
       for (const Task& task : queue) cut_off(task, reason);
@@ -137,9 +177,7 @@ class Graph {
   }
 
   OrbitProblem problem_at(const PeriodicOrbit& orbit, int copies = 1) const {
-    const double scale = std::max(high_ - low_, 1e-6 * (1.0 + std::abs(high_)));
-    return {system_, orbit.parameters,       copies * orbit.period, copies * static_cast<int>(orbit.nodes.size()), parameter_,
-            scale,   options_.shooting.flow, orbit.section_phase};
+    return orbit_problem(system_, orbit, options_, low_, high_, copies);
   }
 
   double value_of(const PeriodicOrbit& orbit) const { return orbit.parameters[static_cast<Eigen::Index>(parameter_)]; }
@@ -152,11 +190,7 @@ class Graph {
   }
 
   bool is_known(const GrazingEdge& edge) const {
-    return std::any_of(edges_.begin(), edges_.end(), [&](const GrazingEdge& known) { return same_edge(known, edge); });
-  }
-
-  static GrazingEdge edge_at(const SpecialPoint& point, const PeriodicOrbit& orbit, int impacts) {
-    return {point.value, orbit.period, impacts, orbit.states};
+    return std::any_of(edges_.begin(), edges_.end(), [&](const KnownEdge& known) { return same_edge(known.edge, edge); });
   }
 
   Branch new_branch(const PeriodicOrbit& orbit, int period, int provisional_id) const {
@@ -189,7 +223,8 @@ class Graph {
     out.grazing = follower.follow(problem, start, branch);
     if (out.grazing)
       out.ends = edge_at(branch.special_points.back(), branch.special_points.back().orbit, branch.points.back().impacts);
-    if (branch.stop == BranchStop::returned && branch.period % 2 == 0 && options_.follow_parents) out.half = half_of(branch);
+    if (branch.stop == BranchStop::returned && branch.period % 2 == 0 && options_.follow_parents)
+      out.half = half_of(system_, branch, options_);
     out.branch = std::move(branch);
   }
 
@@ -229,40 +264,34 @@ class Graph {
   /// The orbits with the impact removed (or added) from the grazing on: they exist on one side of it only.
   Outcome follow_beyond_grazing(const Task& task, int provisional_id) const {
     Outcome out;
+    if (child_at(graph_.branches[task.parent])) return out;
     const std::optional<GrazingEnd> known_end =
-        ends_[task.parent] ? ends_[task.parent] : found_again(graph_.branches[task.parent]);
-    if (!known_end) return out;
+        ends_[task.parent] ? ends_[task.parent] : grazing_end_of(system_, graph_.branches[task.parent], options_, low_, high_);
+    if (!known_end) {
+      out.nothing = "the grazing was not found again";
+      return out;
+    }
     GrazingEnd end = *known_end;
     const SpecialPoint& point = graph_.branches[task.parent].special_points[task.special];
     PeriodicOrbit at_grazing = point.orbit;
-    int impacts = end.grazing.orbit.impacts + (end.lost ? 0 : 1);
-    if (end.lost) impacts = impacts * to_least_period(at_grazing, end.grazing) / point.orbit.period;
-    const GrazingEdge partner = edge_at(point, at_grazing, impacts);
+    const GrazingEdge partner = partner_edge(point, end.grazing, end.lost, &at_grazing);
     if (is_known(partner)) return out;
     OrbitProblem problem = problem_at(at_grazing);
     const std::optional<BranchStart> start = partner_start(problem, end.grazing, end.lost, options_.trace);
+    out.none = true;
+    if (!start) out.nothing = "no orbit was found beyond the grazing";
     if (!start || problem.value(start->u) < low_ || problem.value(start->u) > high_) return out;
     out.begins = partner;
     Branch branch = new_branch(at_grazing, at_grazing.period, provisional_id);
     branch.parent = BranchParent{graph_.branches[task.parent].id, point.label};
     follow_from(*start, problem, std::move(branch), out);
-    return out;
-  }
-
-  /// The orbit in the middle of the two halves of the last point, which have all but met.
-  std::optional<PeriodicOrbit> half_of(const Branch& branch) const {
-    const BranchPoint& last = branch.points.back();
-    const std::size_t half = last.states.size() / 2;
-    std::vector<Vector> guess;
-    for (std::size_t k = 0; k < half; ++k) guess.push_back(0.5 * (last.states[k] + last.states[k + half]));
-    Vector p = branch.parameters;
-    p[static_cast<Eigen::Index>(parameter_)] = last.value;
-    try {
-      PeriodicOrbit orbit = shoot(system_, p, guess, branch.period / 2, options_.shooting);
-      if (orbit.converged() && orbit.admissible == Admissibility::admissible) return orbit;
-    } catch (const std::invalid_argument&) {  // the middle lies inside a barrier
+    if (out.branch->stop == BranchStop::start_failed) {
+      out.nothing = out.branch->message;
+      out.branch.reset();
+    } else if (!out.branch->points.empty()) {
+      out.begins->impacts = out.branch->points.front().impacts;  // several, where several contacts touch at once
     }
-    return std::nullopt;
+    return out;
   }
 
   void accept(const Task& task, Outcome outcome) {
@@ -280,8 +309,9 @@ class Graph {
     for (SpecialPoint& point : branch.special_points) point.label = labels_.next(point.type);
     if (task.origin == Origin::doubled)
       confirm_criticality(branch, graph_.branches[task.parent].special_points[task.special], graph_.branches[task.parent]);
-    for (const auto& edge : {outcome.begins, outcome.ends})
-      if (edge) edges_.push_back(*edge);
+    const std::size_t index = graph_.branches.size();
+    if (outcome.begins) edges_.push_back({*outcome.begins, index, true});
+    if (outcome.ends) edges_.push_back({*outcome.ends, index, false});
     ends_.push_back(std::move(outcome.grazing));
     seeds_.push_back(task.seed);
     graph_.branches.push_back(std::move(branch));
@@ -304,40 +334,17 @@ class Graph {
         PeriodicOrbit shortened = point.orbit;
         shortened.period = branch.period;
         shortened.states.resize(static_cast<std::size_t>(branch.period));
-        edges_.push_back(edge_at(point, shortened, branch.points.front().impacts));
+        edges_.push_back({edge_at(point, shortened, branch.points.front().impacts), graph_.branches.size(), true});
       }
     }
     if (branch.stop == BranchStop::grazing)
-      edges_.push_back(edge_at(branch.special_points.back(), branch.special_points.back().orbit, branch.points.back().impacts));
+      edges_.push_back({edge_at(branch.special_points.back(), branch.special_points.back().orbit, branch.points.back().impacts),
+                        graph_.branches.size(), false});
     graph_.branches.push_back(branch);
     ends_.emplace_back();
     seeds_.push_back(0);
-    add_tasks(generation, branch.stop == BranchStop::returned && options_.follow_parents ? half_of(branch) : std::nullopt);
-  }
-
-  /// The grazing at the end of a branch that was restored, from the last of its points that Newton reproduces.
-  std::optional<GrazingEnd> found_again(const Branch& branch) const {
-    const SpecialPoint& point = branch.special_points.back();
-    for (std::size_t back = 1; back <= 8 && back <= branch.points.size(); ++back) {
-      const BranchPoint& last = branch.points[branch.points.size() - back];
-      Vector p = branch.parameters;
-      p[static_cast<Eigen::Index>(parameter_)] = last.value;
-      ShootingOptions shooting = options_.shooting;
-      shooting.reduce_period = false;
-      const PeriodicOrbit orbit = shoot(system_, p, last.states, branch.period, shooting);
-      if (!orbit.converged() || orbit.impacts != last.impacts) continue;
-      OrbitProblem problem = problem_at(orbit);
-      const Vector u = problem.pack(orbit.nodes, orbit.duration, last.value);
-      const double direction = point.value >= last.value ? 1.0 : -1.0;
-      Branch again = new_branch(orbit, branch.period, 0);
-      ContinuationOptions quiet = options_;
-      quiet.progress = nullptr;
-      quiet.trace.initial_step = 1e-4;
-      BranchFollower follower(system_, quiet, low_, high_);
-      std::optional<GrazingEnd> end = follower.follow(problem, {u, direction * problem.parameter_direction()}, again);
-      if (end && std::abs(again.special_points.back().value - point.value) < 1e-9 * (1.0 + std::abs(point.value))) return end;
-    }
-    return std::nullopt;
+    add_tasks(generation,
+              branch.stop == BranchStop::returned && options_.follow_parents ? half_of(system_, branch, options_) : std::nullopt);
   }
 
   /// What begins on the branch accepted last.
@@ -373,7 +380,7 @@ class Graph {
   std::vector<std::optional<GrazingEnd>> ends_;  ///< of each branch
   std::vector<int> generations_;
   std::vector<int> seeds_;  ///< of each branch: the seed it came from, or 0
-  std::vector<GrazingEdge> edges_;
+  std::vector<KnownEdge> edges_;
   int last_seed_ = 0, last_id_ = 0;
 };
 

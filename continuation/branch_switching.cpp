@@ -3,8 +3,11 @@
 
 #include <graze/continuation/multiplier_condition.hpp>
 #include <graze/continuation/signature_problem.hpp>
+#include <graze/continuation/test_functions/test_function.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <complex>
 #include <numbers>
 
 namespace graze {
@@ -13,6 +16,39 @@ namespace {
 
 /// From a grazing on steps begin small: folds and period doublings may follow within a speed of a thousandth.
 constexpr double first_step = 1e-5;
+
+/// A grazing in the coordinates of the events of the orbits that begin there, `added` of which have speed zero.
+struct SignatureStart {
+  SignatureProblem problem;
+  BranchStart start;
+  std::vector<std::size_t> added;
+};
+
+SignatureStart start_with(OrbitProblem& problem, const PeriodicOrbit& orbit, const EventNodes& nodes, double value,
+                          std::vector<std::size_t> added) {
+  SignatureStart out{{problem.system(), orbit.parameters, problem.period(), nodes.sequence, problem.parameter(), problem.scale(),
+                      problem.equations().options()},
+                     {},
+                     std::move(added)};
+  BranchStart& start = out.start;
+  start.u = out.problem.pack(nodes, value);
+  start.orientation = Vector::Zero(start.u.size());
+  for (const std::size_t place : out.added) start.orientation += out.problem.speed_gradient(start.u, static_cast<int>(place));
+  start.sequence = nodes.sequence;
+  start.step = first_step;
+  start.on_grazing = true;
+  return out;
+}
+
+/// Why the orbits right beyond the grazing are no motions; empty if they are.
+std::optional<SignatureEquations::Violation> violated_at_once(SignatureStart& from, const TraceOptions& options) {
+  const ZeroProblem zero = from.problem.zero_problem();
+  const Vector tangent = tangent_at(zero, from.start.u, from.start.orientation);
+  // An arc that the step brings beyond a barrier must be deeper than what an impact is located to (1e-11).
+  Vector u = tangent.size() > 0 ? Vector(from.start.u + 1e-6 * tangent) : from.start.u;
+  if (tangent.size() == 0 || !correct(zero, tangent, u, options).converged()) return SignatureEquations::Violation{};
+  return from.problem.violation(u);
+}
 
 }  // namespace
 
@@ -49,21 +85,31 @@ std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGra
   const ZeroProblem zero = problem.zero_problem();
   const double side = grazing.top_dp > 0.0 ? -1.0 : 1.0;  // on which the free maximum stays short of the barrier
   EventNodes nodes = event_nodes(grazing.orbit).value_or(EventNodes{});
+  const Event& contact = problem.system().events[grazing.event];
+  if (!lost && contact.to != contact.from) return std::nullopt;  // it leads to another mode, and the orbit away
   const bool sticks = nodes.sequence.size() != grazing.orbit.events.size();
   if (!sticks && !problem.equations().autonomous() && (!lost || !nodes.sequence.empty())) {
     // The grazing itself is the orbit without that impact, and the one with it at speed zero; the speed grows from there.
     nodes.shorten(grazing.orbit.duration * problem.period() / grazing.orbit.period);
-    const std::size_t place = lost ? 0 : nodes.insert(grazing.event, grazing.t, grazing.touch);
-    SignatureProblem signature(problem.system(), grazing.orbit.parameters, problem.period(), nodes.sequence, problem.parameter(),
-                               problem.scale(), problem.equations().options());
-    BranchStart start;
-    start.u = signature.pack(nodes, problem.value(grazing.u));
-    start.orientation =
-        lost ? Vector(side * signature.parameter_direction()) : signature.speed_gradient(start.u, static_cast<int>(place));
-    start.sequence = nodes.sequence;
-    start.step = first_step;
-    start.on_grazing = true;
-    return start;
+    std::vector<std::size_t> added;
+    if (!lost) added.push_back(nodes.insert(grazing.event, grazing.t, grazing.touch));
+    const double value = problem.value(grazing.u);
+    SignatureStart single = start_with(problem, grazing.orbit, nodes, value, added);
+    if (lost) single.start.orientation = side * single.problem.parameter_direction();
+    constexpr int most_together = 8;
+    auto violation = lost ? std::nullopt : violated_at_once(single, options);
+    while (violation && !violation->lost && violation->met && static_cast<int>(added.size()) < most_together) {
+      const EventRecord& met = *violation->met;
+      double t = std::fmod(met.t, problem.equations().duration(grazing.u.head(grazing.u.size() - 1)));
+      const std::size_t place = nodes.insert(met.event, t, met.x_minus);
+      for (std::size_t& other : added) other += other >= place ? 1 : 0;
+      added.push_back(place);
+      SignatureStart several = start_with(problem, grazing.orbit, nodes, value, added);
+      if (!correct(several.problem.zero_problem(), several.start.orientation, several.start.u, options).converged()) break;
+      violation = violated_at_once(several, options);
+      if (!violation) return several.start;
+    }
+    return single.start;
   }
   if (lost) {
     for (double distance = 1e-7; distance < 1e-3; distance *= 10.0) {
@@ -101,6 +147,48 @@ void confirm_criticality(const Branch& child, SpecialPoint& pd, const Branch& pa
   const bool agrees = std::get<std::string>(predicted->second) == seen;
   const char* from = agrees ? "normal form, confirmed by the branch" : "normal form; the branch starts on the other side";
   pd.details.insert_or_assign("criticality_from", std::string(from));
+}
+
+void confirm_scenario(SpecialPoint& grazing, const Branch& ended, const Branch& beyond, bool begins) {
+  const auto beyond_one = [](const BranchPoint& point) {
+    const std::vector<std::complex<double>> all = nontrivial(point.multipliers);
+    return std::count_if(all.begin(), all.end(), [](std::complex<double> mu) { return mu.imag() == 0.0 && mu.real() > 1.0; });
+  };
+  // The nearest orbit whose side can be told.
+  const auto nearest = [&](auto first, auto last) -> const BranchPoint* {
+    const auto told = [&](const BranchPoint& point) { return std::abs(point.value - grazing.value) > 4.0 * grazing.precision; };
+    const auto found = std::find_if(first, last, told);
+    return found == last ? nullptr : &*found;
+  };
+  const BranchPoint* before = nearest(ended.points.rbegin(), ended.points.rend());
+  const BranchPoint* after =
+      begins ? nearest(beyond.points.begin(), beyond.points.end()) : nearest(beyond.points.rbegin(), beyond.points.rend());
+  if (!before || !after) {
+    grazing.details.insert_or_assign("scenario_from", std::string("linear response"));
+    return;
+  }
+  const auto name = [](bool persistence) {
+    return std::string(grazing_scenario_name(persistence ? GrazingScenario::persistence : GrazingScenario::nonsmooth_fold));
+  };
+  const std::string sides = name((before->value < grazing.value) != (after->value < grazing.value));
+  const std::string parity = name((beyond_one(*before) + beyond_one(*after)) % 2 == 0);
+  const std::string response = std::get<std::string>(grazing.details.at("scenario"));
+  auto& impacts = std::get<std::vector<double>>(grazing.details.at("impacts"));
+  const bool several = std::get<std::string>(grazing.details.at("kind")) == "gained" && after->impacts != impacts.back();
+  std::string from = "directions, multipliers and linear response";
+  if (several) {  // the linear response is that to one impact alone
+    impacts.back() = after->impacts;
+    grazing.details.insert_or_assign("scenario", sides);
+    from = "directions; several contacts touch together";
+  } else if (response != name(true) && response != name(false)) {
+    grazing.details.insert_or_assign("scenario", sides);
+    from = sides == parity ? "directions and multipliers" : "directions";
+  } else if (response != sides) {
+    from = "linear response; the orbits kept lie as at a " + sides;
+  } else if (parity != sides) {
+    from = "directions and linear response; the multipliers kept are those of a " + parity;
+  }
+  grazing.details.insert_or_assign("scenario_from", std::move(from));
 }
 
 }  // namespace graze

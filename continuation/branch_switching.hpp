@@ -24,11 +24,19 @@ std::optional<BranchStart> doubled_start(const SpecialPoint& pd, OrbitProblem& p
                                          const TraceOptions& options);
 
 /// At the grazing of a hard contact: the orbits without the impact that was lost, or with the one that was gained, on the side of
-/// the grazing on which they exist.
+/// the grazing on which they exist. Where these meet a barrier elsewhere at once, other contacts graze too (the orbit is
+/// symmetric between two barriers): then the orbits with all of these impacts, if they are admissible.
 std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGrazing& grazing, bool lost,
                                          const TraceOptions& options);
 
 /// Compares the side on which a doubled branch starts with the normal form's prediction, and says so in the details of `pd`.
 void confirm_criticality(const Branch& child, SpecialPoint& pd, const Branch& parent);
+
+/// Decides between persistence and nonsmooth fold by the orbits themselves, those of the branch that `ended` on the grazing and
+/// those of the one `beyond` (which begins there, or ends there too): they are admissible on different sides of it, or on the
+/// same. Checked against the parity of multipliers beyond +1 (even, both families together: persistence; Feigin's rule) and
+/// against the linear response, which stands where the others contradict it: a fold may lie between the grazing and the first
+/// orbit kept. Written to the details of `grazing`.
+void confirm_scenario(SpecialPoint& grazing, const Branch& ended, const Branch& beyond, bool begins);
 
 }  // namespace graze

@@ -91,6 +91,8 @@ std::string_view grazing_scenario_name(GrazingScenario scenario) {
     return "persistence";
   case GrazingScenario::nonsmooth_fold:
     return "nonsmooth-fold";
+  case GrazingScenario::none:
+    return "none";
   }
   return "unknown";
 }

@@ -33,8 +33,14 @@ std::optional<GrazingGuess> nearest_miss(OrbitProblem& problem, const Vector& u)
 /// first order in its speed v an orbit with the weak impact exists where the free maximum of the guard, continued as if nothing
 /// were there, would be h_top = response v: beyond the barrier (response > 0: persistence, the impacting orbit takes over) or
 /// short of it (response < 0: nonsmooth fold, the two annihilate). For one impact per n periods of a linear oscillator its sign
-/// is that of sin(sqrt(1 - b^2) n T).
-enum class GrazingScenario { unknown, smooth, persistence, nonsmooth_fold };
+/// is that of sin(sqrt(1 - b^2) n T). Where the response is neither 0 nor infinite there is always such an orbit, and it is
+/// admissible near the grazing: after the weak impact it leaves the barrier (curvature < 0), and all other impacts and maxima are
+/// as good as those of the grazing orbit. Where several contacts touch at once (an orbit symmetric between two barriers) the
+/// speeds v >= 0 solve a linear complementarity problem, R v >= h_top with equality where v > 0. The numbers of its solutions on
+/// both sides of the grazing are both even or both odd, and the orbit without any impact is one of them: then too another family
+/// begins, with one of the impacts or with several. `none`, no admissible orbit beyond the grazing, is left for contacts after
+/// which the motion does not return, and for degenerate ones (R singular, curvature 0).
+enum class GrazingScenario { unknown, smooth, persistence, nonsmooth_fold, none };
 std::string_view grazing_scenario_name(GrazingScenario scenario);
 
 struct LocatedGrazing {

@@ -36,4 +36,17 @@ int to_least_period(PeriodicOrbit& orbit, LocatedGrazing& grazing) {
   return orbit.period;
 }
 
+GrazingEdge edge_at(const SpecialPoint& point, const PeriodicOrbit& orbit, int impacts) {
+  return {point.value, orbit.period, impacts, orbit.states};
+}
+
+GrazingEdge partner_edge(const SpecialPoint& point, LocatedGrazing& grazing, bool lost, PeriodicOrbit* orbit) {
+  PeriodicOrbit at_grazing = point.orbit;
+  int impacts = grazing.orbit.impacts + (lost ? 0 : 1);
+  if (lost) impacts = impacts * to_least_period(at_grazing, grazing) / point.orbit.period;
+  const GrazingEdge edge = edge_at(point, at_grazing, impacts);
+  if (orbit) *orbit = std::move(at_grazing);
+  return edge;
+}
+
 }  // namespace graze

@@ -170,6 +170,7 @@ BranchPoint SignatureProblem::branch_point(const Vector& u, double arclength) {
   if (equations_.evaluate(u, residual, nullptr))
     point.checks.residual = residual.lpNorm<Eigen::Infinity>() / (1.0 + u.lpNorm<Eigen::Infinity>());
   point.multipliers = multipliers(equations_.monodromy(u, &point.checks.liouville), point.duration);
+  point.weakest_speed = least_speed(u);
   point.stable = point.multipliers.stable();
   point.admissible = equations_.violation(u) ? Admissibility::inadmissible : Admissibility::admissible;
   return point;

@@ -113,7 +113,9 @@ std::optional<SignatureEquations::Violation> SignatureEquations::violation(const
     // arc beyond it is no deeper than 1e-11.
     const double end = end_time(u, k), length = end - time(u, k), watched = end - std::min(1e-5, 0.01 * length);
     HybridState moving = after(u, k);
-    if (propagator_.step(moving, watched) != StepEnd::time) return Violation{k, false};
+    const StepEnd met = propagator_.step(moving, watched);
+    if (met == StepEnd::event) return Violation{k, false, propagator_.record()};
+    if (met == StepEnd::failed) return Violation{k, false, {}};
   }
   return std::nullopt;
 }

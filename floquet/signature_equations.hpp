@@ -49,7 +49,8 @@ class SignatureEquations {
   /// The event at which, or after which, u is no motion: its speed is not positive, or a guard is met on the flight after it.
   struct Violation {
     int event = 0;
-    bool lost = false;  ///< by its speed; otherwise on the flight that follows
+    bool lost = false;                    ///< by its speed; otherwise on the flight that follows
+    std::optional<EventRecord> met = {};  ///< on that flight; empty where it could not be carried out
   };
   std::optional<Violation> violation(const Vector& u);
 

@@ -108,10 +108,52 @@ inline OneImpactFamily one_impact_family(const OneImpactParameters& q, int n) {
   return {q.r, w[0], (q.k_r + w[1]) / q.eta, gain, std::sqrt(1.0 - q.b * q.b) * nT};
 }
 
+/// The orbit that strikes with speed v at parameters for which there is one (see OneImpactFamily).
+inline OneImpactOrbit one_impact_orbit(const OneImpactParameters& q, int n, double v) {
+  const double T = q.period();
+  const Eigen::Matrix2d Phi = detail::flight_transition(q.b, n * T);
+  const OneImpactFamily family = one_impact_family(q, n);
+  const double alpha = family.alpha, slope = family.slope;
+  OneImpactOrbit orbit;
+  orbit.parameters = q;
+  orbit.n = n;
+  orbit.speed = v;
+  // P = A cos + B sin and P'/eta = B cos - A sin: the phase is that of (A, B) less that of (P, -P'/eta).
+  const Eigen::Vector2d at_zero = detail::impactless(q, 0.0);
+  const double phase = std::atan2(at_zero[1] / q.eta, at_zero[0]) - std::atan2(-slope * v, q.r - alpha * v);
+  orbit.time = std::fmod(phase / q.eta, T);
+  if (orbit.time < 0.0) orbit.time += T;
+  const double force = q.xi * std::cos(q.eta * orbit.time) - q.r;
+  const double before = force - 2.0 * q.b * v, after = force + 2.0 * q.b * q.k_r * v;
+  const double half_trace = 0.5 * (-q.k_r * Phi.trace() + (after + q.k_r * before) / v * Phi(0, 1));
+  const double det = q.k_r * q.k_r * std::exp(-2.0 * q.b * n * T), inner = half_trace * half_trace - det;
+  if (inner < 0.0) {
+    orbit.multipliers = {std::complex<double>(half_trace, std::sqrt(-inner)), {half_trace, -std::sqrt(-inner)}};
+  } else {
+    const double large = half_trace + std::copysign(std::sqrt(inner), half_trace);
+    orbit.multipliers = {large, large == 0.0 ? 0.0 : det / large};
+  }
+  orbit.leaves = q.k_r * v > 0.0 || after < 0.0;
+  // A flight that passes the barrier has a maximum beyond it: samples at a 2000th of a period, then Newton on the speed.
+  const int samples = 2000 * n;
+  orbit.highest = -std::numeric_limits<double>::infinity();
+  for (int i = 1; i < samples; ++i) {
+    double s = n * T * i / samples;
+    const double h = n * T / samples;
+    const Vector here = orbit.flight(s), next = orbit.flight(s + h);
+    if (!(here[1] > 0.0 && next[1] <= 0.0)) continue;
+    for (int k = 0; k < 8; ++k) {
+      const Vector x = orbit.flight(s);
+      s -= x[1] / (q.xi * std::cos(q.eta * (orbit.time + s)) - 2.0 * q.b * x[1] - x[0]);
+    }
+    orbit.highest = std::max(orbit.highest, orbit.flight(s)[0] - q.r);
+  }
+  return orbit;
+}
+
 /// The orbits with one impact in n forcing periods, none to two of them, the faster first. Inadmissible ones are among them.
 inline std::vector<OneImpactOrbit> one_impact_orbits(const OneImpactParameters& q, int n) {
-  const double T = q.period(), amplitude = impactless_amplitude(q);
-  const Eigen::Matrix2d Phi = detail::flight_transition(q.b, n * T);
+  const double amplitude = impactless_amplitude(q);
   const OneImpactFamily family = one_impact_family(q, n);
   const double alpha = family.alpha, slope = family.slope;
   // (alpha^2 + slope^2) v^2 - 2 r alpha v + r^2 - amplitude^2 = 0.
@@ -124,41 +166,7 @@ inline std::vector<OneImpactOrbit> one_impact_orbits(const OneImpactParameters& 
   if (speeds[0] < speeds[1]) std::swap(speeds[0], speeds[1]);
   for (const double v : speeds) {
     if (!(v > 0.0)) continue;
-    OneImpactOrbit orbit;
-    orbit.parameters = q;
-    orbit.n = n;
-    orbit.speed = v;
-    // P = A cos + B sin and P'/eta = B cos - A sin: the phase is that of (A, B) less that of (P, -P'/eta).
-    const Eigen::Vector2d at_zero = detail::impactless(q, 0.0);
-    const double phase = std::atan2(at_zero[1] / q.eta, at_zero[0]) - std::atan2(-slope * v, q.r - alpha * v);
-    orbit.time = std::fmod(phase / q.eta, T);
-    if (orbit.time < 0.0) orbit.time += T;
-    const double force = q.xi * std::cos(q.eta * orbit.time) - q.r;
-    const double before = force - 2.0 * q.b * v, after = force + 2.0 * q.b * q.k_r * v;
-    const double half_trace = 0.5 * (-q.k_r * Phi.trace() + (after + q.k_r * before) / v * Phi(0, 1));
-    const double det = q.k_r * q.k_r * std::exp(-2.0 * q.b * n * T), inner = half_trace * half_trace - det;
-    if (inner < 0.0) {
-      orbit.multipliers = {std::complex<double>(half_trace, std::sqrt(-inner)), {half_trace, -std::sqrt(-inner)}};
-    } else {
-      const double large = half_trace + std::copysign(std::sqrt(inner), half_trace);
-      orbit.multipliers = {large, large == 0.0 ? 0.0 : det / large};
-    }
-    orbit.leaves = q.k_r * v > 0.0 || after < 0.0;
-    // A flight that passes the barrier has a maximum beyond it: samples at a 2000th of a period, then Newton on the speed.
-    const int samples = 2000 * n;
-    orbit.highest = -std::numeric_limits<double>::infinity();
-    for (int i = 1; i < samples; ++i) {
-      double s = n * T * i / samples;
-      const double h = n * T / samples;
-      const Vector here = orbit.flight(s), next = orbit.flight(s + h);
-      if (!(here[1] > 0.0 && next[1] <= 0.0)) continue;
-      for (int k = 0; k < 8; ++k) {
-        const Vector x = orbit.flight(s);
-        s -= x[1] / (q.xi * std::cos(q.eta * (orbit.time + s)) - 2.0 * q.b * x[1] - x[0]);
-      }
-      orbit.highest = std::max(orbit.highest, orbit.flight(s)[0] - q.r);
-    }
-    list.push_back(orbit);
+    list.push_back(one_impact_orbit(q, n, v));
   }
   return list;
 }

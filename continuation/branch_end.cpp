@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/continuation/branch_end.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace graze {
+
+namespace {
+
+Vector parameters_at(const HybridSystem& system, const Branch& branch, double value) {
+  Vector p = branch.parameters;
+  p[static_cast<Eigen::Index>(parameter_index(system.parameters, branch.parameter))] = value;
+  return p;
+}
+
+}  // namespace
+
+OrbitProblem orbit_problem(const HybridSystem& system, const PeriodicOrbit& orbit, const ContinuationOptions& options, double low,
+                           double high, int copies) {
+  const double scale = std::max(high - low, 1e-6 * (1.0 + std::abs(high)));
+  return {system,
+          orbit.parameters,
+          copies * orbit.period,
+          copies * static_cast<int>(orbit.nodes.size()),
+          parameter_index(system.parameters, options.parameter),
+          scale,
+          options.shooting.flow,
+          orbit.section_phase};
+}
+
+std::optional<PeriodicOrbit> half_of(const HybridSystem& system, const Branch& branch, const ContinuationOptions& options) {
+  const BranchPoint& last = branch.points.back();
+  const std::size_t half = last.states.size() / 2;
+  std::vector<Vector> guess;
+  for (std::size_t k = 0; k < half; ++k) guess.push_back(0.5 * (last.states[k] + last.states[k + half]));
+  try {
+    PeriodicOrbit orbit = shoot(system, parameters_at(system, branch, last.value), guess, branch.period / 2, options.shooting);
+    if (orbit.converged() && orbit.admissible == Admissibility::admissible) return orbit;
+  } catch (const std::invalid_argument&) {  // the middle lies inside a barrier
+  }
+  return std::nullopt;
+}
+
+std::optional<GrazingEnd> grazing_end_of(const HybridSystem& system, const Branch& branch, const ContinuationOptions& options,
+                                         double low, double high) {
+  const SpecialPoint& point = branch.special_points.back();
+  for (std::size_t back = 1; back <= 8 && back <= branch.points.size(); ++back) {
+    const BranchPoint& last = branch.points[branch.points.size() - back];
+    ShootingOptions shooting = options.shooting;
+    shooting.reduce_period = false;
+    const PeriodicOrbit orbit = shoot(system, parameters_at(system, branch, last.value), last.states, branch.period, shooting);
+    if (!orbit.converged() || orbit.impacts != last.impacts) continue;
+    OrbitProblem problem = orbit_problem(system, orbit, options, low, high);
+    const Vector u = problem.pack(orbit.nodes, orbit.duration, last.value);
+    const double direction = point.value >= last.value ? 1.0 : -1.0;
+    Branch again;
+    again.period = branch.period;
+    again.parameter = branch.parameter;
+    again.parameters = orbit.parameters;
+    ContinuationOptions quiet = options;
+    quiet.progress = nullptr;
+    quiet.trace.initial_step = 1e-4;
+    BranchFollower follower(system, quiet, low, high);
+    std::optional<GrazingEnd> end = follower.follow(problem, {u, direction * problem.parameter_direction()}, again);
+    if (end && std::abs(again.special_points.back().value - point.value) < 1e-9 * (1.0 + std::abs(point.value))) return end;
+  }
+  return std::nullopt;
+}
+
+}  // namespace graze
