@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 
 namespace graze::apps {
 
@@ -21,6 +22,12 @@ std::string exponent_text(double value, int digits) { return std::isfinite(value
 Json numbers_json(const std::vector<double>& values) {
   Json list = Json::array();
   for (const double value : values) list.push_back(number_json(value));
+  return list;
+}
+
+std::vector<double> numbers_of(const Json& json) {
+  std::vector<double> list;
+  for (const Json& item : json) list.push_back(item.is_null() ? -std::numeric_limits<double>::infinity() : item.get<double>());
   return list;
 }
 
@@ -43,6 +50,30 @@ Json attractor_json(const Attractor& attractor) {
               {"state", to_json(attractor.state)}};
   if (attractor.orbit) out["multipliers"] = multipliers_json(attractor.orbit->multipliers);
   return out;
+}
+
+Attractor attractor_of(const Json& json) {
+  Attractor out;
+  for (const AttractorType type : {AttractorType::periodic, AttractorType::chaotic})
+    if (json.at("type") == attractor_type_name(type)) out.type = type;
+  if (json.at("period").is_number()) out.period = json["period"];
+  if (json.at("impacts").is_number()) out.impacts = json["impacts"];
+  out.state = vector_from(json.at("state"));
+  out.termination = Termination::time;
+  if (!json.contains("multipliers")) return out;
+  out.orbit.emplace();
+  out.orbit->period = out.period;
+  out.orbit->impacts = out.impacts;
+  out.orbit->state = out.state;
+  out.orbit->multipliers.valid = true;
+  for (const Json& value : json["multipliers"])
+    out.orbit->multipliers.values.emplace_back(value.at(0).get<double>(), value.at(1).get<double>());
+  return out;
+}
+
+std::string attractor_name(const Attractor& attractor) {
+  return attractor.type == AttractorType::periodic ? z_label(attractor.impacts, attractor.period)
+                                                   : std::string(attractor_type_name(attractor.type));
 }
 
 std::string attractor_text(const Attractor& attractor) {

@@ -7,7 +7,6 @@
 #include <graze/apps/input_file.hpp>
 #include <graze/apps/interrupt.hpp>
 #include <graze/apps/number.hpp>
-#include <graze/apps/orbit_report.hpp>
 #include <graze/apps/progress.hpp>
 #include <graze/apps/result.hpp>
 
@@ -70,23 +69,11 @@ Json row_json(const SweepRow& row) {
   return json;
 }
 
-std::vector<double> numbers_of(const Json& json) {
-  std::vector<double> list;
-  for (const Json& item : json) list.push_back(item.is_null() ? -std::numeric_limits<double>::infinity() : item.get<double>());
-  return list;
-}
-
 SweepRow row_of(const Json& json) {
   SweepRow row;
   row.value = json.at("value");
   row.direction = json.at("direction") == "down" ? SweepDirection::down : SweepDirection::up;
-  const Json& attractor = json.at("attractor");
-  for (const AttractorType type : {AttractorType::periodic, AttractorType::chaotic})
-    if (attractor.at("type") == attractor_type_name(type)) row.attractor.type = type;
-  if (attractor.at("period").is_number()) row.attractor.period = attractor["period"];
-  if (attractor.at("impacts").is_number()) row.attractor.impacts = attractor["impacts"];
-  row.attractor.state = vector_from(attractor.at("state"));
-  row.attractor.termination = Termination::time;
+  row.attractor = attractor_of(json.at("attractor"));
   row.attractor.exponents = numbers_of(json.at("exponents"));
   row.attractor.standard_errors = numbers_of(json.at("standard_errors"));
   row.attractor.time_average.periods = json.at("periods");
@@ -98,17 +85,12 @@ SweepRow row_of(const Json& json) {
 
 /// The rows of an earlier run, if it was one of the same options.
 std::vector<SweepRow> earlier_rows(const Json& earlier, const std::string& folder, const Json& head) {
-  const auto refuse = [&](const char* why) {
-    throw std::invalid_argument(fmt::format("--resume: {}/sweep.json {}", folder, why));
-  };
-  for (const char* part : {"model", "parameters", "options"})
-    if (earlier.value(part, Json()) != head[part])
-      refuse("is of another model, other parameters or other options; give the same");
+  check_same_run(earlier, head, folder);
   std::vector<SweepRow> rows;
   try {
     for (const Json& row : earlier.at("rows")) rows.push_back(row_of(row));
   } catch (const nlohmann::json::exception&) {
-    refuse("is damaged; compute it anew");
+    refuse_to_resume(folder, "sweep", "is damaged; compute it anew");
   }
   return rows;
 }
@@ -116,21 +98,19 @@ std::vector<SweepRow> earlier_rows(const Json& earlier, const std::string& folde
 /// One line per stretch of rows with the same attractor.
 Table overview(const std::vector<SweepRow>& rows, const std::string& parameter) {
   Table table{{"direction", parameter + " from", "to", "attractor", "values", "largest exponent from", "to"}, {}};
-  const auto name = [](const SweepRow& row) {
-    return row.attractor.type == AttractorType::periodic ? z_label(row.attractor.impacts, row.attractor.period)
-                                                         : std::string(attractor_type_name(row.attractor.type));
-  };
   for (std::size_t i = 0; i < rows.size();) {
     std::size_t end = i;
     double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (; end < rows.size() && rows[end].direction == rows[i].direction && name(rows[end]) == name(rows[i]); ++end) {
+    for (; end < rows.size() && rows[end].direction == rows[i].direction &&
+           attractor_name(rows[end].attractor) == attractor_name(rows[i].attractor);
+         ++end) {
       if (rows[end].attractor.exponents.empty()) continue;
       low = std::min(low, rows[end].attractor.exponents[0]);
       high = std::max(high, rows[end].attractor.exponents[0]);
     }
     table.rows.push_back({std::string(sweep_direction_name(rows[i].direction)), rounded(rows[i].value, 7),
-                          rounded(rows[end - 1].value, 7), name(rows[i]), std::to_string(end - i), rounded(low, 4),
-                          rounded(high, 4)});
+                          rounded(rows[end - 1].value, 7), attractor_name(rows[i].attractor), std::to_string(end - i),
+                          rounded(low, 4), rounded(high, 4)});
     i = end;
   }
   return table;
