@@ -14,7 +14,7 @@ const std::vector<PictureKind>& picture_kinds() {
   static const std::vector<PictureKind> list = {
       branch_picture(),        multipliers_picture(),     skeleton_picture(),         orbit_phase_picture(), orbit_time_picture(),
       point_phase_picture(),   trajectory_time_picture(), trajectory_phase_picture(), section_picture(),     verify_picture(),
-      sweep_diagram_picture(), sweep_picture(),           exponents_picture(),
+      sweep_diagram_picture(), sweep_picture(),           exponents_picture(),        basins_picture(),
   };
   return list;
 }

@@ -57,5 +57,6 @@ PictureKind verify_picture();
 PictureKind sweep_diagram_picture();
 PictureKind sweep_picture();
 PictureKind exponents_picture();
+PictureKind basins_picture();
 
 }  // namespace graze::apps
