@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/attractor_report.hpp>
+#include <graze/apps/branch_reading.hpp>
 #include <graze/apps/number.hpp>
 #include <graze/apps/orbit_report.hpp>
 #include <graze/apps/table.hpp>
@@ -7,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 
 namespace graze::apps {
 
@@ -21,6 +23,12 @@ std::string exponent_text(double value, int digits) { return std::isfinite(value
 Json numbers_json(const std::vector<double>& values) {
   Json list = Json::array();
   for (const double value : values) list.push_back(number_json(value));
+  return list;
+}
+
+std::vector<double> numbers_of(const Json& json) {
+  std::vector<double> list;
+  for (const Json& item : json) list.push_back(item.is_null() ? -std::numeric_limits<double>::infinity() : item.get<double>());
   return list;
 }
 
@@ -43,6 +51,28 @@ Json attractor_json(const Attractor& attractor) {
               {"state", to_json(attractor.state)}};
   if (attractor.orbit) out["multipliers"] = multipliers_json(attractor.orbit->multipliers);
   return out;
+}
+
+Attractor attractor_of(const Json& json) {
+  Attractor out;
+  for (const AttractorType type : {AttractorType::periodic, AttractorType::chaotic})
+    if (json.at("type") == attractor_type_name(type)) out.type = type;
+  if (json.at("period").is_number()) out.period = json["period"];
+  if (json.at("impacts").is_number()) out.impacts = json["impacts"];
+  out.state = vector_from(json.at("state"));
+  out.termination = Termination::time;
+  if (!json.contains("multipliers")) return out;
+  out.orbit.emplace();
+  out.orbit->period = out.period;
+  out.orbit->impacts = out.impacts;
+  out.orbit->state = out.state;
+  out.orbit->multipliers = multipliers_from(json["multipliers"]);
+  return out;
+}
+
+std::string attractor_name(const Attractor& attractor) {
+  return attractor.type == AttractorType::periodic ? z_label(attractor.impacts, attractor.period)
+                                                   : std::string(attractor_type_name(attractor.type));
 }
 
 std::string attractor_text(const Attractor& attractor) {

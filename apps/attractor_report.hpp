@@ -13,11 +13,18 @@ namespace graze::apps {
 
 /// Numbers as JSON has them: null where they are not finite.
 Json numbers_json(const std::vector<double>& values);
+/// Exponents read back: null is -infinity.
+std::vector<double> numbers_of(const Json& json);
 
 Json spectrum_json(const LyapunovSpectrum& spectrum);
 
-/// "attractor" in graze.lyapunov/1 and graze.sweep/1.
+/// "attractor" in graze.lyapunov/1, graze.sweep/1 and graze.attractors/1.
 Json attractor_json(const Attractor& attractor);
+/// What of it stands there, read back.
+Attractor attractor_of(const Json& json);
+
+/// "z = 2/3", "chaotic", "undecided".
+std::string attractor_name(const Attractor& attractor);
 
 /// All that `graze lyapunov` prints of an attractor.
 std::string attractor_text(const Attractor& attractor);

@@ -48,11 +48,15 @@ std::string attractor(const Problem& problem, const Settled& settled) {
 
 }  // namespace
 
-void add_start_options(CLI::App& app, StartOptions& options) {
+void add_problem_options(CLI::App& app, StartOptions& options) {
   begin_group(app, "Problem");
   add_text(app, "PROBLEM", options.file, "FILE", "problem file (TOML), such as data/problems/hertz-damped.toml", Need::required);
   add_texts(app, "--set", options.settings, "NAME=VALUE",
             "override a parameter; repeatable, the last one holds; numbers, fractions (36/35) and pi");
+}
+
+void add_start_options(CLI::App& app, StartOptions& options) {
+  add_problem_options(app, options);
   add_state(app, "--start", options.start, "initial state at forcing phase 0 (default: the file's, else at rest)");
   add_count(app, "--settle", options.settle, 0, "forcing periods of transient (default: the file's, else 1000)");
 }

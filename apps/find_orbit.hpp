@@ -36,6 +36,9 @@ struct OrbitOptions {
   int seed = 1;
 };
 
+/// PROBLEM and --set.
+void add_problem_options(CLI::App& app, StartOptions& options);
+/// And --start, --settle.
 void add_start_options(CLI::App& app, StartOptions& options);
 void add_orbit_options(CLI::App& app, OrbitOptions& options);
 

@@ -50,4 +50,14 @@ Json read_to_resume(const std::string& folder, const std::string& command) {
   }
 }
 
+void check_same_run(const Json& earlier, const Json& head, const std::string& folder) {
+  for (const char* part : {"model", "parameters", "options"})
+    if (earlier.value(part, Json()) != head[part])
+      refuse_to_resume(folder, head["command"], "is of another model, other parameters or other options; give the same");
+}
+
+void refuse_to_resume(const std::string& folder, const std::string& command, const std::string& why) {
+  throw std::invalid_argument(fmt::format("--resume: {}/{}.json {}", folder, command, why));
+}
+
 }  // namespace graze::apps

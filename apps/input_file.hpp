@@ -18,4 +18,11 @@ Json parse_json(const std::string& text);
 /// is not there, not valid, or not of that command.
 Json read_to_resume(const std::string& folder, const std::string& command);
 
+/// @throws std::invalid_argument if the earlier result of --resume is of another model, other parameters or other options than
+/// the one that begins with `head`.
+void check_same_run(const Json& earlier, const Json& head, const std::string& folder);
+
+/// Throws the std::invalid_argument that says why the result in a folder cannot be gone on with.
+[[noreturn]] void refuse_to_resume(const std::string& folder, const std::string& command, const std::string& why);
+
 }  // namespace graze::apps

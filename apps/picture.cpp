@@ -10,6 +10,7 @@
 #include <cctype>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <stdexcept>
 
 namespace graze::apps {
@@ -153,6 +154,31 @@ std::string wrapped(const std::string& text) {
   return out + rest;
 }
 
+/// Rows "x y red green blue alpha" for gnuplot's style rgbalpha: each cell as so many elements that its edges stay sharp however
+/// the image is enlarged.
+std::string cell_data(const Cells& cells) {
+  constexpr std::size_t wide = 800, high = 500;
+  const std::size_t nx = cells.x.size(), ny = cells.y.size();
+  const std::size_t kx = std::max<std::size_t>(1, wide / nx), ky = std::max<std::size_t>(1, high / ny);
+  const auto place = [](const std::vector<double>& values, std::size_t k, std::size_t i) {
+    const double step = (values.back() - values.front()) / static_cast<double>(values.size() - 1);
+    return values.front() + step * ((static_cast<double>(i) + 0.5) / static_cast<double>(k) - 0.5);
+  };
+  std::vector<std::string> colours;
+  for (const std::string& name : cells.colours) {
+    const unsigned long rgb = std::stoul(name.substr(1), nullptr, 16);
+    colours.push_back(fmt::format("{} {} {} 255", rgb >> 16, rgb >> 8 & 255, rgb & 255));
+  }
+  std::string out;
+  for (std::size_t j = 0; j < ny * ky; ++j)
+    for (std::size_t i = 0; i < nx * kx; ++i) {
+      const int colour = cells.colour[j / ky * nx + i / kx];
+      fmt::format_to(std::back_inserter(out), "{} {} {}\n", place(cells.x, kx, i), place(cells.y, ky, j),
+                     colour < 0 ? "255 255 255 0" : colours[static_cast<std::size_t>(colour)]);
+    }
+  return out;
+}
+
 /// Marks, their words where there is room for them, and lines that lead from far words to their marks.
 std::string labels(const Picture& picture) {
   std::string s;
@@ -233,6 +259,10 @@ Drawn axes(const Picture& picture, const std::string& prefix, int columns, int r
     out.plot = fmt::format("${}circle using 1:2 with lines lc rgb '#888888' lw 1.2 title 'unit circle'", prefix);
   }
   const auto add = [&plot = out.plot](const std::string& text) { plot += (plot.empty() ? "" : ", \\\n     ") + text; };
+  if (picture.cells) {
+    out.data += "$" + prefix + "cells << END\n" + cell_data(*picture.cells) + "END\n";
+    add(fmt::format("${}cells using 1:2:3:4:5:6 with rgbalpha notitle", prefix));
+  }
   const std::array<double, 2> x = extent(picture, 0, x_range), y = extent(picture, 1, y_range);
   if (image) {
     Raster raster(x, y, columns, rows);

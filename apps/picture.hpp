@@ -39,6 +39,13 @@ struct Barrier {
   bool shaded = false;
 };
 
+/// A field of coloured cells below everything else, at least two each way, round equally spaced values of x and y.
+struct Cells {
+  std::vector<double> x, y;
+  std::vector<std::string> colours;  ///< "#rrggbb"
+  std::vector<int> colour = {};      ///< index of each cell's colour, row by row, x fastest; -1: none
+};
+
 struct Picture {
   std::string title, subtitle;
   std::string x_label, y_label, colour_label;
@@ -47,6 +54,7 @@ struct Picture {
   bool equal_axes = false;  ///< one unit is as long in x as in y
   bool unit_circle = false;
   bool grid = true;
+  std::optional<Cells> cells = {};
   std::vector<Curve> curves;
   std::vector<Label> labels;
   std::vector<Barrier> barriers;

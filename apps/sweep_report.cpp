@@ -26,30 +26,11 @@ Json row_json(const SweepRow& row) {
   return json;
 }
 
-std::vector<double> numbers_of(const Json& json) {
-  std::vector<double> list;
-  for (const Json& item : json) list.push_back(item.is_null() ? -std::numeric_limits<double>::infinity() : item.get<double>());
-  return list;
-}
-
 SweepRow row_of(const Json& json) {
   SweepRow row;
   row.value = json.at("value");
   row.direction = json.at("direction") == "down" ? SweepDirection::down : SweepDirection::up;
-  const Json& attractor = json.at("attractor");
-  for (const AttractorType type : {AttractorType::periodic, AttractorType::chaotic})
-    if (attractor.at("type") == attractor_type_name(type)) row.attractor.type = type;
-  if (attractor.at("period").is_number()) row.attractor.period = attractor["period"];
-  if (attractor.at("impacts").is_number()) row.attractor.impacts = attractor["impacts"];
-  row.attractor.state = vector_from(attractor.at("state"));
-  if (attractor.contains("multipliers")) {
-    PeriodicOrbit& orbit = row.attractor.orbit.emplace();
-    orbit.state = row.attractor.state;
-    orbit.period = row.attractor.period;
-    orbit.impacts = row.attractor.impacts;
-    orbit.multipliers = multipliers_from(attractor["multipliers"]);
-  }
-  row.attractor.termination = Termination::time;
+  row.attractor = attractor_of(json.at("attractor"));
   row.attractor.exponents = numbers_of(json.at("exponents"));
   row.attractor.standard_errors = numbers_of(json.at("standard_errors"));
   row.attractor.time_average.periods = json.at("periods");
@@ -57,11 +38,6 @@ SweepRow row_of(const Json& json) {
   for (const Json& state : json.at("states")) row.states.push_back(vector_from(state));
   row.impact_speeds = json.at("impact_speeds").get<std::vector<double>>();
   return row;
-}
-
-std::string attractor_name(const Attractor& attractor) {
-  return attractor.type == AttractorType::periodic ? z_label(attractor.impacts, attractor.period)
-                                                   : std::string(attractor_type_name(attractor.type));
 }
 
 }  // namespace

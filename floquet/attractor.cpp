@@ -71,10 +71,9 @@ std::optional<PeriodicOrbit> settling_orbit(const HybridSystem& system, const Ve
   return std::nullopt;
 }
 
-namespace {
-
-void take(Attractor& attractor, PeriodicOrbit orbit) {
+void settle_on(Attractor& attractor, PeriodicOrbit orbit) {
   attractor.type = AttractorType::periodic;
+  attractor.termination = Termination::time;
   attractor.period = orbit.period;
   attractor.impacts = orbit.impacts;
   attractor.state = orbit.state;
@@ -82,8 +81,6 @@ void take(Attractor& attractor, PeriodicOrbit orbit) {
   attractor.standard_errors.assign(attractor.exponents.size(), 0.0);
   attractor.orbit = std::move(orbit);
 }
-
-}  // namespace
 
 Attractor approach_attractor(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options) {
   Attractor out;
@@ -97,7 +94,7 @@ Attractor approach_attractor(const HybridSystem& system, const Vector& p, const 
   out.state = settled.state;
   if (settled.termination != Termination::time) return out;
   if (auto orbit = settling_orbit(system, p, settled.state, options.max_period, options.lyapunov.flow))
-    take(out, std::move(*orbit));
+    settle_on(out, std::move(*orbit));
   return out;
 }
 
@@ -114,7 +111,7 @@ void average_on_attractor(const HybridSystem& system, const Vector& p, Attractor
   attractor.time_average = lyapunov_spectrum(system, p, attractor.state, averaging);
   attractor.state = attractor.time_average.state;
   if (auto orbit = settling_orbit(system, p, attractor.state, options.max_period, averaging.flow)) {
-    take(attractor, std::move(*orbit));
+    settle_on(attractor, std::move(*orbit));
     return;
   }
   attractor.exponents = attractor.time_average.exponents;

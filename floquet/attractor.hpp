@@ -47,6 +47,9 @@ Attractor approach_attractor(const HybridSystem& system, const Vector& p, const 
 void average_on_attractor(const HybridSystem& system, const Vector& p, Attractor& attractor,
                           const AttractorOptions& options = {});
 
+/// Makes it the periodic attractor that a stable orbit is.
+void settle_on(Attractor& attractor, PeriodicOrbit orbit);
+
 /// The stable orbit that a motion at `state` is settling on, if it is periodic with period up to max_period.
 std::optional<PeriodicOrbit> settling_orbit(const HybridSystem& system, const Vector& p, const Vector& state, int max_period,
                                             const FlowOptions& flow = {});

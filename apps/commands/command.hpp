@@ -34,6 +34,7 @@ Command locate_command();
 Command diagram_command();
 Command lyapunov_command();
 Command sweep_command();
+Command attractors_command();
 Command verify_command();
 Command reproduce_command();
 Command trajectory_command();

@@ -33,17 +33,12 @@ std::vector<SweepDirection> directions(const std::string& name) {
 
 /// The rows of an earlier run, if it was one of the same options.
 std::vector<SweepRow> earlier_rows(const Json& earlier, const std::string& folder, const Json& head) {
-  const auto refuse = [&](const char* why) {
-    throw std::invalid_argument(fmt::format("--resume: {}/sweep.json {}", folder, why));
-  };
-  for (const char* part : {"model", "parameters", "options"})
-    if (earlier.value(part, Json()) != head[part])
-      refuse("is of another model, other parameters or other options; give the same");
+  check_same_run(earlier, head, folder);
   std::vector<SweepRow> rows;
   try {
     rows = rows_from(earlier.at("rows"));
   } catch (const Json::exception&) {
-    refuse("is damaged; compute it anew");
+    refuse_to_resume(folder, "sweep", "is damaged; compute it anew");
   }
   return rows;
 }

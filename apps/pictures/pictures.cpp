@@ -26,6 +26,7 @@ const std::vector<PictureKind>& picture_kinds() {
       sweep_diagram_picture(),
       sweep_picture(),
       exponents_picture(),
+      basins_picture(),
       diagram_picture(),
       of_schema(skeleton_picture(), diagram_schema),
       of_schema(sweep_picture(), diagram_schema),

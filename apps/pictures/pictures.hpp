@@ -64,5 +64,6 @@ PictureKind sweep_diagram_picture();
 PictureKind sweep_picture();
 PictureKind exponents_picture();
 PictureKind diagram_picture();
+PictureKind basins_picture();
 
 }  // namespace graze::apps

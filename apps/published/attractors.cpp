@@ -42,11 +42,6 @@ bool is_described(const Attractor& attractor, const PublishedAttractor& describe
   return likeness(attractor, described) == 3 && (described.type != "chaotic" || attractor.type == AttractorType::chaotic);
 }
 
-std::string label(const Attractor& attractor) {
-  return attractor.type == AttractorType::periodic ? z_label(attractor.impacts, attractor.period)
-                                                   : std::string(attractor_type_name(attractor.type));
-}
-
 std::optional<double> end_of_impactless(const Problem& problem) {
   if (parameter(problem, "beta") != 0.0) return std::nullopt;
   // xi^2 = r^2 ((1 - eta^2)^2 + (2 b eta)^2), the smaller root in eta^2.

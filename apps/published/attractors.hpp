@@ -34,9 +34,6 @@ int likeness(const Attractor& attractor, const PublishedAttractor& described);
 /// Likeness 3.
 bool is_described(const Attractor& attractor, const PublishedAttractor& described);
 
-/// "z = 7/8", "chaotic", "undecided".
-std::string label(const Attractor& attractor);
-
 /// Above it no motion without impact exists: its amplitude exceeds the clearance. Empty where the model has no closed form, or no
 /// such value.
 std::optional<double> end_of_impactless(const Problem& problem);

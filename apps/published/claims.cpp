@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/attractor_report.hpp>
 #include <graze/apps/number.hpp>
 #include <graze/apps/published/attractors.hpp>
 #include <graze/apps/published/claims.hpp>
@@ -72,7 +73,7 @@ Claim claim_of_equal_exponents(const Published& published, const std::string& so
     claim.details["rows"].push_back({{"eta", a[k].value},
                                      {"direction", sweep_direction_name(a[k].direction)},
                                      {"exponents", {x.exponents[0], y.exponents[0]}},
-                                     {"attractors", {label(x), label(y)}}});
+                                     {"attractors", {attractor_name(x), attractor_name(y)}}});
   }
   claim.verdict = compared > 0 && equal == compared ? Verdict::agrees : Verdict::differs;
   claim.computed = fmt::format(

@@ -72,7 +72,8 @@ class Comparing {
     if (meant.attractor.exponents.empty()) average_on_attractor(problem_.system, problem_.parameters, meant.attractor, finding_);
     row.computed = numbers_json(meant.attractor.exponents);
     row.uncertainty = numbers_json(meant.attractor.standard_errors);
-    row.computed_text = fmt::format("{} {}", pair_text(meant.attractor.exponents, item_.digits + 2), label(meant.attractor));
+    row.computed_text =
+        fmt::format("{} {}", pair_text(meant.attractor.exponents, item_.digits + 2), attractor_name(meant.attractor));
     row.verdict = agree(meant.attractor.exponents, meant.attractor.standard_errors, item_.lambda, item_.digits)
                       ? Verdict::agrees
                       : Verdict::differs;
@@ -100,7 +101,7 @@ class Comparing {
     row.details["others"] = Json::array();
     for (const FoundAttractor& other : found_)
       if (&other != &meant)
-        row.details["others"].push_back({{"attractor", label(other.attractor)},
+        row.details["others"].push_back({{"attractor", attractor_name(other.attractor)},
                                          {"reached_from", other.origin},
                                          {"exponents", numbers_json(other.attractor.exponents)}});
   }
@@ -109,7 +110,7 @@ class Comparing {
   void remark_on_motion(Comparison& row, const FoundAttractor& meant) const {
     const Attractor& attractor = meant.attractor;
     if (is_described(attractor, item_.attractor)) return;
-    std::string there = label(attractor);
+    std::string there = attractor_name(attractor);
     if (attractor.orbit && attractor.impacts > 0)
       there += fmt::format(" (slowest impact {})", rounded(slowest_impact(*attractor.orbit), 2));
     add_remark(row.remark, fmt::format("what is there is {}, not {}", there, label(item_.attractor)));
@@ -128,7 +129,7 @@ class Comparing {
     for (const FoundAttractor& other : found_)
       if (&other != &meant && agree(other.attractor.exponents, other.attractor.standard_errors, item_.lambda, item_.digits))
         add_remark(row.remark,
-                   fmt::format("the printed pair is that of {}, reached from {}", label(other.attractor), other.origin));
+                   fmt::format("the printed pair is that of {}, reached from {}", attractor_name(other.attractor), other.origin));
     if (attractor.orbit)
       remark_on_branch(row, *attractor.orbit);
     else
@@ -175,7 +176,7 @@ class Comparing {
       const Attractor other = find_attractor(problem_.system, problem_.parameters, start, again);
       if (other.exponents.empty()) continue;
       others.push_back({{"start", to_json(start)},
-                        {"attractor", label(other)},
+                        {"attractor", attractor_name(other)},
                         {"exponents", numbers_json(other.exponents)},
                         {"standard_errors", numbers_json(other.standard_errors)}});
       low = std::min(low, other.exponents[0]);

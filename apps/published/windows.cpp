@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/attractor_report.hpp>
 #include <graze/apps/number.hpp>
 #include <graze/apps/orbit_report.hpp>
 #include <graze/apps/published/windows.hpp>
@@ -48,10 +49,10 @@ std::string stretches(const std::vector<const SweepRow*>& rows) {
       else
         text += ", ";
     }
-    const bool ends =
-        i + 1 == rows.size() || rows[i + 1]->direction != row.direction || label(rows[i + 1]->attractor) != label(row.attractor);
+    const bool ends = i + 1 == rows.size() || rows[i + 1]->direction != row.direction ||
+                      attractor_name(rows[i + 1]->attractor) != attractor_name(row.attractor);
     if (!ends) continue;
-    text += label(row.attractor);
+    text += attractor_name(row.attractor);
     text += first == &row ? fmt::format(" ({})", rounded(row.value, 6))
                           : fmt::format(" ({} to {})", rounded(first->value, 6), rounded(row.value, 6));
     first = nullptr;
@@ -64,7 +65,7 @@ Json rows_json(const std::vector<const SweepRow*>& rows) {
   for (const SweepRow* row : rows)
     list.push_back({{"eta", row->value},
                     {"direction", sweep_direction_name(row->direction)},
-                    {"attractor", label(row->attractor)},
+                    {"attractor", attractor_name(row->attractor)},
                     {"exponent", row->attractor.exponents.empty() ? Json(nullptr) : Json(row->attractor.exponents[0])}});
   return list;
 }

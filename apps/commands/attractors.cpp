@@ -1,0 +1,351 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// graze attractors: all attractors met from many starts, and their basins.
+#include <graze/apps/arguments.hpp>
+#include <graze/apps/attractor_report.hpp>
+#include <graze/apps/commands/command.hpp>
+#include <graze/apps/find_orbit.hpp>
+#include <graze/apps/input_file.hpp>
+#include <graze/apps/interrupt.hpp>
+#include <graze/apps/number.hpp>
+#include <graze/apps/progress.hpp>
+#include <graze/apps/result.hpp>
+
+#include <graze/floquet/basins.hpp>
+#include <graze/lib/oscillator.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <random>
+#include <stdexcept>
+
+namespace graze::apps {
+
+namespace {
+
+constexpr int default_count = 64;
+constexpr int most_starts = 1000000;  // a result is held in memory before it is written
+
+struct Options {
+  StartOptions start;  // its problem
+  std::string x, v, resume;
+  std::optional<int> random, seed;
+  int transient = 1000, periods = 20000, max_period = 64;
+  OutputOptions output;
+};
+
+/// Values of one coordinate: from, to, and how many.
+struct Axis {
+  double from = 0.0, to = 0.0;
+  int count = default_count;
+  double at(int i) const { return count == 1 ? from : i == count - 1 ? to : from + i * ((to - from) / (count - 1)); }
+};
+
+Axis parse_axis(const std::string& option, const std::string& text, bool counted) {
+  std::vector<std::string> parts(1);
+  for (const char c : text)
+    if (c == ':')
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  const auto refuse = [&](const std::string& why) -> std::invalid_argument {
+    return std::invalid_argument(fmt::format("{} {}: {}", option, text, why));
+  };
+  const std::string form = counted ? "a:b:n, n values from a to b, for example -2:1.9:64" : "a:b, a range, for example -2:1.9";
+  if (parts.size() < 2 || parts.size() > (counted ? 3U : 2U)) throw refuse("must be " + form);
+  const auto from = parse_number(parts[0]), to = parse_number(parts[1]);
+  if (!from || !to || !std::isfinite(*from) || !std::isfinite(*to)) throw refuse("must be " + form);
+  Axis axis{*from, *to};
+  if (parts.size() == 3) {
+    const auto count = parse_count(parts[2]);
+    if (!count || *count < 1) throw refuse("the number of values must be a whole number >= 1");
+    axis.count = *count;
+  }
+  if (axis.from > axis.to || (axis.from == axis.to && axis.count > 1)) throw refuse("the range must go from less to more");
+  return axis;
+}
+
+/// Where the motions are: as wide as the motion without barrier and as the clearance, up to the barrier.
+std::array<Axis, 2> default_axes(const Problem& problem, bool counted) {
+  const Vector& p = problem.parameters;
+  const Vector steady = steady_response(p);
+  const double eta = p[oscillator_parameter::eta], r = p[oscillator_parameter::r];
+  double size = std::max(std::hypot(steady[0], steady[1] / eta), std::abs(r));
+  if (!std::isfinite(size) || size == 0.0) size = 1.0;
+  std::array<Axis, 2> axes = {Axis{std::min(-size, r - size), r}, Axis{-size * std::max(1.0, eta), size * std::max(1.0, eta)}};
+  if (counted)  // the middles of the cells
+    for (Axis& axis : axes) {
+      const double half = 0.5 * (axis.to - axis.from) / axis.count;
+      axis.from += half;
+      axis.to -= half;
+    }
+  return axes;
+}
+
+std::array<Axis, 2> axes_of(const Options& options, const Problem& problem) {
+  const bool counted = !options.random;
+  std::array<Axis, 2> axes = default_axes(problem, counted);
+  if (!options.x.empty()) axes[0] = parse_axis("--x", options.x, counted);
+  if (!options.v.empty()) axes[1] = parse_axis("--v", options.v, counted);
+  if (counted && static_cast<double>(axes[0].count) * axes[1].count > most_starts)
+    throw std::invalid_argument(
+        fmt::format("{} times {} starts are more than a million; give fewer", axes[0].count, axes[1].count));
+  return axes;
+}
+
+/// In the order of the picture: row by row, x fastest. Random ones are drawn from the bits of the generator, which are the same
+/// everywhere.
+std::vector<Vector> starts_of(const Options& options, const std::array<Axis, 2>& axes) {
+  std::vector<Vector> starts;
+  if (!options.random) {
+    for (int j = 0; j < axes[1].count; ++j)
+      for (int i = 0; i < axes[0].count; ++i) starts.push_back(Vector{{axes[0].at(i), axes[1].at(j)}});
+    return starts;
+  }
+  std::mt19937_64 generator(static_cast<unsigned>(options.seed.value_or(1)));
+  const auto draw = [&](const Axis& axis) {
+    return axis.from + (axis.to - axis.from) * (static_cast<double>(generator() >> 11) * 0x1p-53);
+  };
+  for (int k = 0; k < *options.random; ++k) {
+    const double x = draw(axes[0]);
+    starts.push_back(Vector{{x, draw(axes[1])}});
+  }
+  return starts;
+}
+
+/// What stands for a start in "basins": the attractor's id, null beyond a barrier, 0 if the motion was lost, -1 if it was not
+/// run.
+Json code_of(const StartOutcome& outcome) {
+  switch (outcome.fate) {
+  case Fate::reached:
+    return outcome.attractor + 1;
+  case Fate::inadmissible:
+    return nullptr;
+  case Fate::lost:
+    return 0;
+  case Fate::not_run:
+    break;
+  }
+  return -1;
+}
+
+StartOutcome outcome_of(const Json& code) {
+  if (code.is_null()) return {Fate::inadmissible, 0};
+  const int id = code.get<int>();
+  if (id > 0) return {Fate::reached, static_cast<std::size_t>(id - 1)};
+  return {id == 0 ? Fate::lost : Fate::not_run, 0};
+}
+
+Json basins_json(const Options& options, const std::array<Axis, 2>& axes, const std::vector<Vector>& starts,
+                 const std::vector<StartOutcome>& outcomes) {
+  Json json;
+  if (options.random) {
+    for (const Vector& start : starts) json["starts"].push_back(to_json(start));
+    for (const StartOutcome& outcome : outcomes) json["attractor"].push_back(code_of(outcome));
+    return json;
+  }
+  for (int i = 0; i < axes[0].count; ++i) json["x"].push_back(axes[0].at(i));
+  for (int j = 0; j < axes[1].count; ++j) json["v"].push_back(axes[1].at(j));
+  for (std::size_t k = 0; k < outcomes.size(); ++k) {
+    if (k % json["x"].size() == 0) json["attractor"].push_back(Json::array());
+    json["attractor"].back().push_back(code_of(outcomes[k]));
+  }
+  return json;
+}
+
+Json found_json(const CoexistingAttractor& found, std::size_t id) {
+  Json json = {{"id", id}};
+  json.update(attractor_json(found.attractor));
+  json["exponents"] = numbers_json(found.attractor.exponents);
+  json["standard_errors"] = numbers_json(found.attractor.standard_errors);
+  json["kaplan_yorke"] = kaplan_yorke_dimension(found.attractor.exponents);
+  json["count"] = found.count;
+  json["fraction"] = found.fraction;
+  json["fraction_error"] = found.fraction_error;
+  json["states"] = Json::array();
+  for (const Vector& state : found.states) json["states"].push_back(to_json(state));
+  return json;
+}
+
+/// The result of an earlier run of the same options.
+Basins earlier_basins(const Json& earlier, const std::string& folder, const Json& head) {
+  check_same_run(earlier, head, folder);
+  Basins basins;
+  try {
+    for (const Json& json : earlier.at("attractors")) {
+      CoexistingAttractor found;
+      found.attractor = attractor_of(json);
+      found.attractor.exponents = numbers_of(json.at("exponents"));
+      found.attractor.standard_errors = numbers_of(json.at("standard_errors"));
+      basins.attractors.push_back(std::move(found));
+    }
+    for (const Json& row : earlier.at("basins").at("attractor")) {
+      if (!row.is_array()) basins.outcomes.push_back(outcome_of(row));
+      if (row.is_array())
+        for (const Json& code : row) basins.outcomes.push_back(outcome_of(code));
+    }
+    basins.periods = earlier.at("periods");
+  } catch (const nlohmann::json::exception&) {
+    refuse_to_resume(folder, "attractors", "is damaged; compute it anew");
+  }
+  return basins;
+}
+
+Table starts_table(const std::vector<Vector>& starts, const Basins& basins) {
+  Table table{{"x", "v", "attractor", "type", "period", "impacts"}, {}};
+  for (std::size_t k = 0; k < starts.size(); ++k) {
+    const StartOutcome& outcome = basins.outcomes[k];
+    std::vector<std::string> row = {exact(starts[k][0]), exact(starts[k][1])};
+    if (outcome.fate == Fate::reached) {
+      const Attractor& attractor = basins.attractors[outcome.attractor].attractor;
+      const bool periodic = attractor.type == AttractorType::periodic;
+      row.insert(row.end(),
+                 {std::to_string(outcome.attractor + 1), std::string(attractor_type_name(attractor.type)),
+                  periodic ? std::to_string(attractor.period) : "", periodic ? std::to_string(attractor.impacts) : ""});
+    } else {
+      row.insert(row.end(), {"",
+                             outcome.fate == Fate::inadmissible ? "beyond the barrier"
+                             : outcome.fate == Fate::lost       ? "lost"
+                                                                : "not run",
+                             "", ""});
+    }
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+std::string overview(const Basins& basins) {
+  Table table{{"id", "attractor", "starts", "fraction", "standard error", "exponents", "standard errors", "x", "x'"}, {}};
+  const auto list = [](const std::vector<double>& values, int digits) {
+    std::string text;
+    for (const double value : values)
+      text += fmt::format("{}{}", text.empty() ? "" : ", ", std::isfinite(value) ? rounded(value, digits) : "-infinity");
+    return text;
+  };
+  for (const CoexistingAttractor& found : basins.attractors) {
+    const Attractor& attractor = found.attractor;
+    const bool periodic = attractor.type == AttractorType::periodic;
+    table.rows.push_back({std::to_string(table.rows.size() + 1), attractor_name(attractor), std::to_string(found.count),
+                          rounded(found.fraction, 4), rounded(found.fraction_error, 2),
+                          list(attractor.exponents, periodic ? 6 : 4), periodic ? "-" : list(attractor.standard_errors, 1),
+                          rounded(attractor.state[0], 9), rounded(attractor.state[1], 9)});
+  }
+  std::string text = aligned(table);
+  text += fmt::format("  of {} admissible starts; x, x' at forcing phase 0", basins.admissible);
+  if (basins.lost > 0) text += fmt::format("; {} lost (the motion could not be carried on)", counted(basins.lost, "start"));
+  return text + fmt::format("\n  {} forcing periods were computed for them\n", basins.periods);
+}
+
+BasinOptions basin_options(const Options& options, const Console& console, Progress& progress, std::size_t starts) {
+  BasinOptions out;
+  out.transient = options.transient;
+  out.max_period = options.max_period;
+  out.periods = options.periods;
+  out.threads = console.thread_count();
+  out.cancelled = interrupted;
+  out.flow.cancelled = interrupted;
+  out.progress = [&progress, starts](std::size_t done, std::size_t attractors) {
+    progress.update(static_cast<double>(done) / static_cast<double>(starts),
+                    [&] { return fmt::format("{} of {} starts, {}", done, starts, counted(attractors, "attractor")); });
+  };
+  return out;
+}
+
+Json described(const Options& options, const std::array<Axis, 2>& axes) {
+  Json json = {{"problem", options.start.file}, {"set", options.start.settings}};
+  for (std::size_t i = 0; i < 2; ++i) {
+    json[i == 0 ? "x" : "v"] = {axes[i].from, axes[i].to};
+    if (!options.random) json[i == 0 ? "x" : "v"].push_back(axes[i].count);
+  }
+  if (options.random) json.update({{"random", *options.random}, {"seed", options.seed.value_or(1)}});
+  json.update({{"transient", options.transient}, {"periods", options.periods}, {"max_period", options.max_period}});
+  return json;
+}
+
+int run(const Options& given, const Console& console) {
+  Options options = given;
+  if (options.seed && !options.random) throw std::invalid_argument("--seed is that of random starts; give --random N too");
+  Json earlier;
+  if (!options.resume.empty()) earlier = read_to_resume(options.resume, "attractors");
+  if (!options.resume.empty() && options.output.out.empty()) options.output.out = options.resume;
+  check_outputs(options.output, options.start.file);
+  const Problem problem = open_problem(options.start, console);
+  check_forcing(problem);
+  const std::array<Axis, 2> axes = axes_of(options, problem);
+  const std::vector<Vector> starts = starts_of(options, axes);
+  Result result;
+  result.json = result_head("attractors/1", "attractors", problem, described(options, axes));
+  Basins basins;
+  if (!options.resume.empty()) basins = earlier_basins(earlier, options.resume, result.json);
+  if (!basins.outcomes.empty() && basins.outcomes.size() != starts.size())
+    refuse_to_resume(options.resume, "attractors", "is damaged; compute it anew");
+  {
+    Progress progress(console.err, console.quiet, "carrying on");
+    basins = find_attractors(problem.system, problem.parameters, starts, basin_options(options, console, progress, starts.size()),
+                             basins);
+  }
+  Status status = Status::done;
+  std::string message;
+  if (!basins.complete) {
+    status = Status::interrupted;
+    const auto left = std::count_if(basins.outcomes.begin(), basins.outcomes.end(),
+                                    [](const StartOutcome& outcome) { return outcome.fate == Fate::not_run; });
+    message = fmt::format("interrupted after {} of {} starts", starts.size() - static_cast<std::size_t>(left), starts.size());
+  } else if (basins.attractors.empty()) {
+    status = Status::failed;
+    message = basins.admissible == 0 ? "no start is admissible: all lie beyond the barrier" : "no motion could be carried on";
+  }
+  set_status(result.json, status, message);
+  result.json["starts"] = starts.size();
+  result.json["admissible"] = basins.admissible;
+  result.json["lost"] = basins.lost;
+  result.json["periods"] = basins.periods;
+  result.json["attractors"] = Json::array();
+  for (std::size_t i = 0; i < basins.attractors.size(); ++i)
+    result.json["attractors"].push_back(found_json(basins.attractors[i], i + 1));
+  result.json["basins"] = basins_json(options, axes, starts, basins.outcomes);
+  result.table = starts_table(starts, basins);
+  result.text = describe(problem) + "\n\n" + (basins.attractors.empty() ? message + "\n" : overview(basins));
+  if (status != Status::done) console.err << "graze attractors: " << message << "\n";
+  return deliver(result, options.output, "attractors", exit_code(status), console);
+}
+
+std::function<int(const Console&)> setup(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  add_problem_options(app, options->start);
+  begin_group(app, "Starts");
+  add_text(app, "--x", options->x, "A:B:N", "N values of x at forcing phase 0 from A to B (default: up to the barrier, 64)");
+  add_text(app, "--v", options->v, "A:B:N", "the same of x' (default: as wide as the motion, 64)");
+  add_count(app, "--random", options->random, 1, "so many random starts in the ranges --x A:B and --v A:B instead of a grid",
+            most_starts);
+  add_count(app, "--seed", options->seed, 0, "of the random starts (default 1)");
+  begin_group(app, "Motions");
+  add_count(app, "--transient", options->transient, 1,
+            "forcing periods in which an attractor must be recognised; then its exponents are averaged (default 1000)");
+  add_count(app, "--periods", options->periods, 1,
+            "of such an average: who settles on no orbit in them is chaotic or undecided (default 20000)");
+  add_count(app, "--max-period", options->max_period, 1, "longest period that is recognised (default 64)", longest_period);
+  add_text(app, "--resume", options->resume, "DIR", "go on from the result that an interrupted run left in DIR (its --out)");
+  add_output_options(app, options->output, "attractors/1");
+  return [options](const Console& console) { return run(*options, console); };
+}
+
+}  // namespace
+
+Command attractors_command() {
+  return {"attractors",
+          "coexisting attractors met from a grid of starts, their basins and exponents",
+          "Each start is carried on until it is sure which attractor it reaches: stable orbits (by Newton's method, exponents of "
+          "their\n"
+          "multipliers), chaos (exponents by average). Basins are given as fractions f of the N admissible starts, with the "
+          "standard\n"
+          "error sqrt(f (1 - f) / N): that of random starts; a grid is mostly better than that.",
+          {"graze attractors data/problems/newton-elastic.toml --set eta=0.744 --plot basins.png",
+           "graze attractors data/problems/hertz-damped.toml --set eta=0.711 --x=-2:1.9:200 --v=-2:2:200 --out run",
+           "graze attractors data/problems/hertz-damped.toml --set eta=0.696 --random 2000 --json -"},
+          setup};
+}
+
+}  // namespace graze::apps

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Picture of graze.attractors/1: which start leads to which attractor, and the attractors' states on top.
+#include <graze/apps/attractor_report.hpp>
+#include <graze/apps/number.hpp>
+#include <graze/apps/pictures/pictures.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace graze::apps {
+
+namespace {
+
+constexpr const char* lost_colour = "#000000";
+
+/// A colour mixed with white, so that the attractor itself stands out in its basin.
+std::string tint(const std::string& colour, double white) {
+  const unsigned long rgb = std::stoul(colour.substr(1), nullptr, 16);
+  const auto mixed = [white](unsigned long part) { return static_cast<int>(std::lround(255.0 * white + (1.0 - white) * part)); };
+  return fmt::format("#{:02x}{:02x}{:02x}", mixed(rgb >> 16), mixed(rgb >> 8 & 255), mixed(rgb & 255));
+}
+
+std::string percent(double share) { return fmt::format("{:.1f}", 100.0 * share); }
+
+struct Range {
+  double low = HUGE_VAL, high = -HUGE_VAL;
+  void take(double value) {
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+  std::array<double, 2> with_margin(double share) const {
+    const double margin = share * std::max(high - low, 1e-9 * (1.0 + std::abs(high)));
+    return {low - margin, high + margin};
+  }
+};
+
+/// Half a cell beyond the outermost values.
+void take_cells(Range& range, const Json& values) {
+  const double first = values.front(), last = values.back(), half = 0.5 * (last - first) / static_cast<double>(values.size() - 1);
+  range.take(first - half);
+  range.take(last + half);
+}
+
+/// Index of a start's colour: those of the attractors, then that of lost motions; -1: none.
+int colour_index(const Json& code, std::size_t attractors) {
+  const int id = code.is_null() ? -1 : code.get<int>();
+  return id > 0 ? id - 1 : id == 0 ? static_cast<int>(attractors) : -1;
+}
+
+/// One set of dots for each attractor, where the starts are no grid.
+void add_dots(Picture& picture, const std::vector<std::array<double, 2>>& starts, const std::vector<int>& colour,
+              const std::vector<std::string>& colours) {
+  for (std::size_t c = 0; c < colours.size(); ++c) {
+    Curve curve;
+    curve.stroke = Stroke::dots;
+    curve.colour = colours[c];
+    curve.size = starts.size() > 5000 ? 0.4 : starts.size() > 1000 ? 0.7 : 1.1;
+    for (std::size_t k = 0; k < starts.size(); ++k)
+      if (colour[k] == static_cast<int>(c)) curve.points.push_back({starts[k][0], starts[k][1], 0.0});
+    picture.curves.push_back(std::move(curve));
+  }
+}
+
+/// A mark in the legend only: its point lies far outside.
+Curve legend_entry(const std::string& title, const std::string& colour) {
+  Curve curve;
+  curve.title = title;
+  curve.stroke = Stroke::marks;
+  curve.mark = 5;
+  curve.colour = colour;
+  curve.points.push_back({1e30, 1e30, 0.0});
+  return curve;
+}
+
+Picture draw_basins(const Json& result) {
+  Picture picture;
+  picture.title = "Basins of attraction";
+  picture.subtitle = model_title(result);
+  picture.x_label = "x at forcing phase 0 (dimensionless)";
+  picture.y_label = "x' at forcing phase 0 (dimensionless)";
+  picture.grid = false;
+  const Json& attractors = result.at("attractors");
+  const Json& basins = result.at("basins");
+  std::vector<std::string> colours;
+  Range x, v;
+  std::vector<std::array<double, 2>> starts;
+  std::vector<int> colour;
+  const bool grid = basins.contains("x");
+  const bool cells = grid && basins["x"].size() > 1 && basins.at("v").size() > 1;
+  for (std::size_t i = 0; i < attractors.size(); ++i) colours.push_back(tint(colour_of(i), cells ? 0.6 : 0.35));
+  colours.emplace_back(lost_colour);
+  if (grid)
+    for (std::size_t j = 0; j < basins.at("v").size(); ++j)
+      for (std::size_t i = 0; i < basins["x"].size(); ++i) {
+        starts.push_back({basins["x"][i].get<double>(), basins["v"][j].get<double>()});
+        colour.push_back(colour_index(basins.at("attractor").at(j).at(i), attractors.size()));
+      }
+  else
+    for (std::size_t k = 0; k < basins.at("starts").size(); ++k) {
+      starts.push_back({basins["starts"][k].at(0).get<double>(), basins["starts"][k].at(1).get<double>()});
+      colour.push_back(colour_index(basins.at("attractor").at(k), attractors.size()));
+    }
+  for (const auto& start : starts) {
+    x.take(start[0]);
+    v.take(start[1]);
+  }
+  if (cells) {
+    take_cells(x, basins["x"]);
+    take_cells(v, basins["v"]);
+    picture.cells = Cells{basins["x"].get<std::vector<double>>(), basins["v"].get<std::vector<double>>(), colours, colour};
+  } else {
+    add_dots(picture, starts, colour, colours);
+  }
+  for (std::size_t i = 0; i < attractors.size(); ++i) {
+    const Json& found = attractors[i];
+    const std::string title = fmt::format("{}: {} ± {} %", attractor_name(attractor_of(found)), percent(found.at("fraction")),
+                                          percent(found.at("fraction_error")));
+    const bool periodic = found.at("type") == "periodic";
+    Curve curve;
+    curve.colour = colour_of(i);
+    curve.stroke = periodic ? Stroke::marks : Stroke::dots;
+    curve.size = periodic ? 1.4 : 0.5;
+    for (const Json& state : found.at("states")) {
+      curve.points.push_back({state.at(0), state.at(1), 0.0});
+      x.take(state.at(0));
+      v.take(state.at(1));
+    }
+    if (periodic) {
+      Curve rim = curve;
+      rim.colour = "black";
+      rim.size = 1.9;
+      picture.curves.push_back(std::move(rim));
+    }
+    picture.curves.push_back(std::move(curve));
+    picture.curves.push_back(legend_entry(title, colour_of(i)));
+  }
+  const double lost = result.at("lost"), admissible = result.at("admissible");
+  if (lost > 0.0) picture.curves.push_back(legend_entry(fmt::format("lost: {} %", percent(lost / admissible)), lost_colour));
+  // The barrier where it is in sight; then it stays inside the picture.
+  const Barrier barrier = barrier_of(result, true);
+  if (barrier.position > x.low - 0.1 * (x.high - x.low) && barrier.position < x.high + 0.5 * (x.high - x.low)) {
+    picture.barriers.push_back(barrier);
+    x.take(barrier.position);
+  }
+  picture.x_range = x.with_margin(0.02);
+  picture.y_range = v.with_margin(0.02);
+  return picture;
+}
+
+}  // namespace
+
+PictureKind basins_picture() {
+  return {"graze.attractors/1", "basins", "basins of the coexisting attractors, with their states", draw_basins, {}};
+}
+
+}  // namespace graze::apps

@@ -1,0 +1,377 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/basins.hpp>
+#include <graze/floquet/trapping_region.hpp>
+#include <graze/floquet/visited_cells.hpp>
+
+#include <fmt/format.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <numeric>
+#include <stdexcept>
+
+namespace graze {
+
+namespace {
+
+constexpr std::size_t most_attractors = 200;  // more are a parameter at which nothing can be told apart
+constexpr double same_state = 1e-6;  // two orbits found by Newton to 1e-12 are one if they come so close, relative to 1 + |x|
+constexpr double return_distance = 1e-3;  // relative to 1 + |x|: so near a return, an orbit is looked for
+constexpr int first_look = 64;            // periods
+
+/// What is known of an attractor in order to recognise it.
+struct Known {
+  AttractorType type = AttractorType::undecided;
+  TrappingRegion orbit;
+  VisitedCells cells;
+};
+
+struct Run {
+  enum class End { cancelled, reached, new_orbit, unrecognised, inadmissible, lost };
+  End end = End::cancelled;
+  std::size_t attractor = 0;
+  Vector state;
+  std::optional<PeriodicOrbit> orbit;
+  std::int64_t periods = 0;
+};
+
+class Search {
+ public:
+  Search(const HybridSystem& system, const Vector& p, const std::vector<Vector>& starts, const BasinOptions& options, Basins out)
+      : system_(system), p_(p), starts_(starts), options_(options), T_(forcing_period(system, p)), out_(std::move(out)) {
+    for (CoexistingAttractor& found : out_.attractors) known_.push_back(describe(found));
+    told_ = static_cast<std::size_t>(std::count_if(out_.outcomes.begin(), out_.outcomes.end(),
+                                                   [](const StartOutcome& outcome) { return outcome.fate != Fate::not_run; }));
+  }
+
+  Basins search() {
+    const std::vector<std::size_t> order = spread_order();
+    oneapi::tbb::task_arena arena(std::max(1, options_.threads));
+    std::size_t begin = 0;
+    for (std::size_t round = 0; begin < order.size(); ++round) {
+      const std::size_t end = std::min(order.size(), begin + round_size(round));
+      std::vector<std::size_t> todo;
+      std::copy_if(order.begin() + static_cast<std::ptrdiff_t>(begin), order.begin() + static_cast<std::ptrdiff_t>(end),
+                   std::back_inserter(todo), [&](std::size_t i) { return out_.outcomes[i].fate == Fate::not_run; });
+      bool whole = false;
+      arena.execute([&] { whole = do_round(todo); });
+      if (!whole) break;
+      begin = end;
+    }
+    return finish();
+  }
+
+ private:
+  /// Every start once, neighbours far apart: with a step prime to their number, near its golden section.
+  std::vector<std::size_t> spread_order() const {
+    const std::size_t n = starts_.size();
+    std::size_t step = std::max<std::size_t>(1, static_cast<std::size_t>(0.6180339887 * static_cast<double>(n)));
+    while (std::gcd(step, n) != 1) ++step;
+    std::vector<std::size_t> order(n);
+    for (std::size_t i = 0; i < n; ++i) order[i] = i == 0 ? 0 : (order[i - 1] + step) % n;
+    return order;
+  }
+
+  static std::size_t round_size(std::size_t round) { return round < 3 ? std::size_t{16} << (2 * round) : 512; }
+
+  /// False: interrupted, and nothing of the round is kept.
+  bool do_round(const std::vector<std::size_t>& todo) {
+    const std::size_t attractors = out_.attractors.size();
+    std::vector<Run> runs(todo.size());
+    std::vector<std::size_t> open(todo.size());
+    std::iota(open.begin(), open.end(), std::size_t{0});
+    for (std::size_t k = 0; k < todo.size(); ++k) runs[k].state = starts_[todo[k]];
+    bool first = true;
+    while (!open.empty()) {
+      oneapi::tbb::parallel_for(std::size_t{0}, open.size(), [&](std::size_t i) {
+        Run& run = runs[open[i]];
+        carry_on(run, first);
+        if (run.end != Run::End::cancelled && run.end != Run::End::unrecognised) tell();
+      });
+      first = false;
+      std::vector<std::size_t> left;
+      bool analysed = false, whole = true;
+      for (const std::size_t k : open) {
+        Run& run = runs[k];
+        if (run.end == Run::End::new_orbit) enter_orbit(run);
+        // One at a time: what the first of them turns out to be on, the others may be on too.
+        if (run.end == Run::End::unrecognised && !analysed) {
+          analyse(run);
+          analysed = true;
+          if (run.end != Run::End::cancelled) tell();
+        }
+        if (run.end == Run::End::unrecognised) left.push_back(k);
+        whole = whole && run.end != Run::End::cancelled;
+      }
+      if (!whole) {
+        out_.attractors.erase(out_.attractors.begin() + static_cast<std::ptrdiff_t>(attractors), out_.attractors.end());
+        known_.resize(attractors);
+        return false;
+      }
+      open = std::move(left);
+    }
+    for (std::size_t k = 0; k < todo.size(); ++k) {
+      StartOutcome& outcome = out_.outcomes[todo[k]];
+      const Run& run = runs[k];
+      outcome.fate = run.end == Run::End::reached        ? Fate::reached
+                     : run.end == Run::End::inadmissible ? Fate::inadmissible
+                                                         : Fate::lost;
+      outcome.attractor = run.end == Run::End::reached ? run.attractor : 0;
+      out_.periods += run.periods;
+    }
+    return true;
+  }
+
+  /// Carries the motion on until it is recognised, or for the transient.
+  void carry_on(Run& run, bool first) const {
+    Propagator propagator(system_, p_, {}, options_.flow);
+    Transition transition;
+    std::vector<Strand> strands(known_.size());
+    Vector looked_at;
+    int look = first_look, looked = -1;
+    // Again, for as long as it takes to be recognised among cells.
+    const int budget = first ? options_.transient : std::max(options_.transient, 4 * VisitedCells::window);
+    for (int k = 0; k < budget; ++k) {
+      run.end = Run::End::cancelled;
+      if (options_.cancelled && options_.cancelled()) return;
+      carry(propagator, 0.0, T_, run.state, {.sensitivity = Sensitivity::none}, transition);
+      if (transition.termination != Termination::time) {
+        const bool wrong_start = first && k == 0 && transition.termination == Termination::inadmissible_start;
+        if (transition.termination != Termination::interrupted) run.end = wrong_start ? Run::End::inadmissible : Run::End::lost;
+        return;
+      }
+      run.state = transition.x1;
+      ++run.periods;
+      if (recognise(run, strands)) return;
+      if (looked >= 0) {
+        const int n = k - looked;
+        const double scale = 1.0 + looked_at.lpNorm<Eigen::Infinity>();
+        const bool returned = (run.state - looked_at).lpNorm<Eigen::Infinity>() < return_distance * scale;
+        // Near a known orbit its region is soon reached, for less than Newton's method costs.
+        if (returned && !near_orbit(run.state, true) && look_for_orbit(run, n)) return;
+        if (returned || n >= options_.max_period) looked = -1;
+      } else if (k >= look) {
+        looked = k;
+        looked_at = run.state;
+        look = std::max(2 * look, k + options_.max_period);
+      }
+    }
+    if (near_orbit(run.state, false) && look_for_orbit(run, options_.max_period)) return;
+    run.end = Run::End::unrecognised;
+  }
+
+  /// Whether a known orbit is so near that it may be the one.
+  bool near_orbit(const Vector& x, bool with_region) const {
+    const double near = return_distance * (1.0 + x.lpNorm<Eigen::Infinity>());
+    return std::any_of(known_.begin(), known_.end(), [&](const Known& known) {
+      return known.type == AttractorType::periodic && (known.orbit.size > 0.0 || !with_region) && known.orbit.distance(x) < near;
+    });
+  }
+
+  bool recognise(Run& run, std::vector<Strand>& strands) const {
+    for (std::size_t i = 0; i < known_.size(); ++i) {
+      const bool there = known_[i].type == AttractorType::periodic ? known_[i].orbit.holds(run.state)
+                                                                   : strands[i].add(known_[i].cells, run.state);
+      if (!there) continue;
+      run.end = Run::End::reached;
+      run.attractor = i;
+      return true;
+    }
+    return false;
+  }
+
+  bool look_for_orbit(Run& run, int period) const {
+    run.orbit = settling_orbit(system_, p_, run.state, std::min(period, options_.max_period), options_.flow);
+    if (!run.orbit) return false;
+    run.end = Run::End::new_orbit;
+    if (const auto same = known_orbit(run.orbit->state, run.orbit->period)) {
+      run.end = Run::End::reached;
+      run.attractor = *same;
+    }
+    return true;
+  }
+
+  std::optional<std::size_t> known_orbit(const Vector& state, int period) const {
+    for (std::size_t i = 0; i < known_.size(); ++i)
+      if (known_[i].type == AttractorType::periodic && static_cast<int>(known_[i].orbit.centres.size()) == period &&
+          known_[i].orbit.distance(state) < same_state * (1.0 + state.lpNorm<Eigen::Infinity>()))
+        return i;
+    return std::nullopt;
+  }
+
+  void enter_orbit(Run& run) {
+    Attractor attractor;
+    settle_on(attractor, std::move(*run.orbit));
+    run.orbit.reset();
+    enter(run, std::move(attractor));
+  }
+
+  /// The attractor of a run, which may be known by now.
+  void enter(Run& run, Attractor attractor) {
+    run.end = Run::End::reached;
+    if (attractor.type == AttractorType::periodic)
+      if (const auto same = known_orbit(attractor.state, attractor.period)) {
+        run.attractor = *same;
+        return;
+      }
+    CoexistingAttractor found;
+    found.attractor = std::move(attractor);
+    std::vector<Vector> states;
+    Known known = describe(found, &states);
+    if (options_.cancelled && options_.cancelled()) {  // perhaps not all of its states
+      run.end = Run::End::cancelled;
+      return;
+    }
+    if (found.attractor.type != AttractorType::periodic)
+      for (std::size_t i = 0; i < known_.size(); ++i) {
+        constexpr double alike = 0.9;
+        const bool same = known_[i].type != AttractorType::periodic && known_[i].cells.share(states) > alike &&
+                          known.cells.share(out_.attractors[i].states) > alike;
+        if (!same && !known_[i].orbit.holds(states.back())) continue;
+        run.attractor = i;
+        return;
+      }
+    if (out_.attractors.size() >= most_attractors) {
+      run.end = Run::End::lost;
+      return;
+    }
+    run.attractor = out_.attractors.size();
+    out_.attractors.push_back(std::move(found));
+    known_.push_back(std::move(known));
+  }
+
+  /// A motion that was not recognised in the transient: its exponents, and what it is by them.
+  void analyse(Run& run) {
+    AttractorOptions finding;
+    finding.transient = 0;
+    finding.max_period = options_.max_period;
+    finding.periods_on_orbit = 0;
+    finding.lyapunov.standard_error = 0.0;  // all periods: it may settle yet
+    finding.lyapunov.max_periods = options_.periods;
+    finding.lyapunov.flow = options_.flow;
+    finding.lyapunov.cancelled = options_.cancelled;
+    Attractor attractor = find_attractor(system_, p_, run.state, finding);
+    run.periods += attractor.time_average.periods;
+    run.end = Run::End::cancelled;
+    if (options_.cancelled && options_.cancelled()) return;
+    if (attractor.termination != Termination::time || attractor.time_average.stop == LyapunovStop::failed) {
+      run.end = attractor.termination == Termination::interrupted ? Run::End::cancelled : Run::End::lost;
+      return;
+    }
+    enter(run, std::move(attractor));
+  }
+
+  /// What recognises an attractor, from its type, state and period alone (so that it is the same after a resumption). Fills in
+  /// `states`.
+  Known describe(CoexistingAttractor& found, std::vector<Vector>* all = nullptr) const {
+    const Attractor& attractor = found.attractor;
+    Known known;
+    known.type = attractor.type;
+    std::vector<Vector> states;
+    if (attractor.type == AttractorType::periodic) {
+      known.orbit = trapping_region(system_, p_, attractor.state, attractor.period, options_.flow);
+      states = known.orbit.centres;
+    } else {
+      Propagator propagator(system_, p_, {}, options_.flow);
+      Transition transition;
+      states.push_back(attractor.state);
+      for (int k = 1; k < options_.periods; ++k) {
+        carry(propagator, 0.0, T_, states.back(), {.sensitivity = Sensitivity::none}, transition);
+        if (transition.termination != Termination::time) break;
+        states.push_back(transition.x1);
+      }
+      known.cells = VisitedCells(states);
+    }
+    if (all) *all = states;
+    if (attractor.type != AttractorType::periodic)
+      states.resize(std::min(states.size(), static_cast<std::size_t>(options_.kept_states)));
+    found.states = std::move(states);
+    return known;
+  }
+
+  void tell() {
+    if (!options_.progress) return;
+    const std::lock_guard lock(telling_);
+    ++told_;
+    options_.progress(told_, out_.attractors.size());
+  }
+
+  Basins finish() {
+    for (CoexistingAttractor& found : out_.attractors) found.count = 0;
+    out_.admissible = out_.lost = 0;
+    out_.complete = true;
+    for (const StartOutcome& outcome : out_.outcomes) {
+      if (outcome.fate == Fate::reached) ++out_.attractors[outcome.attractor].count;
+      if (outcome.fate == Fate::lost) ++out_.lost;
+      if (outcome.fate == Fate::reached || outcome.fate == Fate::lost) ++out_.admissible;
+      if (outcome.fate == Fate::not_run) out_.complete = false;
+    }
+    for (CoexistingAttractor& found : out_.attractors) {
+      const auto N = static_cast<double>(out_.admissible), f = static_cast<double>(found.count) / N;
+      found.fraction = f;
+      found.fraction_error = std::sqrt(f * (1.0 - f) / N);
+    }
+    std::vector<std::size_t> order(out_.attractors.size()), place(out_.attractors.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    const auto before = [&](std::size_t a, std::size_t b) {
+      const CoexistingAttractor &A = out_.attractors[a], &B = out_.attractors[b];
+      if (A.count != B.count) return A.count > B.count;
+      return std::lexicographical_compare(A.attractor.state.begin(), A.attractor.state.end(), B.attractor.state.begin(),
+                                          B.attractor.state.end());
+    };
+    std::sort(order.begin(), order.end(), before);
+    std::vector<CoexistingAttractor> sorted;
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      place[order[i]] = i;
+      sorted.push_back(std::move(out_.attractors[order[i]]));
+    }
+    out_.attractors = std::move(sorted);
+    for (StartOutcome& outcome : out_.outcomes)
+      if (outcome.fate == Fate::reached) outcome.attractor = place[outcome.attractor];
+    return std::move(out_);
+  }
+
+  const HybridSystem& system_;
+  const Vector& p_;
+  const std::vector<Vector>& starts_;
+  const BasinOptions& options_;
+  double T_;
+  Basins out_;
+  std::vector<Known> known_;
+  std::mutex telling_;
+  std::size_t told_ = 0;
+};
+
+void check(const HybridSystem& system, const std::vector<Vector>& starts, const BasinOptions& options, const Basins& so_far) {
+  if (starts.empty()) throw std::invalid_argument("there are no starts; at least one is needed");
+  for (const Vector& start : starts)
+    if (static_cast<std::size_t>(start.size()) != system.states)
+      throw std::invalid_argument(
+          fmt::format("a start has {} entries; system {} has {}", start.size(), system.name, system.states));
+  for (const auto& [name, value] : {std::pair{"transient", options.transient},
+                                    {"max_period", options.max_period},
+                                    {"periods", options.periods},
+                                    {"kept_states", options.kept_states}})
+    if (value < 1) throw std::invalid_argument(fmt::format("{} is {}; allowed is a whole number >= 1", name, value));
+  if (!so_far.outcomes.empty() && so_far.outcomes.size() != starts.size())
+    throw std::invalid_argument(
+        fmt::format("the result to go on from has {} starts; here are {}", so_far.outcomes.size(), starts.size()));
+  for (const StartOutcome& outcome : so_far.outcomes)
+    if (outcome.fate == Fate::reached && outcome.attractor >= so_far.attractors.size())
+      throw std::invalid_argument("the result to go on from names an attractor that it does not have");
+}
+
+}  // namespace
+
+Basins find_attractors(const HybridSystem& system, const Vector& p, const std::vector<Vector>& starts,
+                       const BasinOptions& options, const Basins& so_far) {
+  check(system, starts, options, so_far);
+  Basins out = so_far;
+  out.outcomes.resize(starts.size());
+  return Search(system, p, starts, options, std::move(out)).search();
+}
+
+}  // namespace graze
