@@ -6,6 +6,8 @@
 #include <graze/apps/published/points.hpp>
 #include <graze/apps/published/windows.hpp>
 
+#include <graze/floquet/settle.hpp>
+
 #include <catch2/catch.hpp>
 
 using namespace graze;
@@ -178,4 +180,36 @@ TEST_CASE("windows of a diagram are judged value by value") {
   CHECK(rows[3].verdict == Verdict::agrees);
   all.rows.clear();
   for (const Comparison& row : compare_windows(all)) CHECK(row.verdict == Verdict::differs);
+}
+
+TEST_CASE("on the published systems the short-cuts reach the attractor that plain simulation reaches") {
+  const Published published = shipped();
+  AttractorOptions options;
+  options.periods_on_orbit = 0;
+  options.lyapunov.max_periods = 20000;
+  options.lyapunov.standard_error = 1e-3;
+  int periodic = 0;
+  for (const PublishedExponents& item : published.exponents) {
+    const Problem problem = problem_of(published, item.system, item.eta, item.beta);
+    if (parameter(problem, "beta") != 0.0) continue;  // the same code, a hundred times slower
+    std::vector<Vector> starts = {start_state(problem, std::nullopt)};
+    if (item.initial) starts.push_back(*item.initial);
+    for (const Vector& start : starts) {
+      INFO(item.system << " " << parameter(problem, "eta") << " from " << start.transpose());
+      const Attractor attractor = find_attractor(problem.system, problem.parameters, start, options);
+      // The slowest of these orbits gains a factor e in 210 forcing periods.
+      const Settled simulated = settle(problem.system, problem.parameters, start, {.periods = 8000});
+      REQUIRE(simulated.termination == Termination::time);
+      if (!attractor.orbit) {
+        CHECK(attractor.type == AttractorType::chaotic);
+        CHECK(simulated.suspected_period == 0);
+        continue;
+      }
+      ++periodic;
+      double nearest = 1.0;
+      for (const Vector& state : attractor.orbit->states) nearest = std::min(nearest, (state - simulated.state).norm());
+      CHECK(nearest < 1e-7);
+    }
+  }
+  CHECK(periodic > 25);
 }
