@@ -11,37 +11,6 @@ namespace {
 using Matrix2 = Eigen::Matrix2d;
 using Vector2 = Eigen::Vector2d;
 
-/// exp(-b s) times C = cos(sqrt(q2) s) and S = sin(sqrt(q2) s)/sqrt(q2), continued to q2 <= 0; k = q2 + b^2 > 0. Formed as one
-/// product each: of an overdamped oscillator cosh overflows where exp(-b s) vanishes.
-struct Damped {
-  double C, S, decay;
-};
-
-Damped damped(double q2, double b, double k, double s) {
-  const double z = q2 * s * s;
-  const double decay = std::exp(-b * s);
-  if (std::abs(z) < 1e-4) {  // series: the next terms are below 1e-18
-    return {decay * (1.0 - z / 2 * (1.0 - z / 12 * (1.0 - z / 30))), decay * s * (1.0 - z / 6 * (1.0 - z / 20 * (1.0 - z / 42))),
-            decay};
-  }
-  const double q = std::sqrt(std::abs(q2));
-  if (q2 > 0.0) return {decay * std::cos(q * s), decay * std::sin(q * s) / q, decay};
-  const double slow = std::exp(-k / (b + q) * s), lost = -std::expm1(-2.0 * q * s);  // k/(b + q) = b - q
-  return {slow * (1.0 - 0.5 * lost), slow * lost / (2.0 * q), decay};
-}
-
-/// exp(-b s) dS/d(q2) = (s C - S) / (2 q2), by series where that cancels.
-double dS_dq2(double q2, double s, const Damped& f) {
-  const double z = q2 * s * s;
-  if (std::abs(z) > 0.1) return (s * f.C - f.S) / (2.0 * q2);
-  double term = -s * s * s / 6.0, sum = 0.0;  // d/dq2 of sum_k (-q2)^k s^(2k+1)/(2k+1)!
-  for (int k = 1; k < 12; ++k) {
-    sum += term * k;
-    term *= -z / ((2.0 * k + 2.0) * (2.0 * k + 3.0));
-  }
-  return f.decay * sum;
-}
-
 /// True if the polynomial with power coefficients a_0 ... a_N in h is <= 0 on all of [0, H] and < 0 at H, shown by its Bernstein
 /// coefficients (it lies in their convex hull).
 template <std::size_t N> bool stays_below_zero(const std::array<double, N + 1>& a, double H) {
@@ -73,6 +42,37 @@ template <std::size_t N> bool stays_below_zero(const std::array<double, N + 1>& 
 }
 
 }  // namespace
+
+/// exp(-b s) times C = cos(sqrt(q2) s) and S = sin(sqrt(q2) s)/sqrt(q2), continued to q2 <= 0; k = q2 + b^2 > 0. Formed as one
+/// product each: of an overdamped oscillator cosh overflows where exp(-b s) vanishes.
+struct LinearFlow::Damped {
+  double C, S, decay;
+};
+
+LinearFlow::Damped LinearFlow::damped(double s) const {
+  const double b = coefficient_.damping, z = q2_ * s * s;
+  const double decay = std::exp(-b * s);
+  if (std::abs(z) < 1e-4) {  // series: the next terms are below 1e-18
+    return {decay * (1.0 - z / 2 * (1.0 - z / 12 * (1.0 - z / 30))), decay * s * (1.0 - z / 6 * (1.0 - z / 20 * (1.0 - z / 42))),
+            decay};
+  }
+  const double q = std::sqrt(std::abs(q2_));
+  if (q2_ > 0.0) return {decay * std::cos(q * s), decay * std::sin(q * s) / q, decay};
+  const double slow = std::exp(-coefficient_.stiffness / (b + q) * s), lost = -std::expm1(-2.0 * q * s);  // k/(b + q) = b - q
+  return {slow * (1.0 - 0.5 * lost), slow * lost / (2.0 * q), decay};
+}
+
+/// exp(-b s) dS/d(q2) = (s C - S) / (2 q2), by series where that cancels.
+double LinearFlow::dS_dq2(double s, const Damped& f) const {
+  const double z = q2_ * s * s;
+  if (std::abs(z) > 0.1) return (s * f.C - f.S) / (2.0 * q2_);
+  double term = -s * s * s / 6.0, sum = 0.0;  // d/dq2 of sum_k (-q2)^k s^(2k+1)/(2k+1)!
+  for (int k = 1; k < 12; ++k) {
+    sum += term * k;
+    term *= -z / ((2.0 * k + 2.0) * (2.0 * k + 3.0));
+  }
+  return f.decay * sum;
+}
 
 /// Displacement since the start, and five derivatives of x; cosine and sine of the forcing's phase.
 struct LinearFlow::Point {
@@ -166,7 +166,7 @@ LinearFlow::Flight LinearFlow::depart(double t0, const Vector& x0) const {
   return flight;
 }
 
-LinearFlow::Point LinearFlow::at(const Flight& flight, double s) const {
+LinearFlow::Point LinearFlow::at(const Flight& flight, double s, const Damped* known) const {
   const LinearOscillator& q = coefficient_;
   double c = flight.c, sn = flight.s;
   if (s != 0.0) {
@@ -181,7 +181,7 @@ LinearFlow::Point LinearFlow::at(const Flight& flight, double s) const {
       point.v = static_cast<double>(i) * flight.series[i] + s * point.v;
     }
   } else {
-    const Damped f = damped(q2_, q.damping, q.stiffness, s);
+    const Damped f = known ? *known : damped(s);
     const double b_S = q.damping * f.S;
     point.dx = (f.C + b_S) * flight.d + f.S * flight.e + cosine_ * c + sine_ * sn + offset_ - flight.x0;
     point.v = -q.stiffness * f.S * flight.d + (f.C - b_S) * flight.e + q.frequency * (sine_ * c - cosine_ * sn);
@@ -314,21 +314,21 @@ void LinearFlow::carry(const FlowTask& task, const Vector& x0, Segment& out) con
     }
   }
   out.t1 = out.end == FlowEnd::time ? task.t_end : task.t0 + duration;
+  const bool tangent = task.sensitivity != Sensitivity::none;
+  const Damped f = tangent ? damped(duration) : Damped{};
   if (duration > 0.0) {
-    const Point end = at(flight, duration);
+    const Point end = at(flight, duration, tangent ? &f : nullptr);
     out.x1.resize(2);
     out.x1 << flight.x0 + end.dx, end.v;
   } else {
     out.x1 = x0;
   }
   if (out.end == FlowEnd::event) out.x1[0] = level;
-  if (task.sensitivity != Sensitivity::none)
-    sensitivities(task.t0, out.t1, x0, task.sensitivity == Sensitivity::state_and_parameters, out);
+  if (tangent) sensitivities(f, duration, task.sensitivity == Sensitivity::state_and_parameters, out);
 }
 
-void LinearFlow::sensitivities(double t0, double t1, const Vector& x0, bool with_parameters, Segment& out) const {
-  const double b = coefficient_.damping, k = coefficient_.stiffness, w = coefficient_.frequency, s = t1 - t0;
-  const Damped f = damped(q2_, b, k, s);
+void LinearFlow::sensitivities(const Damped& f, double s, bool with_parameters, Segment& out) const {
+  const double b = coefficient_.damping, k = coefficient_.stiffness, w = coefficient_.frequency;
   Matrix2 Phi;
   Phi << f.C + b * f.S, f.S, -k * f.S, f.C - b * f.S;
   out.Phi = Phi;
@@ -336,7 +336,7 @@ void LinearFlow::sensitivities(double t0, double t1, const Vector& x0, bool with
   if (!with_parameters) return;
   out.Psi.resize(2, active_dp_.cols());
   if (active_dp_.cols() == 0) return;
-  const double C_q = -s * f.S / 2.0, S_q = dS_dq2(q2_, s, f);
+  const double C_q = -s * f.S / 2.0, S_q = dS_dq2(s, f);
   Matrix2 Phi_b, Phi_k;
   Phi_b << C_q * -2.0 * b + f.S + b * S_q * -2.0 * b, S_q * -2.0 * b, -k * S_q * -2.0 * b,
       C_q * -2.0 * b - f.S - b * S_q * -2.0 * b;
@@ -353,8 +353,8 @@ void LinearFlow::sensitivities(double t0, double t1, const Vector& x0, bool with
     return Vector2(B * Eigen::Vector3d(cosine_, sine_, offset_));
   };
   Eigen::Matrix<double, 2, 5> start_dq, end_dq;
-  const Vector2 deviation = x0 - particular(t0, start_dq);
-  particular(t1, end_dq);
+  const Vector2 deviation = out.x0 - particular(out.t0, start_dq);
+  particular(out.t1, end_dq);
   Eigen::Matrix<double, 2, 5> z_dq = end_dq - Phi * start_dq;
   z_dq.col(0) += Phi_b * deviation;
   z_dq.col(1) += Phi_k * deviation;

@@ -28,6 +28,7 @@ class LinearFlow {
   void field(double t, const Vector& x, Vector& out) const;
 
  private:
+  struct Damped;  // exp(-b s) C(s), exp(-b s) S(s), exp(-b s)
   struct Point;   // displacement and the first derivatives of x at an instant
   struct Flight;  // the transient of one segment
   struct Barrier {
@@ -35,11 +36,16 @@ class LinearFlow {
     double sign, level;
   };
   Flight depart(double t0, const Vector& x0) const;
-  Point at(const Flight& flight, double s) const;
+  Damped damped(double s) const;
+  /// exp(-b s) dS/d(q^2).
+  double dS_dq2(double s, const Damped& f) const;
+  /// `known`: damped(s), where the caller has it.
+  Point at(const Flight& flight, double s, const Damped* known = nullptr) const;
   /// nullopt: there is none up to s_end, or, where `evaluations` has come to max_steps, it was given up.
   std::optional<double> first_crossing(const Flight& flight, const Barrier& barrier, double s_end,
                                        std::size_t& evaluations) const;
-  void sensitivities(double t0, double t1, const Vector& x0, bool with_parameters, Segment& out) const;
+  /// Phi and Psi of out's stretch, of duration s.
+  void sensitivities(const Damped& f, double s, bool with_parameters, Segment& out) const;
 
   LinearOscillator coefficient_;
   std::size_t max_steps_;
