@@ -224,12 +224,12 @@ template <std::size_t Pairs> void HertzFlow::carry_with(const FlowTask& task, co
               return std::pair{-yv[0], -0.5 * yv[1]};
             },
             h);
-        if (series.time(s)[0] <= duration) end = FlowEnd::event;
+        if (series.time(s) <= duration) end = FlowEnd::event;
       }
       if (end == FlowEnd::time) {
         s = root_in_step(
             [&](double trial) {
-              return std::pair{series.time(trial)[0] - duration, series.depth_and_speed(trial)[0]};
+              return std::pair{series.time(trial) - duration, series.depth_and_speed(trial)[0]};
             },
             s);
       }

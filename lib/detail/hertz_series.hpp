@@ -25,11 +25,7 @@ template <std::size_t Pairs> struct HertzState {
   Pair yv = {0.0, 0.0};     ///< y and v
   Pair phase = {1.0, 0.0};  ///< cosine and sine of the forcing's phase
   Pair time = {0.0, 0.0};   ///< since the start of the contact; and the integral of trace(f_x) over it
-  std::array<Pair, Pairs> dx, q;
-  HertzState() {
-    dx.fill(Pair{});
-    q.fill(Pair{});
-  }
+  std::array<Pair, Pairs> dx{}, q{};
 };
 
 template <std::size_t Order, std::size_t Pairs> class HertzSeries {
@@ -39,23 +35,23 @@ template <std::size_t Order, std::size_t Pairs> class HertzSeries {
 
   /// `sources`: the coefficients that columns 2, 3, ... of the tangent are derivatives in; t0: where HertzState::time is 0.
   HertzSeries(const C& contact, const std::vector<std::size_t>& sources, double t0)
-      : contact_(contact), sources_(sources), t0_(t0),
+      : sources_(sources), t0_(t0),
         cubic_(contact.value[C::beta] != 0.0 || std::find(sources.begin(), sources.end(), C::beta) != sources.end()),
         r_(contact.value[C::barrier]), xi_(contact.value[C::amplitude]), k_H_(contact.value[C::stiffness]),
-        beta_(contact.value[C::beta]), b2_(2.0 * contact.value[C::damping]), loss_(k_H_ * contact.value[C::contact_damping]),
-        loss5_(0.4 * loss_), turn_{-contact.value[C::frequency], contact.value[C::frequency]} {}
+        b_H_(contact.value[C::contact_damping]), beta_(contact.value[C::beta]),
+        b2_(2.0 * contact.value[C::damping]), turn_{-contact.value[C::frequency], contact.value[C::frequency]} {}
 
   /// The series of the motion through z.
   void expand(const State& z) {
+    const double y0 = z.yv[0], u0 = y0 * y0;
     yv_[0] = z.yv;
     phase_[0] = z.phase;
     time_[0] = z.time;
-    yy_[0] = Pair{z.yv[0], z.yv[0]};
-    yu_[0] = z.yv[0] * Pair{1.0, z.yv[0]};
-    u4_[0] = yu_[0][1] * Pair{1.0, yu_[0][1]};
-    p35_[0] = z.yv[0] * u4_[0];
-    y7_[0] = yu_[0][1] * p35_[0][1];
-    const double y0 = z.yv[0], u0 = y0 * y0;
+    yy_[0] = Pair{y0, y0};
+    yu_[0] = Pair{y0, u0};
+    u4_[0] = Pair{u0, u0 * u0};
+    p35_[0] = y0 * u4_[0];
+    y7_[0] = u0 * p35_[0][1];
     weight_ = Pair{b2_ + 2.0 * loss5_ * y0 * u0, loss5_ * y0};
     weight_y_ = 2.0 * (b2_ * y0 + loss_ * u0 * u0);
     for (std::size_t j = 0; j < Pairs; ++j) {
@@ -78,7 +74,7 @@ template <std::size_t Order, std::size_t Pairs> class HertzSeries {
     return z;
   }
   Pair depth_and_speed(double s) const { return horner(yv_, s); }
-  Pair time(double s) const { return horner(time_, s); }
+  double time(double s) const { return horner(time_, s)[0]; }
 
   /// Largest coefficient of order k, each relative to 1 + |what it belongs to|; not finite if one of them is not.
   double size(std::size_t k) const {
@@ -89,7 +85,6 @@ template <std::size_t Order, std::size_t Pairs> class HertzSeries {
 
  private:
   using Coefficients = std::array<Pair, Order + 1>;
-
   /// Even and odd powers side by side: half as long a chain.
   static Pair horner(const Coefficients& a, double s) {
     const double square = s * s;
@@ -126,14 +121,12 @@ template <std::size_t Order, std::size_t Pairs> class HertzSeries {
   template <std::size_t k> [[gnu::always_inline]] void next();
   double source(std::size_t coefficient, std::size_t k) const;
 
-  const C& contact_;
   const std::vector<std::size_t>& sources_;
   double t0_;
   bool cubic_;
-  double r_, xi_, k_H_, beta_, b2_, loss_, loss5_;  // b2 = 2 b, loss = k_H b_H, loss5 = (2/5) loss
-  Pair turn_;
-  Pair weight_;      // of the inner squares in the speed, and
-  double weight_y_;  // of the newest y
+  double r_, xi_, k_H_, b_H_, beta_, b2_, loss_ = k_H_ * b_H_, loss5_ = 0.4 * loss_;  // b2 = 2 b
+  Pair turn_, weight_;  // weight: of the inner squares in the speed, weight_y: of the newest y
+  double weight_y_;
   Coefficients yv_, phase_, time_;
   Coefficients yy_, yu_, twice_yu_, u4_, p35_;  // (y, y), (y, y^2), (y^2, y^4), (y^3, y^5)
   Coefficients forcing_;                        // y times phase
@@ -183,32 +176,25 @@ template <std::size_t Order, std::size_t Pairs> template <std::size_t k> inline 
     for (std::size_t i = 0; i < sources_.size(); ++i) q_[1 + i / 2][k + 1][i % 2] += inverse * source(sources_[i], k);
 }
 
-/// Coefficient k of y times the derivative of the acceleration in a coefficient of the contact, at fixed (t, x, v).
+/// Coefficient k of y times the derivative of the acceleration in a coefficient of the contact (0 for C::count), at fixed (t, x,
+/// v).
 template <std::size_t Order, std::size_t Pairs>
 double HertzSeries<Order, Pairs>::source(std::size_t coefficient, std::size_t k) const {
-  const auto& p = contact_.value;
   const double next = static_cast<double>(k + 1);
-  switch (coefficient) {
-  case C::damping:
-    return -2.0 * next * yu_[k + 1][1];
-  case C::beta:
-    return -yx3_[k];
-  case C::amplitude:
-    return forcing_[k][0];
-  case C::frequency: {
-    double sum = t0_ * forcing_[k][1];
-    for (std::size_t i = 0; i <= k; ++i) sum += time_[i][0] * forcing_[k - i][1];
-    return -p[C::amplitude] * sum;
+  double turning = 0.0;  // t y sin
+  if (coefficient == C::frequency) {
+    turning = t0_ * forcing_[k][1];
+    for (std::size_t i = 0; i <= k; ++i) turning += time_[i][0] * forcing_[k - i][1];
   }
-  case C::barrier:
-    return p[C::stiffness] * (1.5 * u4_[k][0] + p[C::contact_damping] * next * p35_[k + 1][0]);
-  case C::stiffness:
-    return -u4_[k][1] - 0.4 * p[C::contact_damping] * next * p35_[k + 1][1];
-  case C::contact_damping:
-    return -0.4 * p[C::stiffness] * next * p35_[k + 1][1];
-  default:
-    return 0.0;
-  }
+  const std::array<double, C::count + 1> all = {-2.0 * next * yu_[k + 1][1],
+                                                cubic_ ? -yx3_[k] : 0.0,
+                                                forcing_[k][0],
+                                                -xi_ * turning,
+                                                k_H_ * (1.5 * u4_[k][0] + b_H_ * next * p35_[k + 1][0]),
+                                                -u4_[k][1] - 0.4 * b_H_ * next * p35_[k + 1][1],
+                                                -0.4 * k_H_ * next * p35_[k + 1][1],
+                                                0.0};
+  return all[coefficient];
 }
 
 }  // namespace graze::detail
