@@ -37,14 +37,21 @@ class Frame {
 
   /// ln of the lengths that each direction has gained since the last time; -infinity for one that is lost.
   const std::vector<double>& orthonormalise() {
-    const Eigen::Index n = Q_.rows();
-    const Eigen::HouseholderQR<Matrix> qr(Q_);
-    for (Eigen::Index i = 0; i < n; ++i) growth_[static_cast<std::size_t>(i)] = std::log(std::abs(qr.matrixQR()(i, i)));
-    Q_ = qr.householderQ();
+    Q_.rows() == 2 ? orthonormalise_with<Eigen::Matrix2d>() : orthonormalise_with<Matrix>();
     return growth_;
   }
 
  private:
+  template <class Square> void orthonormalise_with() {
+    const Eigen::HouseholderQR<Square> qr{Square(Q_)};
+    for (std::size_t i = 0; i < growth_.size(); ++i) {
+      const auto k = static_cast<Eigen::Index>(i);
+      growth_[i] = std::log(std::abs(qr.matrixQR()(k, k)));
+    }
+    const Square Q = qr.householderQ();
+    Q_ = Q;
+  }
+
   Matrix Q_;
   std::vector<double> growth_;
 };

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/lib/hertz_flow.hpp>
 
-#include <graze/lib/detail/runge_kutta8.hpp>
+#include <graze/lib/detail/hertz_series.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <limits>
+#include <cstdint>
 #include <numbers>
 
 namespace graze {
@@ -14,90 +15,16 @@ namespace {
 
 using C = HertzContact;
 
-/// cos and sin of w t near a reference instant, by Taylor series where the angle is small (every stage of a step is near its
-/// start).
-class NearbyCosine {
- public:
-  NearbyCosine(double frequency, double t)
-      : frequency_(frequency), t_(t), c_(std::cos(frequency * t)), s_(std::sin(frequency * t)) {}
-  void operator()(double t, double& c, double& s) const {
-    const double d = frequency_ * (t - t_), z = d * d;
-    double cd, sd;
-    if (z < 0.0625) {
-      cd = 1.0 - z / 2 * (1.0 - z / 12 * (1.0 - z / 30 * (1.0 - z / 56 * (1.0 - z / 90 * (1.0 - z / 132)))));
-      sd = d * (1.0 - z / 6 * (1.0 - z / 20 * (1.0 - z / 42 * (1.0 - z / 72 * (1.0 - z / 110)))));
-    } else {
-      cd = std::cos(d);
-      sd = std::sin(d);
-    }
-    c = c_ * cd - s_ * sd;
-    s = s_ * cd + c_ * sd;
-  }
+/// Order of the series. Cost per step ~ order^2 and length of a step ~ tolerance^(1/order): -ln(tolerance)/2 is best, 15 at
+/// 1e-13.
+constexpr std::size_t order = 16;
 
- private:
-  double frequency_, t_, c_, s_;
-};
-
-/// Layout of the integrated vector: y, v, t, divergence, then the columns of (Phi | Psi), two entries each.
-constexpr std::size_t base = 4;
-
-template <std::size_t Columns> struct Equations {
-  const C& contact;
-  const std::vector<std::size_t>& coefficient_of_active;
-  NearbyCosine cosine;
-  static constexpr std::size_t size = base + 2 * Columns;
-
-  void operator()(const detail::Stage<size>& z, detail::Stage<size>& dz) const {
-    const auto& q = contact.value;
-    const double y = z[0], v = z[1], x = q[C::barrier] + y * y, y3 = y * y * y;
-    double c, s;
-    cosine(z[2], c, s);
-    const double give = 1.0 + q[C::contact_damping] * v;
-    dz[0] = 0.5 * v;
-    dz[1] = y * (q[C::amplitude] * c - 2.0 * q[C::damping] * v - x * (1.0 + q[C::beta] * x * x) - q[C::stiffness] * y3 * give);
-    dz[2] = y;
-    if constexpr (Columns == 0) {
-      dz[3] = 0.0;
-    } else {
-      const double f_x = -1.0 - 3.0 * q[C::beta] * x * x - 1.5 * q[C::stiffness] * y * give;
-      const double f_v = -2.0 * q[C::damping] - q[C::stiffness] * y3 * q[C::contact_damping];
-      dz[3] = y * f_v;
-      for (std::size_t k = 0; k < Columns; ++k) {
-        const double dx = z[base + 2 * k], dv = z[base + 2 * k + 1];
-        dz[base + 2 * k] = y * dv;
-        dz[base + 2 * k + 1] = y * (f_x * dx + f_v * dv);
-      }
-      if constexpr (Columns > 2) {
-        for (std::size_t k = 2; k < Columns && k - 2 < coefficient_of_active.size(); ++k)
-          dz[base + 2 * k + 1] += y * derivative(coefficient_of_active[k - 2], x, v, y, z[2], c, s);
-      }
-    }
-  }
-
-  /// Derivative of the acceleration in a coefficient, at fixed (t, x, v).
-  double derivative(std::size_t coefficient, double x, double v, double y, double t, double c, double s) const {
-    const auto& q = contact.value;
-    const double give = 1.0 + q[C::contact_damping] * v;
-    switch (coefficient) {
-    case C::damping:
-      return -2.0 * v;
-    case C::beta:
-      return -x * x * x;
-    case C::amplitude:
-      return c;
-    case C::frequency:
-      return -q[C::amplitude] * t * s;
-    case C::barrier:
-      return 1.5 * q[C::stiffness] * y * give;
-    case C::stiffness:
-      return -y * y * y * give;
-    case C::contact_damping:
-      return -q[C::stiffness] * y * y * y * v;
-    default:
-      return 0.0;
-    }
-  }
-};
+/// x^(1/order) to 4%, which is all that the length of a step needs: read as a whole number, a double is its logarithm to base 2
+/// up to 0.09, with 2^52 for the unit.
+double rough_root(double x) {
+  constexpr auto one = std::bit_cast<std::int64_t>(1.0);
+  return 0.97 * std::bit_cast<double>(one + (std::bit_cast<std::int64_t>(x) - one) / static_cast<std::int64_t>(order));
+}
 
 /// Newton, kept in the bracket, on a quantity of a partial step: value(s) returns it with its derivative; value(0) < 0 <=
 /// value(h).
@@ -149,151 +76,169 @@ void HertzFlow::field(double t, const Vector& x, Vector& out) const {
 }
 
 void HertzFlow::carry(const FlowTask& task, const Vector& x0, Segment& out) const {
-  if (task.sensitivity == Sensitivity::none) return carry_with<0>(task, x0, false, out);
+  if (task.sensitivity == Sensitivity::none) return carry_with<0>(task, x0, out);
   const std::size_t parameters = task.sensitivity == Sensitivity::state ? 0 : coefficient_of_active_.size();
-  if (parameters == 0) return carry_with<2>(task, x0, true, out);
-  if (parameters == 1) return carry_with<3>(task, x0, true, out);
-  carry_with<2 + C::count>(task, x0, true, out);
+  if (parameters == 0) return carry_with<1>(task, x0, out);
+  if (parameters <= 2) return carry_with<2>(task, x0, out);
+  carry_with<1 + (C::count + 1) / 2>(task, x0, out);
 }
 
-template <std::size_t Columns>
-void HertzFlow::carry_with(const FlowTask& task, const Vector& x0, bool tangent, Segment& out) const {
-  constexpr std::size_t size = Equations<Columns>::size;
-  using Z = detail::Stage<size>;
-  const auto& q = contact_.value;
-  const double r = q[C::barrier];
-  Z z{};
-  z[0] = std::sqrt(std::max(0.0, x0[0] - r));
-  z[1] = x0[1];
-  z[2] = task.t0;
-  if constexpr (Columns >= 2) z[base] = z[base + 3] = 1.0;
+double HertzFlow::speed_coefficient(double y) const {
+  const auto& p = contact_.value;
+  return 2.0 * p[C::damping] + p[C::stiffness] * p[C::contact_damping] * y * y * y;
+}
+
+template <std::size_t Pairs> void HertzFlow::leave_rest(const FlowTask& task, double dt, detail::HertzState<Pairs>& z) const {
+  const auto& p = contact_.value;
+  const double r = p[C::barrier], v = z.yv[1], w = p[C::frequency], c = z.phase[0], s = z.phase[1];
+  const double a = p[C::amplitude] * c - 2.0 * p[C::damping] * v - r - p[C::beta] * r * r * r;
+  const double jerk = -p[C::amplitude] * w * s - 2.0 * p[C::damping] * a;
+  const auto root_depth = [&](double t) { return std::sqrt(std::max(0.0, t * (v + t * (a / 2 + jerk * t / 6)))); };
+  const double y = root_depth(dt), t = task.t0 + dt, middle = task.t0 + dt / 2;
+  z.yv = detail::Pair{y, v + dt * (a + jerk * dt / 2)};
+  z.phase = detail::Pair{std::cos(w * t), std::sin(w * t)};
+  z.time = detail::Pair{dt, -2.0 * p[C::damping] * dt};
+  if constexpr (Pairs > 0) {
+    Eigen::Matrix2d A;
+    A << 0.0, 1.0, -1.0 - 3.0 * p[C::beta] * r * r, -2.0 * p[C::damping];
+    Eigen::Matrix2d Phi = Eigen::Matrix2d::Identity() + A * dt + A * A * (dt * dt / 2);
+    // What the contact's own stiffness, 1.5 k_H y, adds up to.
+    const double stiffness = 1.5 * p[C::stiffness] * (4.0 * root_depth(dt / 2) + y) * dt / 6;
+    Phi(1, 0) -= stiffness;
+    z.dx[0] = detail::Pair{Phi(0, 0), Phi(0, 1)};
+    z.q[0] = detail::Pair{Phi(1, 0), Phi(1, 1)} + speed_coefficient(y) * z.dx[0];
+    if constexpr (Pairs > 1) {
+      for (std::size_t k = 0; k < coefficient_of_active_.size(); ++k) {
+        double f_p = 0.0;  // in the middle; of what depends on the depth nothing is left
+        switch (coefficient_of_active_[k]) {
+        case C::damping:
+          f_p = -2.0 * (v + a * dt / 2);
+          break;
+        case C::beta:
+          f_p = -r * r * r;
+          break;
+        case C::amplitude:
+          f_p = std::cos(w * middle);
+          break;
+        case C::frequency:
+          f_p = -p[C::amplitude] * middle * std::sin(w * middle);
+          break;
+        default:
+          break;
+        }
+        const double dx = f_p * dt * dt / 2;
+        const double dv = f_p * (dt - p[C::damping] * dt * dt) + (coefficient_of_active_[k] == C::barrier ? stiffness : 0.0);
+        z.dx[1 + k / 2][k % 2] = dx;
+        z.q[1 + k / 2][k % 2] = dv + speed_coefficient(y) * dx;
+      }
+    }
+  }
+}
+
+template <std::size_t Pairs> void HertzFlow::carry_with(const FlowTask& task, const Vector& x0, Segment& out) const {
+  using State = detail::HertzState<Pairs>;
+  const auto& p = contact_.value;
+  const double r = p[C::barrier], duration = task.t_end - task.t0;
+  const auto set_phase = [&](State& z) {
+    const double phase = p[C::frequency] * (task.t0 + z.time[0]);
+    z.phase = detail::Pair{std::cos(phase), std::sin(phase)};
+  };
+  State z;
+  z.yv = detail::Pair{std::sqrt(std::max(0.0, x0[0] - r)), x0[1]};
+  set_phase(z);
+  if constexpr (Pairs > 0) {
+    z.dx[0] = detail::Pair{1.0, 0.0};
+    z.q[0] = detail::Pair{speed_coefficient(z.yv[0]), 1.0};
+  }
   out.t0 = task.t0;
   out.x0 = x0;
   out.end = FlowEnd::failed;
   out.evaluations = 0;
 
-  const auto finish = [&](FlowEnd end, double t1, const Z& last) {
+  const auto finish = [&](FlowEnd end, const State& last) {
+    const double y = last.yv[0];
     out.end = end;
     out.event = leave_;
-    out.t1 = t1;
+    out.t1 = end == FlowEnd::time ? task.t_end : task.t0 + last.time[0];
     out.x1.resize(2);
-    out.x1 << (end == FlowEnd::event ? r : r + last[0] * last[0]), last[1];
-    if (!tangent) return;
-    out.divergence = last[3];
-    if constexpr (Columns >= 2) {
-      out.Phi = Eigen::Map<const Eigen::Matrix2d>(last.data() + base);
-      if constexpr (Columns > 2) {
-        out.Psi = Eigen::Map<const Matrix>(last.data() + base + 4, 2, static_cast<Eigen::Index>(coefficient_of_active_.size()));
-      } else {
-        out.Psi.resize(2, 0);
+    out.x1 << (end == FlowEnd::event ? r : r + y * y), last.yv[1];
+    if constexpr (Pairs > 0) {
+      out.divergence = last.time[1];
+      const double q_of_dx = speed_coefficient(y);
+      const detail::Pair dx = last.dx[0], dv = last.q[0] - q_of_dx * dx;
+      out.Phi.resize(2, 2);
+      out.Phi << dx[0], dx[1], dv[0], dv[1];
+      out.Psi.resize(2, Pairs == 1 ? 0 : static_cast<Eigen::Index>(coefficient_of_active_.size()));
+      for (Eigen::Index k = 0; k < out.Psi.cols(); ++k) {
+        const std::size_t j = 1 + static_cast<std::size_t>(k) / 2;
+        out.Psi.col(k) << last.dx[j][k % 2], last.q[j][k % 2] - q_of_dx * last.dx[j][k % 2];
       }
     }
   };
 
   // Shortest contact in s: half a turn about the equilibrium (0, 0), pi sqrt(2/|a|), a being the acceleration at the barrier:
-  // of all accelerations met there within dt after t at speeds up to v.
-  const auto longest_step = [&](double t, double v, double dt) {
-    const double a = std::abs(q[C::amplitude] * std::cos(q[C::frequency] * t) - r * (1.0 + q[C::beta] * r * r)) +
-                     2.0 * q[C::damping] * std::abs(v) + std::abs(q[C::amplitude]) * q[C::frequency] * dt;
+  // of all accelerations met there within dt at speeds up to v.
+  const auto longest_step = [&](double cosine, double v, double dt) {
+    const double a = std::abs(p[C::amplitude] * cosine - r * (1.0 + p[C::beta] * r * r)) + 2.0 * p[C::damping] * std::abs(v) +
+                     std::abs(p[C::amplitude]) * p[C::frequency] * dt;
     return 0.3 * std::numbers::pi * std::sqrt(2.0 / std::max(a, 1e-12));
   };
 
-  if (z[0] == 0.0 && z[1] <= rest_tolerance) {
-    const double c = std::cos(q[C::frequency] * task.t0), s = std::sin(q[C::frequency] * task.t0), v = z[1];
-    const double a = q[C::amplitude] * c - 2.0 * q[C::damping] * v - r - q[C::beta] * r * r * r;
-    if (v < -rest_tolerance * (1.0 + std::abs(a))) return finish(FlowEnd::event, task.t0, z);
+  if (z.yv[0] == 0.0 && z.yv[1] <= rest_tolerance) {
+    const double a = p[C::amplitude] * z.phase[0] - 2.0 * p[C::damping] * z.yv[1] - r * (1.0 + p[C::beta] * r * r);
+    if (z.yv[1] < -rest_tolerance * (1.0 + std::abs(a))) return finish(FlowEnd::event, z);
     // From rest on the barrier the motion is analytic in t, not in s: its series over a first short while (terms left out: t^4).
-    const double dt = std::min(1e-5, task.t_end - task.t0);
-    const double jerk = -q[C::amplitude] * q[C::frequency] * s - 2.0 * q[C::damping] * a;
-    const auto root_depth = [&](double t) { return std::sqrt(std::max(0.0, t * (v + t * (a / 2 + jerk * t / 6)))); };
-    z[0] = root_depth(dt);
-    z[1] = v + dt * (a + jerk * dt / 2);
-    z[2] += dt;
-    z[3] = -2.0 * q[C::damping] * dt;
-    if constexpr (Columns >= 2) {
-      const Equations<Columns> at_start{contact_, coefficient_of_active_, NearbyCosine(q[C::frequency], task.t0)};
-      Eigen::Matrix2d A;
-      A << 0.0, 1.0, -1.0 - 3.0 * q[C::beta] * r * r, -2.0 * q[C::damping];
-      Eigen::Map<Eigen::Matrix2d>(z.data() + base) += A * dt + A * A * (dt * dt / 2);
-      // What the contact's own stiffness, 1.5 k_H y, adds up to.
-      const double stiffness = 1.5 * q[C::stiffness] * (4.0 * root_depth(dt / 2) + z[0]) * dt / 6;
-      z[base + 1] -= stiffness;
-      double middle_c, middle_s;
-      at_start.cosine(task.t0 + dt / 2, middle_c, middle_s);
-      for (std::size_t k = 2; k < Columns && k - 2 < coefficient_of_active_.size(); ++k) {
-        const std::size_t coefficient = coefficient_of_active_[k - 2];
-        const Eigen::Vector2d f_p(0.0, at_start.derivative(coefficient, r, v + a * dt / 2, 0.0, task.t0 + dt / 2, middle_c, middle_s));
-        Eigen::Map<Eigen::Vector2d>(z.data() + base + 2 * k) = f_p * dt + A * f_p * (dt * dt / 2);
-        if (coefficient == C::barrier) z[base + 2 * k + 1] += stiffness;
-      }
-    }
-    if (z[0] == 0.0 && z[1] <= 0.0) return finish(FlowEnd::event, z[2], z);
+    leave_rest(task, std::min(1e-5, duration), z);
+    if (z.yv[0] == 0.0 && z.yv[1] <= 0.0) return finish(FlowEnd::event, z);
   }
 
-  double h = 0.25 * longest_step(z[2], z[1], 0.0);
-  Z k1, next, error;
-  for (std::size_t step = 0; step < options_.max_steps; ++step) {
-    if (z[2] >= task.t_end) return finish(FlowEnd::time, task.t_end, z);
-    const Equations<Columns> equations{contact_, coefficient_of_active_, NearbyCosine(q[C::frequency], z[2])};
-    equations(z, k1);
-    detail::rk8_step<size>(equations, z, k1, h, next, error);
-    out.evaluations += 13;
-    double worst = 0.0, sum = 0.0;
-    for (std::size_t i = 0; i < size; ++i) {
-      const double relative = std::abs(error[i]) / (1.0 + std::abs(next[i]));
-      worst = std::max(worst, relative);
-      sum += relative;
+  // The terms fall off over a step as powers of `ratio`, so that a last one of a quarter of the tolerance leaves out a twentieth
+  // of it. The rest is for the tangent, whose error grows as that of the state over the speed of entry.
+  const double ratio = std::pow(options_.tolerance, 1.0 / order), allowed = 0.25 * options_.tolerance;
+  detail::HertzSeries<order, Pairs> series(contact_, coefficient_of_active_, task.t0);
+  double h = longest_step(z.phase[0], z.yv[1], 0.0);
+  for (std::size_t step = 1; step <= options_.max_steps; ++step) {
+    if (z.time[0] >= duration) return finish(FlowEnd::time, z);
+    series.expand(z);
+    out.evaluations += order;
+    // Of two coefficients, lest one be small by chance.
+    const double size = std::max(series.size(order), series.size(order - 1) * ratio / h);
+    if (!std::isfinite(size)) break;
+    const double v = std::abs(z.yv[1]), longest = longest_step(z.phase[0], v, 0.0);
+    h = std::min(longest, rough_root(allowed / size));
+    State next = series.at(h);
+    const double checked = longest_step(z.phase[0], std::max(v, std::abs(next.yv[1])), std::abs(next.time[0] - z.time[0]));
+    if (h > checked) {
+      h = checked;
+      next = series.at(h);
     }
-    if (!std::isfinite(sum)) worst = std::numeric_limits<double>::infinity();  // far beyond y = 0 the equations blow up
-    const double factor = 0.9 * std::pow(options_.tolerance / std::max(worst, 1e-30), 1.0 / 8.0);
-    if (worst > options_.tolerance && h > 1e-10) {
-      h *= std::clamp(factor, 0.1, 0.9);
-      continue;
-    }
-    if (!std::isfinite(worst)) break;
-    const double longest = longest_step(z[2], std::max(std::abs(z[1]), std::abs(next[1])), std::abs(next[2] - z[2]));
-    if (h > longest) {
-      h = longest;
-      continue;
-    }
-    const bool surfaced = next[0] <= 0.0, late = next[2] >= task.t_end;
+    if (!std::isfinite(next.yv[0] + next.yv[1] + next.time[0])) break;
+    const bool surfaced = !(next.yv[0] > 0.0), late = next.time[0] >= duration;
     if (surfaced || late) {
-      // Roots are found on the state alone, by partial steps from the start of this one; then the tangent follows once.
-      const Equations<0> state{contact_, coefficient_of_active_, equations.cosine};
-      const detail::Stage<base> from{z[0], z[1], z[2], 0.0}, slope{k1[0], k1[1], k1[2], 0.0};
-      detail::Stage<base> here, ignored;
-      const auto partial = [&](double s) {
-        detail::rk8_step<base>(state, from, slope, s, here, ignored);
-        out.evaluations += 12;
-      };
       double s = h;
       FlowEnd end = FlowEnd::time;
       if (surfaced) {
         s = root_in_step(
             [&](double trial) {
-              partial(trial);
-              return std::pair{-here[0], -0.5 * here[1]};
+              const detail::Pair yv = series.depth_and_speed(trial);
+              return std::pair{-yv[0], -0.5 * yv[1]};
             },
             h);
-        partial(s);
-        if (here[2] <= task.t_end) end = FlowEnd::event;
+        if (series.time(s) <= duration) end = FlowEnd::event;
       }
       if (end == FlowEnd::time) {
         s = root_in_step(
             [&](double trial) {
-              partial(trial);
-              return std::pair{here[2] - task.t_end, here[0]};
+              return std::pair{series.time(trial) - duration, series.depth_and_speed(trial)[0]};
             },
             s);
       }
-      detail::rk8_step<size>(equations, z, k1, s, next, error);
-      out.evaluations += 12;
-      return finish(end, end == FlowEnd::event ? next[2] : task.t_end, next);
+      return finish(end, series.at(s));
     }
     z = next;
-    h = std::min(longest, h * std::clamp(factor, 0.5, 4.0));
+    if (step % 16 == 0) set_phase(z);  // lest it drift from the time
   }
-  finish(FlowEnd::failed, z[2], z);
+  finish(FlowEnd::failed, z);
 }
 
 }  // namespace graze

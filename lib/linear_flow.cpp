@@ -11,29 +11,61 @@ namespace {
 using Matrix2 = Eigen::Matrix2d;
 using Vector2 = Eigen::Vector2d;
 
+/// True if the polynomial with power coefficients a_0 ... a_N in h is <= 0 on all of [0, H] and < 0 at H, shown by its Bernstein
+/// coefficients (it lies in their convex hull).
+template <std::size_t N> bool stays_below_zero(const std::array<double, N + 1>& a, double H) {
+  static constexpr std::array<double, N + 1> inverse_binomial = [] {
+    std::array<double, N + 1> inverse{};
+    double binomial = 1.0;
+    for (std::size_t k = 0; k <= N; ++k) {
+      inverse[k] = 1.0 / binomial;
+      binomial = binomial * static_cast<double>(N - k) / static_cast<double>(k + 1);
+    }
+    return inverse;
+  }();
+  if (!(a[0] <= 0.0)) return false;
+  std::array<double, N + 1> b;  // a_k H^k / binomial(N, k)
+  double power = 1.0;
+#pragma GCC unroll 8
+  for (std::size_t k = 0; k <= N; ++k) {
+    b[k] = a[k] * power * inverse_binomial[k];
+    power *= H;
+  }
+  // Then b_j = sum_{k <= j} binomial(j, k) b_k, by repeated partial sums.
+#pragma GCC unroll 8
+  for (std::size_t m = 1; m <= N; ++m) {
+#pragma GCC unroll 8
+    for (std::size_t k = N; k >= m; --k) b[k] += b[k - 1];
+    if (!(b[m] <= 0.0)) return false;
+  }
+  return b[N] < 0.0;
+}
+
+}  // namespace
+
 /// exp(-b s) times C = cos(sqrt(q2) s) and S = sin(sqrt(q2) s)/sqrt(q2), continued to q2 <= 0; k = q2 + b^2 > 0. Formed as one
 /// product each: of an overdamped oscillator cosh overflows where exp(-b s) vanishes.
-struct Damped {
+struct LinearFlow::Damped {
   double C, S, decay;
 };
 
-Damped damped(double q2, double b, double k, double s) {
-  const double z = q2 * s * s;
+LinearFlow::Damped LinearFlow::damped(double s) const {
+  const double b = coefficient_.damping, z = q2_ * s * s;
   const double decay = std::exp(-b * s);
   if (std::abs(z) < 1e-4) {  // series: the next terms are below 1e-18
     return {decay * (1.0 - z / 2 * (1.0 - z / 12 * (1.0 - z / 30))), decay * s * (1.0 - z / 6 * (1.0 - z / 20 * (1.0 - z / 42))),
             decay};
   }
-  const double q = std::sqrt(std::abs(q2));
-  if (q2 > 0.0) return {decay * std::cos(q * s), decay * std::sin(q * s) / q, decay};
-  const double slow = std::exp(-k / (b + q) * s), lost = -std::expm1(-2.0 * q * s);  // k/(b + q) = b - q
+  const double q = std::sqrt(std::abs(q2_));
+  if (q2_ > 0.0) return {decay * std::cos(q * s), decay * std::sin(q * s) / q, decay};
+  const double slow = std::exp(-coefficient_.stiffness / (b + q) * s), lost = -std::expm1(-2.0 * q * s);  // k/(b + q) = b - q
   return {slow * (1.0 - 0.5 * lost), slow * lost / (2.0 * q), decay};
 }
 
 /// exp(-b s) dS/d(q2) = (s C - S) / (2 q2), by series where that cancels.
-double dS_dq2(double q2, double s, const Damped& f) {
-  const double z = q2 * s * s;
-  if (std::abs(z) > 0.1) return (s * f.C - f.S) / (2.0 * q2);
+double LinearFlow::dS_dq2(double s, const Damped& f) const {
+  const double z = q2_ * s * s;
+  if (std::abs(z) > 0.1) return (s * f.C - f.S) / (2.0 * q2_);
   double term = -s * s * s / 6.0, sum = 0.0;  // d/dq2 of sum_k (-q2)^k s^(2k+1)/(2k+1)!
   for (int k = 1; k < 12; ++k) {
     sum += term * k;
@@ -42,39 +74,14 @@ double dS_dq2(double q2, double s, const Damped& f) {
   return f.decay * sum;
 }
 
-/// True if the polynomial with power coefficients a_0 ... a_N in h is <= 0 on all of [0, H] and < 0 at H, shown by its Bernstein
-/// coefficients (it lies in their convex hull).
-template <int N> bool stays_below_zero(const std::array<double, N + 1>& a, double H) {
-  std::array<double, N + 1> scaled{};  // a_k H^k / binomial(N, k)
-  double power = 1.0, binomial = 1.0;
-  for (int k = 0; k <= N; ++k) {
-    scaled[static_cast<std::size_t>(k)] = a[static_cast<std::size_t>(k)] * power / binomial;
-    power *= H;
-    binomial = binomial * (N - k) / (k + 1);
-  }
-  // b_j = sum_{k <= j} binomial(j, k) scaled_k, formed by repeated partial sums.
-  double last = 0.0;
-  for (int j = 0; j <= N; ++j) {
-    double sum = 0.0, c = 1.0;
-    for (int k = 0; k <= j; ++k) {
-      sum += c * scaled[static_cast<std::size_t>(k)];
-      c = c * (j - k) / (k + 1);
-    }
-    if (!(sum <= 0.0)) return false;
-    last = sum;
-  }
-  return last < 0.0;
-}
-
-}  // namespace
-
-/// Displacement since the start, and three derivatives of x.
+/// Displacement since the start, and five derivatives of x; cosine and sine of the forcing's phase.
 struct LinearFlow::Point {
-  double dx, v, a, j;
+  double dx, v, a, j, x4, x5, c, s;
 };
 
 struct LinearFlow::Flight {
   double t0, x0;
+  double c, s;  // cosine and sine of the forcing's phase at t0
   double d, e;  // deviation from the particular solution at t0: position and speed
   double near;  // up to here after the start
   std::array<double, 9>
@@ -108,6 +115,7 @@ LinearFlow::LinearFlow(const HybridSystem& system, std::size_t mode, const Vecto
   const double c_unit = detuning * inverse, s_unit = drag * inverse;
   cosine_ = A * c_unit;
   sine_ = A * s_unit;
+  forced_ = std::hypot(cosine_, sine_);
   offset_ = oscillator.constant / k;
   // d(detuning, drag)/d(b, k, w) = (0, 2w), (1, 0), (-2w, 2b); D' = 2 (detuning detuning' + drag drag').
   const auto add = [&](int column, double detuning_d, double drag_d) {
@@ -142,7 +150,8 @@ void LinearFlow::field(double t, const Vector& x, Vector& out) const {
 LinearFlow::Flight LinearFlow::depart(double t0, const Vector& x0) const {
   const LinearOscillator& q = coefficient_;
   const double wt = q.frequency * t0, c = std::cos(wt), s = std::sin(wt);
-  Flight flight{t0, x0[0], x0[0] - (cosine_ * c + sine_ * s + offset_), x0[1] - q.frequency * (sine_ * c - cosine_ * s), 0.0, {}};
+  Flight flight{t0,  x0[0], c, s, x0[0] - (cosine_ * c + sine_ * s + offset_), x0[1] - q.frequency * (sine_ * c - cosine_ * s),
+                0.0, {}};
   flight.near = 0.05 / std::max({q.frequency, std::sqrt(q.stiffness), 2.0 * q.damping});  // 0.05^9/9! is below rounding
   const double turn[4] = {c, -s, -c, s};
   double before = x0[0], here = x0[1], force = q.amplitude, factorial = 1.0;
@@ -157,9 +166,14 @@ LinearFlow::Flight LinearFlow::depart(double t0, const Vector& x0) const {
   return flight;
 }
 
-LinearFlow::Point LinearFlow::at(const Flight& flight, double s) const {
+LinearFlow::Point LinearFlow::at(const Flight& flight, double s, const Damped* known) const {
   const LinearOscillator& q = coefficient_;
-  const double wt = q.frequency * (flight.t0 + s), c = std::cos(wt), sn = std::sin(wt);
+  double c = flight.c, sn = flight.s;
+  if (s != 0.0) {
+    const double wt = q.frequency * (flight.t0 + s);
+    c = std::cos(wt);
+    sn = std::sin(wt);
+  }
   Point point{};
   if (s <= flight.near) {
     for (std::size_t i = flight.series.size() - 1; i > 0; --i) {
@@ -167,13 +181,18 @@ LinearFlow::Point LinearFlow::at(const Flight& flight, double s) const {
       point.v = static_cast<double>(i) * flight.series[i] + s * point.v;
     }
   } else {
-    const Damped f = damped(q2_, q.damping, q.stiffness, s);
+    const Damped f = known ? *known : damped(s);
     const double b_S = q.damping * f.S;
     point.dx = (f.C + b_S) * flight.d + f.S * flight.e + cosine_ * c + sine_ * sn + offset_ - flight.x0;
     point.v = -q.stiffness * f.S * flight.d + (f.C - b_S) * flight.e + q.frequency * (sine_ * c - cosine_ * sn);
   }
   point.a = q.amplitude * c + q.constant - 2.0 * q.damping * point.v - q.stiffness * (flight.x0 + point.dx);
   point.j = -q.amplitude * q.frequency * sn - 2.0 * q.damping * point.a - q.stiffness * point.v;
+  const double w2 = q.frequency * q.frequency;
+  point.x4 = -q.amplitude * w2 * c - 2.0 * q.damping * point.j - q.stiffness * point.a;
+  point.x5 = q.amplitude * w2 * q.frequency * sn - 2.0 * q.damping * point.x4 - q.stiffness * point.j;
+  point.c = c;
+  point.s = sn;
   return point;
 }
 
@@ -181,10 +200,9 @@ std::optional<double> LinearFlow::first_crossing(const Flight& flight, const Bar
                                                  std::size_t& evaluations) const {
   const LinearOscillator& q = coefficient_;
   const double w = q.frequency, k = q.stiffness, b = q.damping;
-  const double amplitude = std::hypot(cosine_, sine_);
-  const double forced4 = amplitude * w * w * w * w;
+  const double w2 = w * w, w4 = w2 * w2, forced6 = forced_ * w4 * w2;
   const double scale = 1.0 + std::abs(barrier.level);
-  const double longest = 2.0 / std::max(w, std::sqrt(k));  // beyond that the Taylor bound holds nothing useful
+  const double longest = 2.5 / std::max(w, std::sqrt(k));  // beyond that the Taylor bound holds nothing useful
   const auto evaluate = [&](double s) {
     ++evaluations;
     return at(flight, s);
@@ -209,33 +227,41 @@ std::optional<double> LinearFlow::first_crossing(const Flight& flight, const Bar
       leaving = false;
     }
     const double a = resting && s == 0.0 ? std::min(barrier.sign * z.a, 0.0) : barrier.sign * z.a, j = barrier.sign * z.j;
-    // Bound of |x''''|: of the transient by its energy one derivative down, sqrt(x_h''''^2 + k x_h'''^2), which only decays.
-    const double wt = w * (flight.t0 + s), c = std::cos(wt), sn = std::sin(wt);
-    const double j_h = z.j - w * w * w * (cosine_ * sn - sine_ * c);
-    const double a_h = z.a + w * w * (cosine_ * c + sine_ * sn);
-    const double snap_h = -2.0 * b * j_h - k * a_h;
-    const double M4 = std::sqrt(snap_h * snap_h + k * j_h * j_h) + forced4;
+    // Bound of the sixth derivative: of the transient by its energy one derivative down, sqrt(x6^2 + k x5^2), which only decays.
+    const double x4 = barrier.sign * z.x4, x5 = barrier.sign * z.x5;
+    const double x5_h = z.x5 - w4 * w * (sine_ * z.c - cosine_ * z.s);
+    const double x4_h = z.x4 - w4 * (cosine_ * z.c + sine_ * z.s);
+    const double x6_h = -2.0 * b * x5_h - k * x4_h;
+    const double M6 = std::sqrt(x6_h * x6_h + k * x5_h * x5_h) + forced6;
     H = std::min({2.0 * H, longest, s_end - s});
     const double too_short = 1e-15 * (1.0 + s);
     for (;; H *= 0.5) {
-      if (stays_below_zero<4>({g, v, a / 2, j / 6, M4 / 24}, H)) break;  // no crossing on [s, s + H]
-      if (stays_below_zero<3>({-v, -a, -j / 2, M4 / 6}, H)) {            // the speed stays positive on it: at most one
+      if (stays_below_zero<6>({g, v, a / 2, j / 6, x4 / 24, x5 / 120, M6 / 720}, H)) break;  // no crossing on [s, s + H]
+      if (stays_below_zero<5>({-v, -a, -j / 2, -x4 / 6, -x5 / 24, M6 / 120}, H)) {  // the speed stays positive on it: at most one
         if (g >= 0.0) return s;
         const Point end = evaluate(s + H);
         if (gap(end) < 0.0) break;
-        // Unique root: Newton from the side where it overshoots least, kept in the bracket.
-        double lo = s, hi = s + H, root = g < 0.0 ? s + std::min(H, -g / v) : s;
+        // Unique root: of the Taylor polynomial first, then by Halley's method, kept in the bracket.
+        double lo = s, hi = s + H, root = s;
+        for (int i = 0; i < 8; ++i) {
+          const double h = root - s;
+          const double value = g + h * (v + h * (a / 2 + h * (j / 6 + h * (x4 / 24 + h * (x5 / 120)))));
+          const double slope = v + h * (a + h * (j / 2 + h * (x4 / 6 + h * (x5 / 24))));
+          const double move = value / slope;
+          root -= move;
+          if (!(root > lo && root < hi) || std::abs(move) < 1e-6 * H) break;
+        }
         for (int i = 0; i < 60; ++i) {
           if (!(root >= lo && root <= hi)) root = 0.5 * (lo + hi);
           const Point here = evaluate(root);
           const double h = gap(here);
           (h < 0.0 ? lo : hi) = root;
-          const double next = root - h / (barrier.sign * here.v);
-          if (std::abs(next - root) <= 4e-16 * (flight.t0 + root) || lo == hi) {
-            root = next;
-            break;
-          }
-          root = next;
+          const double newton = h / (barrier.sign * here.v), bend = newton * here.a / here.v;
+          const double move = newton / (1.0 - 0.5 * std::clamp(bend, -1.0, 1.0));
+          root -= move;
+          // What a move leaves is of the size of its cube times (a/v)^2 and j/v.
+          const double left = std::abs(move) * (bend * bend + std::abs(move * move * here.j / here.v));
+          if (std::min(std::abs(move), 20.0 * left) <= 4e-16 * (flight.t0 + root) || lo == hi) break;
         }
         return std::clamp(root, s, s + H);
       }
@@ -288,21 +314,21 @@ void LinearFlow::carry(const FlowTask& task, const Vector& x0, Segment& out) con
     }
   }
   out.t1 = out.end == FlowEnd::time ? task.t_end : task.t0 + duration;
+  const bool tangent = task.sensitivity != Sensitivity::none;
+  const Damped f = tangent ? damped(duration) : Damped{};
   if (duration > 0.0) {
-    const Point end = at(flight, duration);
+    const Point end = at(flight, duration, tangent ? &f : nullptr);
     out.x1.resize(2);
     out.x1 << flight.x0 + end.dx, end.v;
   } else {
     out.x1 = x0;
   }
   if (out.end == FlowEnd::event) out.x1[0] = level;
-  if (task.sensitivity != Sensitivity::none)
-    sensitivities(task.t0, out.t1, x0, task.sensitivity == Sensitivity::state_and_parameters, out);
+  if (tangent) sensitivities(f, duration, task.sensitivity == Sensitivity::state_and_parameters, out);
 }
 
-void LinearFlow::sensitivities(double t0, double t1, const Vector& x0, bool with_parameters, Segment& out) const {
-  const double b = coefficient_.damping, k = coefficient_.stiffness, w = coefficient_.frequency, s = t1 - t0;
-  const Damped f = damped(q2_, b, k, s);
+void LinearFlow::sensitivities(const Damped& f, double s, bool with_parameters, Segment& out) const {
+  const double b = coefficient_.damping, k = coefficient_.stiffness, w = coefficient_.frequency;
   Matrix2 Phi;
   Phi << f.C + b * f.S, f.S, -k * f.S, f.C - b * f.S;
   out.Phi = Phi;
@@ -310,7 +336,7 @@ void LinearFlow::sensitivities(double t0, double t1, const Vector& x0, bool with
   if (!with_parameters) return;
   out.Psi.resize(2, active_dp_.cols());
   if (active_dp_.cols() == 0) return;
-  const double C_q = -s * f.S / 2.0, S_q = dS_dq2(q2_, s, f);
+  const double C_q = -s * f.S / 2.0, S_q = dS_dq2(s, f);
   Matrix2 Phi_b, Phi_k;
   Phi_b << C_q * -2.0 * b + f.S + b * S_q * -2.0 * b, S_q * -2.0 * b, -k * S_q * -2.0 * b,
       C_q * -2.0 * b - f.S - b * S_q * -2.0 * b;
@@ -327,8 +353,8 @@ void LinearFlow::sensitivities(double t0, double t1, const Vector& x0, bool with
     return Vector2(B * Eigen::Vector3d(cosine_, sine_, offset_));
   };
   Eigen::Matrix<double, 2, 5> start_dq, end_dq;
-  const Vector2 deviation = x0 - particular(t0, start_dq);
-  particular(t1, end_dq);
+  const Vector2 deviation = out.x0 - particular(out.t0, start_dq);
+  particular(out.t1, end_dq);
   Eigen::Matrix<double, 2, 5> z_dq = end_dq - Phi * start_dq;
   z_dq.col(0) += Phi_b * deviation;
   z_dq.col(1) += Phi_k * deviation;

@@ -15,8 +15,9 @@ Propagator::Propagator(const HybridSystem& system, const Vector& p, std::vector<
   validate(options);
   for (const std::size_t parameter : active_)
     if (parameter >= system.parameters.size())
-      throw std::invalid_argument(fmt::format("sensitivity in parameter number {} was asked for; system {} has {} (counted from 0)",
-                                              parameter, system.name, system.parameters.size()));
+      throw std::invalid_argument(
+          fmt::format("sensitivity in parameter number {} was asked for; system {} has {} (counted from 0)", parameter,
+                      system.name, system.parameters.size()));
   const auto n = static_cast<Eigen::Index>(system.states);
   for (std::size_t i = 0; i < system.events.size(); ++i) events_of_mode_[system.events[i].from].push_back(i);
   for (Vector* v : {&f_minus_, &f_plus_, &gradient_, &f_dt_, &glance_}) v->resize(n);
@@ -139,7 +140,7 @@ void Propagator::cross(HybridState& state, std::size_t index, double t_end, Sens
   if (sensitivity == Sensitivity::none) return;
   const std::span<const std::size_t> active =
       sensitivity == Sensitivity::state ? std::span<const std::size_t>{} : std::span<const std::size_t>(active_);
-  record_.saltation = saltation(event, {state.t, record_.x_minus, record_.x_plus, f_minus_, f_plus_}, p_, active);
+  saltation(event, {state.t, record_.x_minus, record_.x_plus, f_minus_, f_plus_}, p_, active, record_.saltation);
 }
 
 bool Propagator::accumulate(HybridState& state, const Event& event, double t_end, Sensitivity sensitivity) {

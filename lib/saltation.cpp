@@ -14,23 +14,31 @@ double transversality(const Guard& guard, double t, const Vector& x, const Vecto
 }
 
 SaltationMatrix saltation(const Event& event, const Crossing& crossing, const Vector& p, std::span<const std::size_t> active) {
+  SaltationMatrix result;
+  saltation(event, crossing, p, active, result);
+  return result;
+}
+
+void saltation(const Event& event, const Crossing& crossing, const Vector& p, std::span<const std::size_t> active,
+               SaltationMatrix& result) {
   const Eigen::Index n = crossing.x_minus.size();
   const auto m = static_cast<Eigen::Index>(active.size());
-  SaltationMatrix result;
+  result.regular = false;
   result.transversality = transversality(event.guard, crossing.t, crossing.x_minus, crossing.f_minus, p);
   if (event.continuous) {
     result.regular = true;
-    result.S = Matrix::Identity(n, n);
-    result.Sp = Matrix::Zero(n, m);
-    return result;
+    result.S.setIdentity(n, n);
+    result.Sp.setZero(n, m);
+    return;
   }
   const double c = result.transversality;
   if (!(std::abs(c) > grazing_transversality * (1.0 + crossing.f_minus.lpNorm<Eigen::Infinity>()))) {
-    result.S = Matrix::Constant(n, n, std::numeric_limits<double>::quiet_NaN());
-    result.Sp = Matrix::Constant(n, m, std::numeric_limits<double>::quiet_NaN());
-    return result;
+    result.S.setConstant(n, n, std::numeric_limits<double>::quiet_NaN());
+    result.Sp.setConstant(n, m, std::numeric_limits<double>::quiet_NaN());
+    return;
   }
-  Matrix reset_dx = Matrix::Identity(n, n);
+  Matrix& reset_dx = result.S;
+  reset_dx.setIdentity(n, n);
   Vector jump = crossing.f_plus;
   if (event.reset.map) {
     event.reset.dx(crossing.t, crossing.x_minus, p, reset_dx);
@@ -40,12 +48,12 @@ SaltationMatrix saltation(const Event& event, const Crossing& crossing, const Ve
       jump -= reset_dt;
     }
   }
-  jump -= reset_dx * crossing.f_minus;
+  jump.noalias() -= reset_dx * crossing.f_minus;
   Vector gradient(n);
   event.guard.dx(crossing.t, crossing.x_minus, p, gradient);
   result.regular = true;
-  result.S = reset_dx + jump * gradient.transpose() / c;
-  result.Sp = Matrix::Zero(n, m);
+  result.S += jump.lazyProduct(gradient.transpose()) / c;
+  result.Sp.setZero(n, m);
   if (m > 0) {
     Matrix reset_dp = Matrix::Zero(n, p.size());
     if (event.reset.map && event.reset.dp) event.reset.dp(crossing.t, crossing.x_minus, p, reset_dp);
@@ -56,7 +64,6 @@ SaltationMatrix saltation(const Event& event, const Crossing& crossing, const Ve
       result.Sp.col(k) = reset_dp.col(parameter) + jump * (guard_dp[parameter] / c);
     }
   }
-  return result;
 }
 
 }  // namespace graze

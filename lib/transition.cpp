@@ -12,10 +12,22 @@ namespace graze {
 
 namespace {
 
+/// B = A B; two states are so much the most frequent that their product is formed in place.
+void multiply_from_left(const Matrix& A, Matrix& B) {
+  if (A.rows() == 2 && B.cols() == 2) {
+    const Eigen::Matrix2d product = A.topLeftCorner<2, 2>() * B.topLeftCorner<2, 2>();
+    B = product;
+  } else {
+    B = A * B;
+  }
+}
+
+double determinant(const Matrix& A) { return A.rows() == 2 ? A(0, 0) * A(1, 1) - A(0, 1) * A(1, 0) : A.determinant(); }
+
 /// From the entries of a segment's matrix; NaN where so much cancels that the entries' own error (1e-13) would show.
 double log_abs_det(const Matrix& matrix) {
   const bool small = matrix.rows() == 2;
-  const double det = small ? matrix(0, 0) * matrix(1, 1) - matrix(0, 1) * matrix(1, 0) : matrix.determinant();
+  const double det = determinant(matrix);
   const double size =
       small ? std::abs(matrix(0, 0) * matrix(1, 1)) + std::abs(matrix(0, 1) * matrix(1, 0)) : matrix.rowwise().norm().prod();
   constexpr double cancelled = 1e-3;
@@ -96,7 +108,7 @@ class Composer {
   void compose_segment() {
     if (!tangent_) return;
     const Segment& segment = propagator_.segment();
-    out_.Phi = segment.Phi * out_.Phi;
+    multiply_from_left(segment.Phi, out_.Phi);
     if (parameters_ > 0) out_.Psi = segment.Phi * out_.Psi + segment.Psi;
     out_.log_det += log_abs_det(segment.Phi);
     out_.liouville += segment.divergence;
@@ -114,9 +126,9 @@ class Composer {
     const SaltationMatrix& saltation = record.saltation;
     if (!saltation.regular) return false;
     if (event.continuous) return true;  // S is the identity
-    out_.Phi = saltation.S * out_.Phi;
+    multiply_from_left(saltation.S, out_.Phi);
     if (parameters_ > 0) out_.Psi = saltation.S * out_.Psi + saltation.Sp;
-    const double volume = std::log(std::abs(saltation.S.determinant()));
+    const double volume = std::log(std::abs(determinant(saltation.S)));
     out_.log_det += volume;
     const bool known = event.log_volume_change && record.kind != EventKind::stick;
     out_.liouville += known ? event.log_volume_change(propagator_.parameters()) : volume;

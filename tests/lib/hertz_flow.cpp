@@ -4,6 +4,7 @@
 #include "support/checks.hpp"
 #include "support/extrapolation.hpp"
 
+#include <graze/lib/detail/hertz_series.hpp>
 #include <graze/lib/detail/runge_kutta8.hpp>
 #include <graze/lib/flow.hpp>
 #include <graze/lib/oscillator.hpp>
@@ -110,6 +111,51 @@ TEST_CASE("the regularised contact has order 8 in the exit speed and in the exit
   }
 }
 
+TEST_CASE("the series of a contact is that of the motion and of its tangent to order 16, cubic stiffness and damping included") {
+  // Against the equations of DESIGN in (y, v, t) and dPhi/ds = y A Phi in (x, v), which share no form with the series.
+  HertzContact contact;
+  contact.value = {0.07, 36.0 / 35.0, 1.1, 0.8, 0.6, 90.0, 0.15};
+  const Vector p = vector({contact.value[0], contact.value[1], contact.value[2], contact.value[3], contact.value[4],
+                           contact.value[5], contact.value[6]});
+  using Number = long double;
+  const auto motion = regularised<Number>(p);
+  const auto field = [&](Number, const LongState<7>& z, LongState<7>& dz) {
+    std::array<Number, 3> dyvt;
+    motion({z[0], z[1], z[2]}, dyvt);
+    std::copy(dyvt.begin(), dyvt.end(), dz.begin());
+    const Number y = z[0], x = p[r] + y * y, give = 1 + p[b_H] * z[1];
+    const Number f_x = -1 - 3 * p[beta] * x * x - Number(1.5) * p[k_H] * y * give, f_v = -2 * p[b] - p[k_H] * y * y * y * p[b_H];
+    for (std::size_t column = 3; column < 7; column += 2) {
+      dz[column] = y * z[column + 1];
+      dz[column + 1] = y * (f_x * z[column] + f_v * z[column + 1]);
+    }
+  };
+  const double y0 = 0.25, v0 = 0.4, t0 = 0.3;
+  const auto speed_coefficient = [&](double y) { return 2.0 * p[b] + p[k_H] * p[b_H] * y * y * y; };
+  const std::vector<std::size_t> none;
+  detail::HertzSeries<16, 1> series(contact, none, t0);
+  detail::HertzState<1> z;
+  z.yv = detail::Pair{y0, v0};
+  z.phase = detail::Pair{std::cos(p[eta] * t0), std::sin(p[eta] * t0)};
+  z.dx[0] = detail::Pair{1.0, 0.0};
+  z.q[0] = detail::Pair{speed_coefficient(y0), 1.0};
+  series.expand(z);
+  std::array<std::array<double, 7>, 2> error{};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double h = i == 0 ? 0.4 : 0.2;
+    const LongState<7> exact = extrapolate<7>(field, 0, h, {y0, v0, t0, 1, 0, 0, 1});
+    const detail::HertzState<1> end = series.at(h);
+    const detail::Pair dv = end.q[0] - speed_coefficient(end.yv[0]) * end.dx[0];
+    const std::array<double, 7> found{end.yv[0], end.yv[1], t0 + end.time[0], end.dx[0][0], dv[0], end.dx[0][1], dv[1]};
+    for (std::size_t k = 0; k < 7; ++k) error[i][k] = static_cast<double>(std::abs(found[k] - exact[k]));
+  }
+  for (std::size_t k = 0; k < 7; ++k) {
+    INFO("quantity " << k << ": errors " << error[0][k] << " " << error[1][k]);
+    CHECK(error[0][k] > 1e-13);                      // more than rounding: the order shows
+    CHECK(error[1][k] < error[0][k] / 3e4 + 1e-14);  // 2^15 at least
+  }
+}
+
 TEST_CASE("the regularised contact keeps its accuracy through exit: an error in the root enters squared") {
   // dt/ds = y and dv/ds ~ y vanish at y = 0: a root off by d moves time and speed by d^2 only.
   const Vector p = damped_hertz();
@@ -212,7 +258,8 @@ TEST_CASE("contacts of extreme stiffness and speed are carried") {
   for (const double stiffness : {1e-2, 1.0, 1e4, 1e6, 1e9}) {
     for (const double speed : {1e-6, 1e-2, 1.0, 10.0}) {
       const Vector p = parameters(system, {{"k_H", stiffness}, {"eta", 0.925}});
-      const Segment fast = one_contact(system, p, 0.0, speed), general = one_contact(system, p, 0.0, speed, {.kind = FlowKind::general});
+      const Segment fast = one_contact(system, p, 0.0, speed),
+                    general = one_contact(system, p, 0.0, speed, {.kind = FlowKind::general});
       INFO("k_H " << stiffness << ", speed " << speed);
       REQUIRE(fast.end == FlowEnd::event);
       REQUIRE(general.end == FlowEnd::event);
