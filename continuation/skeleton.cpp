@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/skeleton.hpp>
 
-#include <graze/floquet/settle.hpp>
+#include <graze/floquet/attractor.hpp>
 
 #include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -73,18 +73,16 @@ class SeedFinder {
     for (int i = 0; i < count && !cancelled(); ++i) {
       const double part = static_cast<double>(i) / (count - 1);
       const Vector p = at(way == 2 ? high_ - part * (high_ - low_) : low_ + part * (high_ - low_));
-      SettleOptions settling;
-      settling.periods = options_.settle;
-      settling.cancelled = options_.continuation.cancelled;
-      settling.flow = options_.continuation.shooting.flow;
+      AttractorOptions settling;
+      settling.transient = options_.settle;
+      settling.lyapunov.cancelled = options_.continuation.cancelled;
+      settling.lyapunov.flow = options_.continuation.shooting.flow;
       for (const Vector& start : {previous.value_or(rest), rest}) {
         if (system_.initial_mode && !system_.initial_mode(0.0, start, p)) continue;
-        const Settled settled = settle(system_, p, start, settling);
-        if (settled.termination != Termination::time) continue;
-        if (way != 0) previous = settled.state;
-        if (settled.suspected_period == 0) break;
-        PeriodicOrbit orbit = shoot(system_, p, settled.state, settled.suspected_period, options_.continuation.shooting);
-        if (wanted(orbit) && orbit.stable()) found.push_back(std::move(orbit));
+        const Attractor attractor = approach_attractor(system_, p, start, settling);
+        if (attractor.termination != Termination::time) continue;
+        if (way != 0) previous = attractor.state;
+        if (attractor.orbit && wanted(*attractor.orbit)) found.push_back(*attractor.orbit);
         break;
       }
     }

@@ -232,7 +232,7 @@ TEST_CASE("Ctrl-C keeps what was computed and exits with 130") {
     CHECK(outcome.code == 130);
     CHECK_THAT(outcome.err, Contains("interrupted"));
   }
-  const Outcome search = spawn("orbit " + newton + " --period 30 --search --json " + out, SIGINT, 0.4);
+  const Outcome search = spawn("orbit " + newton + " --period 400 --search --json " + out, SIGINT, 0.4);
   CHECK(search.code == 130);
   CHECK_THAT(search.err, Contains("interrupted after"));
 }
