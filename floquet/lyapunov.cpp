@@ -21,6 +21,8 @@ void check(const HybridSystem& system, const LyapunovOptions& options) {
     throw std::invalid_argument("the exponents are averaged over forcing periods; this system is autonomous");
   if (options.interval < 1)
     throw std::invalid_argument(fmt::format("interval is {}; allowed is a whole number >= 1", options.interval));
+  if (options.aligning < 0)
+    throw std::invalid_argument(fmt::format("aligning is {}; allowed is a whole number >= 0", options.aligning));
   if (options.max_periods < options.interval)
     throw std::invalid_argument(
         fmt::format("max_periods is {}; allowed is at least the interval, {}", options.max_periods, options.interval));
@@ -108,6 +110,7 @@ LyapunovSpectrum lyapunov_spectrum(const HybridSystem& system, const Vector& p, 
     });
   };
   out.stop = LyapunovStop::budget;
+  std::int64_t aligned = 0;
   while (out.periods + options.interval <= options.max_periods) {
     if (options.cancelled && options.cancelled()) {
       out.stop = LyapunovStop::interrupted;
@@ -123,6 +126,7 @@ LyapunovSpectrum lyapunov_spectrum(const HybridSystem& system, const Vector& p, 
       frame.advance(transition.Phi);
       liouville += transition.liouville;
       out.state = transition.x1;
+      if (aligned < options.aligning) continue;
       for (const std::size_t event : transition.event_sequence) {
         const EventKind kind = system.events[event].kind;
         out.impacts += kind == EventKind::impact || kind == EventKind::enter ? 1 : 0;
@@ -133,6 +137,10 @@ LyapunovSpectrum lyapunov_spectrum(const HybridSystem& system, const Vector& p, 
       break;
     }
     const std::vector<double>& growth = frame.orthonormalise();
+    if (aligned < options.aligning) {
+      aligned += options.interval;
+      continue;
+    }
     double largest_change = 0.0;
     for (std::size_t i = 0; i < growth.size(); ++i) {
       lost[i] = lost[i] || !std::isfinite(growth[i]);

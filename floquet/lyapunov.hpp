@@ -30,6 +30,7 @@ std::string_view lyapunov_stop_text(LyapunovStop reason);
 
 struct LyapunovOptions {
   int interval = 1;              ///< forcing periods between two orthonormalisations
+  std::int64_t aligning = 0;     ///< forcing periods carried first, whose growth is not counted: the tangent vectors align
   double standard_error = 3e-4;  ///< bound, for all exponents; 0: the budget is used up
   double significance = 0.0;     ///< > 0: goes on until the first exponent also differs from zero by so many standard errors
   double change = 0.0;           ///< > 0: stop where all exponents change by less than this from one interval to the next
