@@ -2,6 +2,8 @@
 #include <graze/apps/number.hpp>
 #include <graze/apps/orbit_report.hpp>
 
+#include <graze/floquet/orbit_verification.hpp>
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,10 +22,6 @@ std::string check_cell(double value) { return value < 0.0 ? "-" : rounded(value,
 std::string verdict(double value, double limit) { return value < 0.0 ? "not applicable" : value <= limit ? "ok" : "FAILED"; }
 
 }  // namespace
-
-double finite_difference_bound(const FiniteDifferenceCheck& check) {
-  return std::max(bound::finite_difference, check.error_estimate);
-}
 
 ContactList contacts_of_run(const std::vector<EventRecord>& events) {
   ContactList list;

@@ -12,15 +12,6 @@
 
 namespace graze::apps {
 
-/// Bounds above which a check of an orbit counts as failed.
-namespace bound {
-inline constexpr double residual = 1e-12;          ///< relative to 1 + |x|
-inline constexpr double liouville = 1e-10;         ///< of ln|det M|
-inline constexpr double finite_difference = 1e-8;  ///< relative to 1 + |M|; or their own error estimate, if that is larger
-}  // namespace bound
-
-double finite_difference_bound(const FiniteDifferenceCheck& check);
-
 /// Contacts of a motion, in the order of their beginnings; and, for each event that ends one (impact, stick, leave), the contact
 /// it ends.
 struct ContactList {

@@ -127,7 +127,7 @@ std::optional<std::array<double, 2>> drawn_range(const Picture& picture, std::si
         lowest = std::min(lowest, point[coordinate]);
         highest = std::max(highest, point[coordinate]);
       }
-  const bool logarithmic = coordinate == 1 && picture.logarithmic_y;
+  const bool logarithmic = coordinate == 0 ? picture.logarithmic_x : picture.logarithmic_y;
   if (logarithmic || lowest > highest) return std::nullopt;
   const std::array<double, 2> all = extent(picture, coordinate, given);
   if (all[0] < lowest) return all;
@@ -235,9 +235,11 @@ Drawn axes(const Picture& picture, const std::string& prefix, int columns, int r
   s += "set xlabel " + quoted(picture.x_label) + "\nset ylabel " + quoted(picture.y_label) + "\n";
   s += "set border lw 1.2\nset tics out nomirror\n";
   if (picture.grid) s += "set grid lc rgb '#dddddd' lt 1 lw 0.8\n";
-  const bool image = !picture.logarithmic_y && std::any_of(picture.curves.begin(), picture.curves.end(), is_dense);
+  const bool image =
+      !picture.logarithmic_x && !picture.logarithmic_y && std::any_of(picture.curves.begin(), picture.curves.end(), is_dense);
   const auto x_range = drawn_range(picture, 0, image, picture.x_range), y_range = drawn_range(picture, 1, image, picture.y_range);
   s += "set xrange " + range(x_range) + "\nset yrange " + range(y_range) + "\n";
+  if (picture.logarithmic_x) s += "set logscale x\nset format x '%.0e'\n";
   if (picture.logarithmic_y) s += "set logscale y\nset format y '%.0e'\n";
   if (picture.equal_axes) s += "set size ratio -1\n";
   if (!picture.colour_label.empty())

@@ -50,7 +50,7 @@ struct Picture {
   std::string title, subtitle;
   std::string x_label, y_label, colour_label;
   std::optional<std::array<double, 2>> x_range, y_range, colour_range;
-  bool logarithmic_y = false;
+  bool logarithmic_x = false, logarithmic_y = false;
   bool equal_axes = false;  ///< one unit is as long in x as in y
   bool unit_circle = false;
   bool grid = true;

@@ -38,7 +38,7 @@ std::vector<OutputFile> files(const Result& result, const OutputOptions& options
     const std::string stem = options.out + "/" + command;
     list.push_back({stem + ".json", json});
     list.push_back({stem + ".csv", table});
-    for (const std::string& kind : picture_names(result.json.value("schema", ""))) {
+    for (const std::string& kind : pictures_for(result.json)) {
       const std::string file = fmt::format("{}-{}.{}", stem, kind, folder_format);
       list.push_back({file, picture(file, kind)});
     }

@@ -1,18 +1,28 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// graze verify: the multipliers of an orbit obtained in independent ways, and how far these disagree.
+// graze verify: the multipliers and exponents of orbits obtained in independent ways, and how far these disagree; at one value or
+// over a range; with --hard-limit, soft contacts against the rigid stop that they become.
+#include <graze/apps/arguments.hpp>
 #include <graze/apps/commands/command.hpp>
 #include <graze/apps/find_orbit.hpp>
+#include <graze/apps/interrupt.hpp>
 #include <graze/apps/number.hpp>
 #include <graze/apps/orbit_report.hpp>
+#include <graze/apps/progress.hpp>
 #include <graze/apps/result.hpp>
+#include <graze/apps/verification_report.hpp>
 
+#include <graze/continuation/sweep.hpp>
 #include <graze/floquet/shooting.hpp>
 
 #include <fmt/format.h>
 
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
 #include <algorithm>
-#include <cmath>
 #include <memory>
+#include <mutex>
+#include <stdexcept>
 
 namespace graze::apps {
 
@@ -20,138 +30,245 @@ namespace {
 
 struct Options {
   OrbitOptions orbit;
+  std::string parameter = "eta";
+  std::optional<double> from, to, step;
+  int average = 2000;
+  bool hard_limit = false;
   OutputOptions output;
 };
 
-struct Check {
-  std::string name;
-  double disagreement = 0.0;  ///< negative: not applicable
-  double limit = 0.0;
-  bool passes() const { return !(disagreement > limit) && !std::isnan(disagreement); }
-};
-
-struct Verified {
-  PeriodicOrbit orbit;
-  PeriodicOrbit general;           ///< the same nodes carried by the general integrator
-  FloquetMultipliers differences;  ///< of the monodromy matrix by finite differences
-  std::vector<Check> checks;
-};
-
-/// Two integrators that each keep 1e-13 a step; DESIGN asks for agreement to 1e-11 over a period.
-constexpr double flow_bound = 1e-11;
-/// Of the matrix, over all periods of an orbit: as for the finite differences.
-constexpr double matrix_bound = bound::finite_difference;
-
-/// The orbit's own nodes carried once more, every mode by the general integrator.
-PeriodicOrbit carried_by_general(const Problem& problem, const PeriodicOrbit& orbit) {
-  const FlowOptions flow{.kind = FlowKind::general};
-  ShootingEquations equations(problem.system, orbit.parameters, orbit.period, static_cast<int>(orbit.nodes.size()), std::nullopt,
-                              flow, orbit.section_phase);
-  Vector u(equations.unknowns());
-  Eigen::Index filled = 0;
-  for (const Vector& node : orbit.nodes) {
-    u.segment(filled, node.size()) = node;
-    filled += node.size();
-  }
-  return describe_orbit(equations, u, orbit.newton);
+/// Values of the parameter, in the order in which orbits are carried from one to the next; the problem's own if there is no
+/// range.
+std::vector<double> values_of(const Options& options, const Problem& problem) {
+  const double own = parameter(problem, options.parameter), from = options.from.value_or(own);
+  if (!options.to && !options.step) return {from};
+  if (!options.to || !options.step)
+    throw std::invalid_argument(fmt::format("a range needs both --to and --step; {} is missing", options.to ? "--step" : "--to"));
+  if (!(*options.step > 0.0)) throw std::invalid_argument(fmt::format("--step is {}; allowed is > 0", exact(*options.step)));
+  if (from == *options.to)
+    throw std::invalid_argument(
+        fmt::format("the range goes from {} to {}; its ends must differ", exact(from), exact(*options.to)));
+  if (from < *options.to) return sweep_values(from, *options.to, *options.step);
+  std::vector<double> values = sweep_values(-from, -*options.to, *options.step);
+  for (double& value : values) value = -value;
+  return values;
 }
 
-Verified verify(const Problem& problem, const PeriodicOrbit& orbit) {
-  Verified out{orbit, carried_by_general(problem, orbit), {}, {}};
-  out.checks.push_back({"residual", orbit.checks.residual, bound::residual});
-  out.checks.push_back({"Liouville", orbit.checks.liouville, bound::liouville});
-  const FiniteDifferenceCheck difference =
-      orbit.checks.finite_difference.value_or(finite_difference_check(problem.system, orbit));
-  if (difference.applicable) out.differences = multipliers(difference.monodromy, orbit.duration);
-  out.checks.push_back(
-      {"finite differences", difference.applicable ? difference.disagreement : -1.0, finite_difference_bound(difference)});
-  if (out.general.multipliers.valid && orbit.multipliers.valid) {
-    const Matrix ours = orbit.monodromy.product(), theirs = out.general.monodromy.product();
-    out.checks.push_back({"GSL: motion", out.general.checks.residual, flow_bound});
-    out.checks.push_back(
-        {"GSL: matrix", (ours - theirs).cwiseAbs().maxCoeff() / (1.0 + ours.cwiseAbs().maxCoeff()), matrix_bound});
-    out.checks.push_back({"GSL: Liouville", out.general.checks.liouville, bound::liouville});
-  } else {
-    out.checks.push_back({"GSL: matrix", -1.0, matrix_bound});
+/// The parameters of Hertz contact whose hard limit is asked for.
+Vector hertz_parameters(const Problem& problem) {
+  if (problem.contact == "hertz") return problem.parameters;
+  const HybridSystem hertz = make_oscillator(problem.oscillator, "hertz");
+  Vector p = default_parameters(hertz.parameters);
+  p.head(oscillator_parameter::law) = problem.parameters.head(oscillator_parameter::law);
+  return p;
+}
+
+void check_hard_limit(const Problem& problem, const Options& options) {
+  if (problem.contact == "newton") {
+    if (options.parameter == "k_r" || parameter(problem, "k_r") != 1.0)
+      throw std::invalid_argument(
+          fmt::format("--hard-limit compares undamped Hertz contact with Newton's law of k_r = 1; here k_r {}",
+                      options.parameter == "k_r" ? std::string("is varied") : "is " + exact(parameter(problem, "k_r"))));
+  } else if (problem.contact != "hertz") {
+    throw std::invalid_argument(fmt::format(
+        "--hard-limit is for Hertz contact, or Newton's law with k_r = 1; the contact law here is {}", problem.contact));
+  }
+}
+
+Problem problem_at(const Problem& problem, const Options& options, double value) {
+  Problem at = problem;
+  set_parameter(at, options.parameter, value, options.to ? "--from, --to" : "--from");
+  return at;
+}
+
+/// Orbits to verify, and what went wrong on the way.
+struct Collected {
+  struct Item {
+    double value = 0.0;
+    PeriodicOrbit orbit;
+  };
+  std::vector<Item> orbits;
+  Status status = Status::done;
+  std::vector<std::string> complaints;
+  FoundOrbits first;  ///< at the first value
+
+  void fail(std::string why) {
+    if (status == Status::done) status = Status::failed;
+    complaints.push_back(std::move(why));
+  }
+};
+
+/// The orbit carried to another value by Newton's method.
+std::optional<PeriodicOrbit> carried(const Problem& at, const PeriodicOrbit& last, const PeriodicOrbit* before) {
+  std::vector<Vector> guess = last.states;
+  // Values are equally spaced: a straight line through the last two.
+  if (before != nullptr && before->states.size() == guess.size())
+    for (std::size_t k = 0; k < guess.size(); ++k) guess[k] += last.states[k] - before->states[k];
+  try {
+    PeriodicOrbit orbit = shoot(at.system, at.parameters, guess, last.period);
+    if (orbit.converged() && orbit.period == last.period && orbit.admissible == Admissibility::admissible) return orbit;
+  } catch (const std::invalid_argument&) {  // the straight line leads inside a barrier
+  }
+  return std::nullopt;
+}
+
+Collected collect(const Problem& problem, const Options& options, const std::vector<double>& values, const Console& console) {
+  Collected out;
+  Progress progress(console.err, console.quiet, "following");
+  const bool range = values.size() > 1;
+  std::optional<PeriodicOrbit> last, before;
+  for (const double value : values) {
+    if (interrupted()) break;
+    progress.update(static_cast<double>(out.orbits.size()) / static_cast<double>(values.size()),
+                    [&] { return fmt::format("{} = {}", options.parameter, rounded(value, 7)); });
+    const Problem at = problem_at(problem, options, value);
+    if (!options.orbit.search && last) {
+      if (auto orbit = carried(at, *last, before ? &*before : nullptr); orbit || before) {
+        if (!orbit) orbit = carried(at, *last, nullptr);
+        if (orbit) {
+          out.orbits.push_back({value, *orbit});
+          before = std::exchange(last, std::move(orbit));
+          continue;
+        }
+      }
+      console.note(fmt::format("the orbit could not be carried to {} = {}; another is looked for there", options.parameter,
+                               rounded(value, 9)));
+    }
+    const FoundOrbits found = find_orbits(at, options.orbit, console);
+    if (out.first.origin.empty() && out.orbits.empty()) out.first = found;
+    if (found.status == Status::interrupted) {
+      out.status = Status::interrupted;
+      out.complaints.push_back(found.message);
+    } else if (found.status == Status::failed) {
+      out.fail(range ? fmt::format("at {} = {}: {}", options.parameter, rounded(value, 9), found.message) : found.message);
+    }
+    before.reset();
+    last.reset();
+    // Without --search one orbit was asked for, also where it took a search to find it.
+    const std::size_t count = options.orbit.search ? found.orbits.size() : std::min<std::size_t>(found.orbits.size(), 1);
+    for (std::size_t i = 0; i < count; ++i) out.orbits.push_back({value, found.orbits[i]});
+    if (count > 0 && found.status == Status::done) last = found.orbits.front();
   }
   return out;
 }
 
-Json verified_json(const Verified& verified) {
-  const PeriodicOrbit& orbit = verified.orbit;
-  Json out = {{"period", orbit.period},
-              {"impacts", orbit.impacts},
-              {"state", to_json(orbit.state)},
-              {"stable", orbit.stable()},
-              {"admissible", orbit.admissible == Admissibility::admissible}};
-  out["multipliers"] = {{"saltation", multipliers_json(orbit.multipliers)},
-                        {"finite_difference", multipliers_json(verified.differences)},
-                        {"general", multipliers_json(verified.general.multipliers)}};
-  out["checks"] = Json::array();
-  for (const Check& check : verified.checks)
-    out["checks"].push_back({{"name", check.name},
-                             {"disagreement", check.disagreement < 0.0 ? Json(nullptr) : Json(check.disagreement)},
-                             {"bound", check.limit},
-                             {"ok", check.passes()}});
+Verification verify_one(const Problem& at, const Collected::Item& item, const Options& options) {
+  Verification out;
+  out.value = item.value;
+  VerificationOptions verifying;
+  verifying.average_periods = options.average;
+  verifying.cancelled = interrupted;
+  out.verified = verify_orbit(at.system, item.orbit, verifying);
+  out.checks = out.verified.checks;
+  if (!options.hard_limit || interrupted()) return out;
+  out.hard = hard_limit(oscillator_kind(at.oscillator), hertz_parameters(at), item.orbit, {.cancelled = interrupted});
+  out.checks.insert(out.checks.end(), out.hard->checks.begin(), out.hard->checks.end());
   return out;
 }
 
-std::string verified_text(const Verified& verified) {
-  const PeriodicOrbit& orbit = verified.orbit;
-  std::string text = fmt::format("orbit {} at ({}, {}), {}\n", z_label(orbit.impacts, orbit.period), rounded(orbit.state[0]),
-                                 rounded(orbit.state[1]), orbit.stable() ? "stable" : "unstable");
-  Table values{{"multiplier", "saltation, product form", "finite differences", "general integrator (GSL)"}, {}};
-  for (std::size_t i = 0; i < orbit.multipliers.values.size(); ++i) {
-    const auto cell = [i](const FloquetMultipliers& list) { return i < list.values.size() ? rounded(list.values[i], 15) : "-"; };
-    values.rows.push_back(
-        {std::to_string(i + 1), cell(orbit.multipliers), cell(verified.differences), cell(verified.general.multipliers)});
+/// All of them, side by side; those that an interrupt cuts short are left out.
+std::vector<Verification> verify_all(const Problem& problem, const Collected& collected, const Options& options,
+                                     const Console& console) {
+  const std::size_t count = collected.orbits.size();
+  std::vector<std::optional<Verification>> slots(count);
+  Progress progress(console.err, console.quiet, "verifying");
+  std::mutex telling;
+  std::size_t done = 0;
+  const auto one = [&](std::size_t i) {
+    if (interrupted()) return;
+    const Collected::Item& item = collected.orbits[i];
+    Verification verification = verify_one(problem_at(problem, options, item.value), item, options);
+    if (interrupted()) return;
+    const std::lock_guard lock(telling);
+    slots[i] = std::move(verification);
+    progress.update(static_cast<double>(++done) / static_cast<double>(count), [&] {
+      return fmt::format("{} of {}, {} = {}", done, counted(count, "orbit"), options.parameter, rounded(item.value, 7));
+    });
+  };
+  oneapi::tbb::task_arena arena(console.thread_count());
+  arena.execute([&] { oneapi::tbb::parallel_for(std::size_t{0}, count, one, oneapi::tbb::simple_partitioner()); });
+  std::vector<Verification> list;
+  for (std::optional<Verification>& slot : slots)
+    if (slot) list.push_back(std::move(*slot));
+  return list;
+}
+
+/// What is said of orbits that do not agree, or whose hard limit was not reached.
+void judge(const std::vector<Verification>& list, const Options& options, bool range, Collected& collected) {
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const std::string which =
+        fmt::format("orbit {}{}", i + 1, range ? fmt::format(" at {} = {}", options.parameter, rounded(list[i].value, 9)) : "");
+    for (const OrbitCheck& check : list[i].checks)
+      if (!check.passes())
+        collected.fail(
+            fmt::format("{}: {}: {} is above {}", which, check.name, rounded(check.disagreement, 3), rounded(check.limit, 3)));
+    if (list[i].hard && list[i].hard->stop != HardLimitStop::done)
+      collected.fail(fmt::format("{}: hard limit: {}", which, hard_limit_stop_text(list[i].hard->stop)));
   }
-  Table checks{{"check", "disagreement", "bound", "verdict"}, {}};
-  for (const Check& check : verified.checks)
-    checks.rows.push_back({check.name, check.disagreement < 0.0 ? "-" : rounded(check.disagreement, 3), rounded(check.limit, 3),
-                           check.disagreement < 0.0 ? "not applicable"
-                           : check.passes()         ? "ok"
-                                                    : "FAILED"});
-  return text + aligned(values) + "\n" + aligned(checks);
+}
+
+/// The first few, and how many more.
+std::string sentence(const std::vector<std::string>& complaints) {
+  constexpr std::size_t most = 5;
+  const std::size_t count = std::min(most, complaints.size());
+  std::string text =
+      fmt::format("{}", fmt::join(complaints.begin(), complaints.begin() + static_cast<std::ptrdiff_t>(count), "; "));
+  if (complaints.size() > most) text += fmt::format("; and {} more", complaints.size() - most);
+  return text;
 }
 
 int run(const Options& options, const Console& console) {
   check_outputs(options.output, options.orbit.start.file);
   const Problem problem = open_problem(options.orbit.start, console);
+  const std::vector<double> values = values_of(options, problem);
+  const bool range = values.size() > 1;
+  for (const double end : {values.front(), values.back()}) problem_at(problem, options, end);  // a wrong value is found out now
+  if (options.hard_limit) check_hard_limit(problem, options);
+  if (!options.hard_limit && !options.output.plot_kind.empty() && options.output.plot_kind != "checks")
+    throw std::invalid_argument(fmt::format("--plot-kind {} shows the hard limit; add --hard-limit", options.output.plot_kind));
+  Json described = options_json(problem, options.orbit);
+  described.update({{"param", options.parameter}, {"from", values.front()}, {"to", values.back()}});
+  if (options.step) described["step"] = *options.step;
+  described.update({{"average", options.average}, {"hard_limit", options.hard_limit}});
   Result result;
-  result.json = result_head("verify/1", "verify", problem, options_json(problem, options.orbit));
-  const FoundOrbits found = find_orbits(problem, options.orbit, console);
-  Status status = found.status;
-  std::string message = found.message;
-  result.text = describe(problem) + "\n";
-  result.table.columns = {"orbit", "check", "disagreement", "bound", "ok"};
-  Json orbits = Json::array();
-  // Without --search one orbit was asked for, also where it took a search to find it.
-  const std::size_t count = options.orbit.search ? found.orbits.size() : std::min<std::size_t>(found.orbits.size(), 1);
-  for (std::size_t i = 0; i < count; ++i) {
-    const Verified verified = verify(problem, found.orbits[i]);
-    orbits.push_back(verified_json(verified));
-    result.text.append("\n").append(verified_text(verified));
-    for (const Check& check : verified.checks) {
-      result.table.rows.push_back({std::to_string(i + 1), check.name, check.disagreement < 0.0 ? "" : exact(check.disagreement),
-                                   exact(check.limit), check.passes() ? "yes" : "no"});
-      if (check.passes() || status == Status::interrupted) continue;
-      status = Status::failed;
-      message += fmt::format("{}orbit {}: {}: {} is above {}", message.empty() ? "" : "; ", i + 1, check.name,
-                             rounded(check.disagreement, 3), rounded(check.limit, 3));
-    }
-  }
-  set_status(result.json, status, message);
-  add_origin(result.json, found);
-  result.json["agrees"] = status == Status::done;
-  result.json["orbits"] = std::move(orbits);
-  if (status != Status::done) console.err << "graze verify: " << message << "\n";
-  return deliver(result, options.output, "verify", exit_code(status), console);
+  result.json = result_head("verify/1", "verify", problem, described);
+
+  Collected collected = collect(problem, options, values, console);
+  const std::vector<Verification> list = verify_all(problem, collected, options, console);
+  if (interrupted() && collected.complaints.empty())
+    collected.complaints.push_back(fmt::format("interrupted after {} of {} at {}", list.size(),
+                                               counted(collected.orbits.size(), "orbit"), counted(values.size(), "value")));
+  if (interrupted()) collected.status = Status::interrupted;
+  judge(list, options, range, collected);
+
+  const std::string message = sentence(collected.complaints);
+  set_status(result.json, collected.status, message);
+  add_origin(result.json, collected.first);
+  result.json["agrees"] = collected.status == Status::done;
+  result.json["parameter"] = options.parameter;
+  result.json["orbits"] = Json::array();
+  for (const Verification& verification : list) result.json["orbits"].push_back(verification_json(verification));
+  result.json["largest"] = largest_json(largest_of(list), list);
+  result.table = checks_table(list, options.parameter);
+  result.text = describe(problem_at(problem, options, values.front()), range ? options.parameter : "") + "\n";
+  if (range && !list.empty()) result.text += "\n" + range_text(list, options.parameter);
+  if (!range)
+    for (const Verification& verification : list) result.text += "\n" + verification_text(verification);
+  if (collected.status != Status::done) console.err << "graze verify: " << message << "\n";
+  return deliver(result, options.output, "verify", exit_code(collected.status), console);
 }
 
 std::function<int(const Console&)> setup(CLI::App& app) {
   auto options = std::make_shared<Options>();
   add_orbit_options(app, options->orbit);
+  begin_group(app, "Range");
+  add_text(app, "--param", options->parameter, "NAME", "parameter (default eta)");
+  add_number(app, "--from", options->from, "first value (default: the problem's own)");
+  add_number(app, "--to", options->to, "last value, above or below it (default: one value only)");
+  add_number(app, "--step", options->step, "from one value to the next");
+  begin_group(app, "Checks");
+  add_count(app, "--average", options->average, 0, "forcing periods of the exponents' time average (default 2000; 0: none)");
+  add_flag(app, "--hard-limit", options->hard_limit, "also compare Hertz contact of growing k_H with the rigid stop it becomes");
   add_output_options(app, options->output, "verify/1");
   return [options](const Console& console) { return run(*options, console); };
 }
@@ -159,15 +276,19 @@ std::function<int(const Console&)> setup(CLI::App& app) {
 }  // namespace
 
 Command verify_command() {
-  return {"verify",
-          "multipliers against finite differences, another integrator, and Liouville's identity",
-          "For the orbit that `graze orbit` finds (with --search, for all): the monodromy matrix by saltation against finite "
-          "differences of the\n"
-          "return map and against the general integrator (GSL), and Liouville's identity. Exit 1 if any disagreement is above "
-          "its bound.",
-          {"graze verify data/problems/hertz-damped.toml --set eta=0.925",
-           "graze verify data/problems/newton-elastic.toml --period 2 --search"},
-          setup};
+  return {
+      "verify",
+      "multipliers against finite differences, another integrator, time averages, Liouville's identity; the hard limit",
+      "For the orbit that `graze orbit` finds (with --search, for all): the monodromy matrix and the multipliers by saltation\n"
+      "against finite differences of the return map and against the general integrator (GSL), Liouville's identity, and on\n"
+      "stable orbits exponents by time average. With --to and --step at every value of a range, the orbit carried from one to\n"
+      "the next. --hard-limit: k_H from 1e3 to 1e9 against the rigid stop, whose restitution for damped Hertz is known in\n"
+      "closed form. Exit 1 if any disagreement is above its bound.",
+      {"graze verify data/problems/hertz-damped.toml --set eta=0.925",
+       "graze verify data/problems/newton-elastic.toml --period 2 --search",
+       "graze verify data/problems/hertz-damped.toml --from 0.95 --to 0.9 --step 0.005 --plot verify.png",
+       "graze verify data/problems/hertz-damped.toml --hard-limit --plot restitution.png --plot-kind restitution"},
+      setup};
 }
 
 }  // namespace graze::apps

@@ -23,6 +23,8 @@ const std::vector<PictureKind>& picture_kinds() {
       trajectory_phase_picture(),
       section_picture(),
       verify_picture(),
+      restitution_picture(),
+      hard_limit_picture(),
       sweep_diagram_picture(),
       sweep_picture(),
       exponents_picture(),
@@ -45,6 +47,14 @@ std::vector<std::string> picture_names(const std::string& schema) {
   std::vector<std::string> names;
   for (const PictureKind& kind : picture_kinds())
     if (kind.schema == schema) names.push_back(kind.name);
+  return names;
+}
+
+std::vector<std::string> pictures_for(const Json& result) {
+  std::vector<std::string> names;
+  for (const PictureKind& kind : picture_kinds())
+    if (kind.schema == result.value("schema", "") && (kind.applies == nullptr || kind.applies(result)))
+      names.push_back(kind.name);
   return names;
 }
 

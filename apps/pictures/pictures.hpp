@@ -18,6 +18,8 @@ struct PictureKind {
   std::string summary;
   Picture (*draw)(const Json& result) = nullptr;
   std::string command = {};  ///< it is the default for results of this command
+  /// Whether a result has what this kind shows; null: all of its schema have.
+  bool (*applies)(const Json& result) = nullptr;
 };
 
 /// All kinds; the first of a schema is its default, unless a kind is made for the command that gave the result.
@@ -25,6 +27,9 @@ const std::vector<PictureKind>& picture_kinds();
 
 /// Names of the kinds that a schema has.
 std::vector<std::string> picture_names(const std::string& schema);
+
+/// Of them, those that this result has something for.
+std::vector<std::string> pictures_for(const Json& result);
 
 /// The picture of a result. @throws std::invalid_argument for a schema or a kind there is none of, or a result without what it
 /// needs.
@@ -60,6 +65,8 @@ PictureKind trajectory_time_picture();
 PictureKind trajectory_phase_picture();
 PictureKind section_picture();
 PictureKind verify_picture();
+PictureKind restitution_picture();
+PictureKind hard_limit_picture();
 PictureKind sweep_diagram_picture();
 PictureKind sweep_picture();
 PictureKind exponents_picture();

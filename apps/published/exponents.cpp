@@ -216,11 +216,10 @@ class Comparing {
       longest = std::max(longest, spectrum.periods);
     }
     row.details["source_rule"] = runs;
-    if (runs.empty()) return;
-    const std::string ends = high - low < 1e-5 ? fmt::format("at {}", rounded(low, 4))
-                                               : fmt::format("between {} and {}", rounded(low, 4), rounded(high, 4));
-    add_remark(row.remark, fmt::format("stopped by the source's rule, {} averages end {}, after {} to {} periods", runs.size(),
-                                       ends, shortest, longest));
+    if (!runs.empty())
+      add_remark(row.remark,
+                 fmt::format("stopped by the source's rule, {} averages end between {} and {}, after {} to {} periods",
+                             runs.size(), rounded(low, 4), rounded(high, 4), shortest, longest));
   }
 
   const PublishedExponents& item_;

@@ -27,6 +27,14 @@ Outcome small(std::vector<std::string> more) {
   return call(arguments);
 }
 
+Json json_of(const Outcome& outcome) {
+  INFO(outcome.err);
+  CHECK(outcome.code == 0);
+  Json json = Json::parse(outcome.out, nullptr, false);
+  REQUIRE_FALSE(json.is_discarded());
+  return json;
+}
+
 std::string misuse(std::vector<std::string> more) {
   more.insert(more.begin(), {"diagram", problem("newton-elastic")});
   const Outcome outcome = call(more);

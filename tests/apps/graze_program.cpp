@@ -3,8 +3,6 @@
 
 #include <graze/apps/program.hpp>
 
-#include <catch2/catch.hpp>
-
 #include <fmt/format.h>
 
 #include <spawn.h>
@@ -29,12 +27,6 @@ Outcome call(const std::vector<std::string>& arguments) {
   outcome.out = out.str();
   outcome.err = err.str();
   return outcome;
-}
-
-apps::Json json_of(const Outcome& outcome) {
-  INFO(outcome.err);
-  REQUIRE(outcome.code == 0);
-  return apps::Json::parse(outcome.out);
 }
 
 Outcome spawn(const std::string& arguments, int signal, double delay) {

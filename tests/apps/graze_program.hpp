@@ -2,8 +2,6 @@
 // Running the program in tests: as a function (call) or as a process of its own (spawn); and a folder that is gone afterwards.
 #pragma once
 
-#include <graze/apps/json.hpp>
-
 #include <sys/types.h>
 
 #include <filesystem>
@@ -19,9 +17,6 @@ struct Outcome {
 
 /// run_program within this process.
 Outcome call(const std::vector<std::string>& arguments);
-
-/// What a call that must succeed has put on stdout as JSON.
-apps::Json json_of(const Outcome& outcome);
 
 /// The program as a child process: arguments as a shell understands them, redirections included; `signal` > 0 is sent to it after
 /// `delay` seconds.

@@ -35,6 +35,14 @@ Outcome run(const std::vector<std::string>& more) {
   return call(std::vector<std::string>{"diagram", problem("newton-elastic"), "--max-period", "8", "--quiet"} + more);
 }
 
+Json json_of(const Outcome& outcome) {
+  INFO(outcome.err);
+  CHECK(outcome.code == 0);
+  Json json = Json::parse(outcome.out, nullptr, false);
+  REQUIRE_FALSE(json.is_discarded());
+  return json;
+}
+
 /// The picture that was drawn of it: every sample over the branches, and the exponents below on the same axis.
 void check_picture(const Json& result, const std::string& file) {
   CHECK(picture_names("graze.diagram/1") == std::vector<std::string>{"diagram", "skeleton", "states", "exponents"});
