@@ -33,13 +33,6 @@ PeriodicOrbit settled_orbit(const HybridSystem& system, const Vector& p, int per
   return orbit;
 }
 
-const OrbitCheck& check_of(const HardLimit& hard, const std::string& name) {
-  for (const OrbitCheck& check : hard.checks)
-    if (check.name == "hard limit: " + name) return check;
-  FAIL("there is no check " << name);
-  return hard.checks.front();
-}
-
 /// The orbit of the limit against the closed form with this k_r.
 void compare_with_closed_form(const HardLimit& hard, double eta, double k_r) {
   OneImpactParameters q;
