@@ -237,6 +237,48 @@ GrazingGuess guess_of_event(SignatureProblem& problem, const Vector& u, int k, O
   return guess;
 }
 
+/// From u on, the solution with event k at speed zero: Newton in the coordinates of the events.
+bool to_zero_speed(SignatureProblem& problem, Vector& u, int k) {
+  constexpr int most = 20;
+  const ZeroProblem zero = problem.zero_problem();
+  Vector residual;
+  Matrix jacobian;
+  double last = 0.1;  // a longer step has left for somewhere else
+  for (int iteration = 0; iteration < most; ++iteration) {
+    if (!zero.evaluate(u, residual, &jacobian)) return false;
+    Matrix A(u.size(), u.size());
+    A << jacobian, problem.speed_gradient(u, k).transpose();
+    Vector right(u.size());
+    right << -residual, -problem.speed(u, k);
+    const Vector step = A.partialPivLu().solve(right);
+    const double size = step.lpNorm<Eigen::Infinity>() / (1.0 + u.lpNorm<Eigen::Infinity>());
+    if (last < 1e-8 && !(size < 0.5 * last)) return true;
+    if (!(size < last)) return false;
+    u += step;
+    last = size;
+  }
+  return false;
+}
+
+/// The same grazing, found first in the coordinates of the events: other weak impacts make the states at fixed phases too steep
+/// for Newton to find it in those.
+std::optional<LocatedGrazing> hard_grazing_by_events(SignatureProblem& problem, const Vector& u, std::size_t parameter,
+                                                     const SignatureEquations::Violation& beyond) {
+  if (!beyond.lost && !beyond.met) return std::nullopt;
+  EventNodes nodes = problem.unpack(u);
+  int touching = beyond.event;
+  if (!beyond.lost) touching = static_cast<int>(nodes.insert(beyond.met->event, beyond.met->t, beyond.met->x_minus));
+  const SignatureEquations& equations = problem.equations();
+  const Event& contact = equations.system().events[nodes.sequence[static_cast<std::size_t>(touching)]];
+  if (contact.to != contact.from) return std::nullopt;
+  SignatureProblem with_touch(equations.system(), equations.parameters(), equations.period(), nodes.sequence, parameter, 1.0,
+                              problem.flow_options());
+  Vector at = with_touch.pack(nodes, problem.value(u)), v;
+  if (!to_zero_speed(with_touch, at, touching)) return std::nullopt;
+  OrbitProblem& states = with_touch.stroboscopic(at, v);
+  return hard_grazing_near(states, v, guess_of_event(with_touch, at, touching, states, v));
+}
+
 }  // namespace
 
 bool BranchFollower::reaches_grazing(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch) {
@@ -276,8 +318,9 @@ bool BranchFollower::reaches_grazing(SignatureProblem& problem, const CurvePoint
   OrbitProblem& states = problem.stroboscopic(good, u);
   const std::optional<GrazingGuess> guess =
       beyond->lost ? guess_of_event(problem, good, beyond->event, states, u) : nearest_miss(states, u);
-  if (!guess) return false;
-  std::optional<LocatedGrazing> located = hard_grazing_near(states, u, *guess);
+  std::optional<LocatedGrazing> located;
+  if (guess) located = hard_grazing_near(states, u, *guess);
+  if (!located) located = hard_grazing_by_events(problem, good, parameter_index(system_.parameters, options_.parameter), *beyond);
   if (!located) return false;
   // What lies before the grazing on this step is taken up; the grazing's own multipliers are singular.
   if (point.multipliers.valid && !take(problem, before, last, std::move(point), {}, branch)) return false;

@@ -25,6 +25,15 @@ void EventNodes::shorten(double duration) {
   }
 }
 
+void EventNodes::repeat(int turns, double duration) {
+  const std::size_t once = times.size();
+  for (std::size_t k = once; k < once * static_cast<std::size_t>(turns); ++k) {
+    sequence.push_back(sequence[k - once]);
+    times.push_back(times[k - once] + duration);
+    states.push_back(states[k - once]);
+  }
+}
+
 std::optional<EventNodes> event_nodes(const PeriodicOrbit& orbit) {
   EventNodes nodes;
   for (const EventRecord& event : orbit.events) {
@@ -51,6 +60,15 @@ Vector SignatureProblem::pack(const EventNodes& nodes, double value) const {
   }
   u[u.size() - 1] = value;
   return u;
+}
+
+EventNodes SignatureProblem::unpack(const Vector& u) const {
+  EventNodes nodes{equations_.sequence(), {}, {}};
+  for (int k = 0; k < equations_.events(); ++k) {
+    nodes.times.push_back(equations_.time(u, k));
+    nodes.states.push_back(equations_.state(u, k));
+  }
+  return nodes;
 }
 
 bool SignatureProblem::set_value(const Vector& u) {
@@ -88,6 +106,11 @@ double SignatureProblem::least_speed(const Vector& u) {
   if (!set_value(u)) return least;
   for (int k = 0; k < equations_.events(); ++k) least = std::min(least, equations_.speed(u, k));
   return least;
+}
+
+double SignatureProblem::speed(const Vector& u, int event) {
+  set_value(u);
+  return equations_.speed(u, event);
 }
 
 Vector SignatureProblem::speed_gradient(const Vector& u, int event) {

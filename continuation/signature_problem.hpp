@@ -19,6 +19,7 @@ struct EventNodes {
   std::vector<Vector> states;
   std::size_t insert(std::size_t event, double t, const Vector& x);  ///< in its place in time, which is returned
   void shorten(double duration);                                     ///< to those before
+  void repeat(int turns, double duration);                           ///< that many times, each as long
 };
 
 /// Of an orbit, from phase 0 on; nullopt where it has no events, or where it sticks (accumulation points are no nodes).
@@ -37,12 +38,15 @@ class SignatureProblem : public BranchProblem {
   double time_carried() const override;
 
   Vector pack(const EventNodes& nodes, double value) const;
+  EventNodes unpack(const Vector& u) const;
   /// See SignatureEquations; the parameter is set first.
   std::optional<SignatureEquations::Violation> violation(const Vector& u);
   double least_speed(const Vector& u);
+  double speed(const Vector& u, int event);
   Vector speed_gradient(const Vector& u, int event);
   double event_time(const Vector& u, int event) const { return equations_.time(u, event); }
   const SignatureEquations& equations() const { return equations_; }
+  const FlowOptions& flow_options() const { return options_; }
 
  private:
   bool set_value(const Vector& u);
