@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/branch_end.hpp>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -45,6 +47,7 @@ std::optional<PeriodicOrbit> half_of(const HybridSystem& system, const Branch& b
 
 std::optional<GrazingEnd> grazing_end_of(const HybridSystem& system, const Branch& branch, const ContinuationOptions& options,
                                          double low, double high) {
+  if (branch.stop != BranchStop::grazing) return std::nullopt;
   const SpecialPoint& point = branch.special_points.back();
   for (std::size_t back = 1; back <= 8 && back <= branch.points.size(); ++back) {
     const BranchPoint& last = branch.points[branch.points.size() - back];
@@ -67,6 +70,38 @@ std::optional<GrazingEnd> grazing_end_of(const HybridSystem& system, const Branc
     if (end && std::abs(again.special_points.back().value - point.value) < 1e-9 * (1.0 + std::abs(point.value))) return end;
   }
   return std::nullopt;
+}
+
+bool is_partner(const Branch& child, const Branch& ended) {
+  if (child.points.empty() || ended.points.empty()) return false;
+  const SpecialPoint& point = ended.special_points.back();
+  if (std::get<std::string>(point.details.at("kind")) == "gained") return child.period == ended.period;
+  // Without its weak impact the orbit may close after a divisor of its period; families of several times that one have it.
+  return ended.period % child.period == 0 &&
+         child.points.front().impacts * (ended.period / child.period) < ended.points.back().impacts;
+}
+
+GrazingEdge first_edge(const SpecialPoint& point, const Branch& branch) {
+  PeriodicOrbit at_grazing = point.orbit;
+  at_grazing.period = branch.period;
+  if (branch.period < point.orbit.period) at_grazing.states.resize(static_cast<std::size_t>(branch.period));
+  return edge_at(point, at_grazing, branch.points.front().impacts);
+}
+
+void set_scenario(Branch& branch, const std::function<void(SpecialPoint&)>& change) {
+  SpecialPoint& point = branch.special_points.back();
+  const auto name = [&] { return fmt::format("({})", std::get<std::string>(point.details.at("scenario"))); };
+  const std::string before = name();
+  change(point);
+  if (const std::size_t at = branch.message.rfind(before); at != std::string::npos)
+    branch.message.replace(at, before.size(), name());
+}
+
+void set_scenario_none(Branch& branch, const std::string& reason) {
+  set_scenario(branch, [&](SpecialPoint& point) {
+    point.details.insert_or_assign("scenario", std::string(grazing_scenario_name(GrazingScenario::none)));
+    point.details.insert_or_assign("scenario_from", reason);
+  });
 }
 
 }  // namespace graze

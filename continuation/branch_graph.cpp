@@ -3,7 +3,7 @@
 
 #include <graze/continuation/branch_end.hpp>
 #include <graze/continuation/branch_switching.hpp>
-#include <graze/continuation/grazing_edge.hpp>
+#include <graze/continuation/branch_task.hpp>
 #include <graze/continuation/labels.hpp>
 
 #include <fmt/format.h>
@@ -14,6 +14,7 @@
 #include <cmath>
 #include <deque>
 #include <mutex>
+#include <stdexcept>
 
 namespace graze {
 
@@ -22,33 +23,9 @@ namespace {
 /// Branches followed before what they brought is taken up. Fixed, so that the result does not depend on the number of threads.
 constexpr std::size_t round_size = 4;
 
-enum class Origin { seed, doubled, beyond_grazing };
-
-/// A branch to be followed.
-struct Task {
-  Origin origin = Origin::seed;
-  PeriodicOrbit orbit;  ///< seed
-  int direction = 1;
-  std::size_t parent = 0, special = 0;  ///< the accepted branch and its special point
-  int generation = 0;
-  int seed = 0;  ///< number of the seed, from 1; 0: none. Both directions from a seed have the same.
-};
-
-struct Outcome {
-  std::optional<Branch> branch;             ///< empty: nothing new begins there
-  std::optional<GrazingEnd> grazing;        ///< on which it ended
-  std::optional<PeriodicOrbit> half;        ///< the orbit of half the period to which it returned
-  std::optional<GrazingEdge> begins, ends;  ///< at grazings
-  std::string nothing;                      ///< why no orbit was found that should begin there
-  bool none = false;                        ///< and there is none: it is not the grazing that was not found again
-};
-
-/// An end of a branch: its first point (`begins`) or its last one lies at a grazing.
-struct KnownEdge {
-  GrazingEdge edge;
-  std::size_t branch = 0;
-  bool begins = false;
-};
+using Origin = BranchOrigin;
+using Task = BranchTask;
+using Outcome = BranchOutcome;
 
 class Graph {
  public:
@@ -68,19 +45,24 @@ class Graph {
       if (branch.stop != BranchStop::interrupted && !branch.points.empty()) restore(branch);
     for (const BranchSeed& seed : seeds) add_seed(seed, 0);
     oneapi::tbb::task_arena arena(std::max(1, options_.threads));
-    while (!(tasks_.empty() && seed_tasks_.empty()) && !cancelled()) {
+    while (!(tasks_.empty() && seed_tasks_.empty() && multiple_tasks_.empty()) && !cancelled()) {
       if (static_cast<int>(graph_.branches.size()) >= options_.max_branches) {
         cut_off_rest(fmt::format("{} branches are the limit", options_.max_branches));
         break;
       }
       std::vector<Task> round;
-      for (; !tasks_.empty() && round.size() < round_size; tasks_.pop_front()) round.push_back(std::move(tasks_.front()));
+      const auto take = [&](std::deque<Task>& queue) {
+        for (; !queue.empty() && round.size() < round_size; queue.pop_front()) round.push_back(std::move(queue.front()));
+      };
+      take(tasks_);
       // The next seed only when all that hangs together with the last one is done: most of the others lie on it.
-      if (round.empty()) {
+      if (round.empty() && !seed_tasks_.empty()) {
         const int seed = seed_tasks_.front().seed;
         for (; !seed_tasks_.empty() && seed_tasks_.front().seed == seed; seed_tasks_.pop_front())
           round.push_back(std::move(seed_tasks_.front()));
       }
+      // The families of several times a period, mostly unstable, last: they take nobody's place under the limit of branches.
+      if (round.empty()) take(multiple_tasks_);
       std::vector<Outcome> outcomes(round.size());
       const std::size_t known = graph_.branches.size();
       arena.execute([&] {
@@ -110,35 +92,18 @@ class Graph {
   bool cancelled() const { return options_.cancelled && options_.cancelled(); }
 
   void cut_off(const Task& task, std::string reason) {
-    if (task.origin == Origin::seed) {
-      graph_.cut_off.push_back({0, "seed", std::move(reason)});
-      return;
-    }
+    if (task.origin == Origin::seed) return graph_.cut_off.push_back({0, "seed", std::move(reason)});
     const Branch& parent = graph_.branches[task.parent];
-    graph_.cut_off.push_back({parent.id, parent.special_points[task.special].label, std::move(reason)});
+    if (task.origin == Origin::multiple) reason = "families of several times its period: " + reason;
+    CutOff entry{parent.id, parent.special_points[task.special].label, std::move(reason)};
+    const auto same = [&](const CutOff& other) { return other.label == entry.label && other.reason == entry.reason; };
+    if (std::none_of(graph_.cut_off.begin(), graph_.cut_off.end(), same)) graph_.cut_off.push_back(std::move(entry));
   }
 
-  /// The scenario of the grazing at the end of a branch, as it is known now, in its details and in the branch's message.
-  static void set_scenario(Branch& branch, const std::function<void(SpecialPoint&)>& change) {
-    SpecialPoint& point = branch.special_points.back();
-    const auto name = [&] { return fmt::format("({})", std::get<std::string>(point.details.at("scenario"))); };
-    const std::string before = name();
-    change(point);
-    if (const std::size_t at = branch.message.rfind(before); at != std::string::npos)
-      branch.message.replace(at, before.size(), name());
-  }
-
-  static void set_scenario_none(Branch& branch, const std::string& reason) {
-    set_scenario(branch, [&](SpecialPoint& point) {
-      point.details.insert_or_assign("scenario", std::string(grazing_scenario_name(GrazingScenario::none)));
-      point.details.insert_or_assign("scenario_from", reason);
-    });
-  }
-
-  /// The branch born on the grazing at the end of this one, or null.
+  /// The partner born on the grazing at the end of this branch, or null.
   const Branch* child_at(const Branch& branch) const {
     for (const Branch& other : graph_.branches)
-      if (other.parent && other.parent->label == branch.special_points.back().label) return &other;
+      if (other.parent && other.parent->label == branch.special_points.back().label && is_partner(other, branch)) return &other;
     return nullptr;
   }
 
@@ -163,7 +128,7 @@ class Graph {
   }
 
   void cut_off_rest(const std::string& reason) {
-    for (const auto& queue : {tasks_, seed_tasks_})
+    for (const auto& queue : {tasks_, seed_tasks_, multiple_tasks_})
       for (const Task& task : queue) cut_off(task, reason);
   }
 
@@ -193,8 +158,12 @@ class Graph {
     return std::any_of(edges_.begin(), edges_.end(), [&](const KnownEdge& known) { return same_edge(known.edge, edge); });
   }
 
-  Branch new_branch(const PeriodicOrbit& orbit, int period, int provisional_id) const {
+  Branch new_branch(const Task& task, const PeriodicOrbit& orbit, int period, int provisional_id) const {
     Branch branch;
+    if (task.origin != Origin::seed) {
+      const Branch& parent = graph_.branches[task.parent];
+      branch.parent = BranchParent{parent.id, parent.special_points[task.special].label};
+    }
     branch.id = provisional_id;
     branch.period = period;
     branch.parameter = options_.parameter;
@@ -212,6 +181,8 @@ class Graph {
       return follow_doubled(task, provisional_id);
     case Origin::beyond_grazing:
       return follow_beyond_grazing(task, provisional_id);
+    case Origin::multiple:
+      return follow_multiple(task, provisional_id);
     }
     return {};
   }
@@ -225,7 +196,11 @@ class Graph {
       out.ends = edge_at(branch.special_points.back(), branch.special_points.back().orbit, branch.points.back().impacts);
     if (branch.stop == BranchStop::returned && branch.period % 2 == 0 && options_.follow_parents)
       out.half = half_of(system_, branch, options_);
-    out.branch = std::move(branch);
+    if (out.begins && branch.stop == BranchStop::start_failed) {
+      out.nothing = branch.message;
+    } else {
+      out.branch = std::move(branch);
+    }
   }
 
   Outcome follow_seed(const Task& task, int provisional_id) const {
@@ -236,7 +211,7 @@ class Graph {
     OrbitProblem problem = problem_at(task.orbit);
     const Vector u = problem.pack(task.orbit.nodes, task.orbit.duration, value);
     follow_from({u, task.direction * problem.parameter_direction()}, problem,
-                new_branch(task.orbit, task.orbit.period, provisional_id), out);
+                new_branch(task, task.orbit, task.orbit.period, provisional_id), out);
     return out;
   }
 
@@ -246,8 +221,7 @@ class Graph {
     PeriodicOrbit at_pd = pd.orbit;
     at_pd.parameters[static_cast<Eigen::Index>(parameter_)] = pd.value;
     OrbitProblem parent = problem_at(at_pd), doubled = problem_at(at_pd, 2);
-    Branch branch = new_branch(at_pd, 2 * at_pd.period, provisional_id);
-    branch.parent = BranchParent{graph_.branches[task.parent].id, pd.label};
+    Branch branch = new_branch(task, at_pd, 2 * at_pd.period, provisional_id);
     if (const std::optional<BranchStart> start = doubled_start(pd, parent, doubled, options_.trace)) {
       const double value = doubled.value(start->u);
       if (value < low_ || value > high_ || is_known(doubled.orbit(start->u, {}).states, value)) return out;
@@ -282,15 +256,25 @@ class Graph {
     if (!start) out.nothing = "no orbit was found beyond the grazing";
     if (!start || problem.value(start->u) < low_ || problem.value(start->u) > high_) return out;
     out.begins = partner;
-    Branch branch = new_branch(at_grazing, at_grazing.period, provisional_id);
-    branch.parent = BranchParent{graph_.branches[task.parent].id, point.label};
-    follow_from(*start, problem, std::move(branch), out);
-    if (out.branch->stop == BranchStop::start_failed) {
-      out.nothing = out.branch->message;
-      out.branch.reset();
-    } else if (!out.branch->points.empty()) {
+    follow_from(*start, problem, new_branch(task, at_grazing, at_grazing.period, provisional_id), out);
+    if (out.branch && !out.branch->points.empty())
       out.begins->impacts = out.branch->points.front().impacts;  // several, where several contacts touch at once
-    }
+    return out;
+  }
+
+  /// The orbits of several times the period of the one that touches, if there are any.
+  Outcome follow_multiple(const Task& task, int provisional_id) const {
+    Outcome out;
+    GrazingEnd end = *ends_[task.parent];
+    const SpecialPoint& point = graph_.branches[task.parent].special_points[task.special];
+    PeriodicOrbit touching;
+    const GrazingEdge edge = pattern_edge(touching_edge(point, end.grazing, end.lost, &touching), task.pattern);
+    if (is_known(edge)) return out;
+    OrbitProblem problem = problem_at(touching, task.pattern.turns);
+    const std::optional<BranchStart> start = multiple_start(problem, end.grazing, task.pattern, options_.trace);
+    if (!start || problem.value(start->u) < low_ || problem.value(start->u) > high_) return out;
+    out.begins = edge;
+    follow_from(*start, problem, new_branch(task, touching, edge.period, provisional_id), out);
     return out;
   }
 
@@ -315,7 +299,8 @@ class Graph {
     ends_.push_back(std::move(outcome.grazing));
     seeds_.push_back(task.seed);
     graph_.branches.push_back(std::move(branch));
-    add_tasks(task.generation + (task.origin == Origin::doubled ? 1 : 0), std::move(outcome.half));
+    const bool longer = task.origin == Origin::doubled || task.origin == Origin::multiple;
+    add_tasks(task.generation + (longer ? 1 : 0), std::move(outcome.half));
   }
 
   /// A branch of an earlier run takes its place as it is; what begins on it is followed unless it is there too.
@@ -331,17 +316,15 @@ class Graph {
         if (point.label != branch.parent->label) continue;
         if (point.type == PointType::PD) ++generation;
         if (point.type != PointType::GR) continue;
-        PeriodicOrbit shortened = point.orbit;
-        shortened.period = branch.period;
-        shortened.states.resize(static_cast<std::size_t>(branch.period));
-        edges_.push_back({edge_at(point, shortened, branch.points.front().impacts), graph_.branches.size(), true});
+        if (!is_partner(branch, *parent)) ++generation;
+        edges_.push_back({first_edge(point, branch), graph_.branches.size(), true});
       }
     }
     if (branch.stop == BranchStop::grazing)
       edges_.push_back({edge_at(branch.special_points.back(), branch.special_points.back().orbit, branch.points.back().impacts),
                         graph_.branches.size(), false});
     graph_.branches.push_back(branch);
-    ends_.emplace_back();
+    ends_.push_back(options_.max_multiple > 1 ? grazing_end_of(system_, branch, options_, low_, high_) : std::nullopt);
     seeds_.push_back(0);
     add_tasks(generation,
               branch.stop == BranchStop::returned && options_.follow_parents ? half_of(system_, branch, options_) : std::nullopt);
@@ -355,17 +338,36 @@ class Graph {
     if (branch.stop == BranchStop::grazing) {
       const Task beyond{Origin::beyond_grazing, {}, 1, index, branch.special_points.size() - 1, generation};
       tasks_.push_back(beyond);
+      add_multiples(beyond);
     }
     if (half) add_seed({*half}, generation);
     for (std::size_t s = 0; s < branch.special_points.size(); ++s) {
-      if (branch.special_points[s].type != PointType::PD) continue;
+      if (branch.special_points[s].type != PointType::PD || generation >= options_.switch_generations) continue;
       const Task doubled{Origin::doubled, {}, 1, index, s, generation};
-      if (generation >= options_.switch_generations) continue;
       if (options_.max_period > 0 && 2 * branch.period > options_.max_period) {
         cut_off(doubled, fmt::format("period {} is above the limit, {}", 2 * branch.period, options_.max_period));
         continue;
       }
       tasks_.push_back(doubled);
+    }
+  }
+
+  /// The families of several times a period that may begin on the grazing where the branch accepted last ends.
+  void add_multiples(const Task& beyond) {
+    if (beyond.generation >= options_.switch_generations || options_.max_multiple < 2) return;
+    Task task = beyond;
+    task.origin = Origin::multiple;
+    if (!ends_[beyond.parent]) return cut_off(task, "the grazing was not found again");
+    GrazingEnd end = *ends_[beyond.parent];
+    const SpecialPoint& point = graph_.branches[beyond.parent].special_points[beyond.special];
+    const GrazingEdge touching = touching_edge(point, end.grazing, end.lost);
+    // Several branches may end there.
+    if (std::any_of(spread_.begin(), spread_.end(), [&](const GrazingEdge& done) { return same_edge(done, touching); })) return;
+    spread_.push_back(touching);
+    const int longest = options_.max_period > 0 ? options_.max_period / touching.period : options_.max_multiple;
+    for (const TurnPattern pattern : patterns_up_to(std::min(longest, options_.max_multiple), end.lost)) {
+      task.pattern = pattern;
+      multiple_tasks_.push_back(task);
     }
   }
 
@@ -376,11 +378,12 @@ class Graph {
   std::mutex progress_;
   Labels labels_;
   BranchGraph graph_;
-  std::deque<Task> tasks_, seed_tasks_;
+  std::deque<Task> tasks_, seed_tasks_, multiple_tasks_;
   std::vector<std::optional<GrazingEnd>> ends_;  ///< of each branch
   std::vector<int> generations_;
   std::vector<int> seeds_;  ///< of each branch: the seed it came from, or 0
   std::vector<KnownEdge> edges_;
+  std::vector<GrazingEdge> spread_;  ///< orbits that touch, at grazings where multiples have been looked for
   int last_seed_ = 0, last_id_ = 0;
 };
 
@@ -388,6 +391,8 @@ class Graph {
 
 BranchGraph follow_branches(const HybridSystem& system, const std::vector<BranchSeed>& seeds, const ContinuationOptions& options,
                             const std::vector<Branch>& so_far) {
+  if (options.max_multiple < 1)
+    throw std::invalid_argument(fmt::format("max_multiple is {}; allowed is 1 and more", options.max_multiple));
   return Graph(system, options).all(seeds, so_far);
 }
 

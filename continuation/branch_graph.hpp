@@ -2,8 +2,10 @@
 // BranchGraph: branches and how they hang together: which was born on which special point, and what was left out.
 //
 // From its seeds everything is followed that hangs together with them: doubled branches (and back from a doubled branch to the
-// one it was born on), and the orbits beyond a grazing of a hard contact. A family of orbits is kept once, whichever way it was
-// reached: a new branch is compared with those already there, orbit by orbit and up to a shift in time.
+// one it was born on), and the orbits beyond a grazing of a hard contact. These are the orbits with one impact more or less, and
+// up to max_multiple the families of m times their period that are born there: with the weak impact once in m turns, or in all
+// but one of them. (Others, with the impact in some of the turns, are not started.) A family of orbits is kept once, whichever
+// way it was reached: a new branch is compared with those already there, orbit by orbit and up to a shift in time.
 //
 // Work is done in rounds of a fixed size, and what a round brings is taken up in order: the result does not depend on the number
 // of threads.
@@ -19,7 +21,8 @@ struct BranchSeed {
   std::vector<int> directions = {1, -1};
 };
 
-/// A special point at which more orbits begin that were not followed.
+/// A special point at which more orbits begin that were not followed. (That families of several times the period at a grazing end
+/// at max_period and max_multiple holds for all of them and is not listed.)
 struct CutOff {
   int branch = 0;
   std::string label;

@@ -129,6 +129,23 @@ std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGra
   return std::nullopt;
 }
 
+std::optional<BranchStart> multiple_start(OrbitProblem& problem, const LocatedGrazing& grazing, TurnPattern pattern,
+                                          const TraceOptions& options) {
+  EventNodes nodes = event_nodes(grazing.orbit).value_or(EventNodes{});
+  const Event& contact = problem.system().events[grazing.event];
+  const bool sticks = nodes.sequence.size() != grazing.orbit.events.size();
+  if (sticks || contact.to != contact.from || problem.equations().autonomous()) return std::nullopt;
+  const double turn = grazing.orbit.duration / grazing.orbit.period * problem.period() / pattern.turns;
+  nodes.shorten(turn);
+  nodes.repeat(pattern.turns, turn);
+  std::vector<std::size_t> added;
+  for (int k = 0; k < pattern.struck; ++k)
+    added.push_back(nodes.insert(grazing.event, std::fmod(grazing.t, turn) + k * turn, grazing.touch));
+  SignatureStart start = start_with(problem, grazing.orbit, nodes, grazing.u[grazing.u.size() - 1], std::move(added));
+  if (violated_at_once(start, options)) return std::nullopt;
+  return start.start;
+}
+
 void confirm_criticality(const Branch& child, SpecialPoint& pd, const Branch& parent) {
   if (child.points.empty()) return;
   const std::size_t k = pd.after_point;

@@ -2,7 +2,7 @@
 // Where a branch that is born on another one begins: its first point, and the direction away from its birth.
 #pragma once
 
-#include <graze/continuation/grazing.hpp>
+#include <graze/continuation/grazing_edge.hpp>
 #include <graze/continuation/special_point.hpp>
 #include <graze/continuation/trace.hpp>
 
@@ -28,6 +28,15 @@ std::optional<BranchStart> doubled_start(const SpecialPoint& pd, OrbitProblem& p
 /// symmetric between two barriers): then the orbits with all of these impacts, if they are admissible.
 std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGrazing& grazing, bool lost,
                                          const TraceOptions& options);
+
+/// At the grazing of a hard contact, reduced to the least period of the orbit that touches: the orbits of pattern.turns >= 2
+/// times that period with the weak impact in pattern.struck of the turns, on the side of the grazing on which their speeds are
+/// positive. To first order the free maxima of the turns are a linear function of the speeds, h_i = h_top + sum R_(i-j) v_j: with
+/// one impact h_i = -(R_0 - R_i) v, and the family is admissible where R_i < R_0 in all other turns. Empty where these pass the
+/// barrier (decided on a solution 1e-6 away), where the orbit sticks elsewhere, or where the contact leads to another mode.
+/// `problem`: of pattern.turns times the period.
+std::optional<BranchStart> multiple_start(OrbitProblem& problem, const LocatedGrazing& grazing, TurnPattern pattern,
+                                          const TraceOptions& options);
 
 /// Compares the side on which a doubled branch starts with the normal form's prediction, and says so in the details of `pd`.
 void confirm_criticality(const Branch& child, SpecialPoint& pd, const Branch& parent);

@@ -15,6 +15,9 @@ struct ContinuationOptions {
   double to = 0.0;                  ///< the branch is followed until the parameter gets here
   std::optional<double> from = {};  ///< other end of the range, for branches that turn or are born on the way; empty: the start
   int switch_generations = 1;       ///< generations of period-doubled branches that are followed
+  /// At a hard grazing the families of 2, 3 ... times the period of the orbit that grazes are followed too, up to this many times
+  /// (and to max_period). They count as a generation. 1: none of them.
+  int max_multiple = 1;
   int max_branches = 64;
   int max_period = 0;            ///< branches of longer period are not followed; 0: no limit
   bool follow_parents = false;   ///< where a doubled branch returns to an orbit of half its period, that one is followed too

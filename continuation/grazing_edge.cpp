@@ -49,4 +49,26 @@ GrazingEdge partner_edge(const SpecialPoint& point, LocatedGrazing& grazing, boo
   return edge;
 }
 
+GrazingEdge touching_edge(const SpecialPoint& point, LocatedGrazing& grazing, bool lost, PeriodicOrbit* orbit) {
+  if (lost) return partner_edge(point, grazing, lost, orbit);
+  if (orbit) *orbit = point.orbit;
+  return edge_at(point, point.orbit, grazing.orbit.impacts);
+}
+
+std::vector<TurnPattern> patterns_up_to(int turns, bool lost) {
+  std::vector<TurnPattern> list;
+  for (int m = lost ? 1 : 2; m <= turns; ++m) {
+    list.push_back({m, 1});
+    if (m > 2) list.push_back({m, m - 1});
+  }
+  return list;
+}
+
+GrazingEdge pattern_edge(const GrazingEdge& touching, TurnPattern pattern) {
+  GrazingEdge edge = touching;
+  edge.period *= pattern.turns;
+  edge.impacts = pattern.turns * touching.impacts + pattern.struck;
+  return edge;
+}
+
 }  // namespace graze

@@ -132,6 +132,7 @@ Skeleton skeleton(const HybridSystem& system, const Vector& p, const SkeletonOpt
   ContinuationOptions following = options.continuation;
   following.follow_parents = true;
   following.switch_generations = std::max(following.switch_generations, 64);  // the period is the limit
+  following.max_multiple = options.max_multiple > 0 ? options.max_multiple : std::max(1, following.max_period);
   out.graph = follow_branches(system, starts, following, options.so_far);
   return out;
 }

@@ -11,13 +11,15 @@
 namespace graze {
 
 struct SkeletonOptions {
-  /// from, to: the range. max_period, max_branches and threads hold for the seeds too.
+  /// from, to: the range. max_period, max_branches and threads hold for the seeds too. max_multiple: see below.
   ContinuationOptions continuation = {};
   int settled_values = 601;  ///< values of the parameter at which attractors are looked for, ends included
   int settle = 200;          ///< forcing periods of transient at each
   int searched_values = 7;   ///< values at which orbits are searched, ends left out
   int searched_period = 4;   ///< orbits of period 1 up to this one are searched
   SearchOptions search = {};
+  /// See ContinuationOptions::max_multiple; 0: as far as max_period goes (none where that is not set).
+  int max_multiple = 0;
   std::vector<PeriodicOrbit> more_seeds = {};  ///< the user's own
   std::vector<Branch> so_far = {};             ///< of an earlier run that was interrupted
   /// Told what is being done, and how much of it (0 to 1); by one thread at a time.

@@ -24,7 +24,7 @@ struct Case {
   Skeleton found;
 };
 
-Case skeleton_of(const char* law, double b_H, int threads = 2) {
+Case skeleton_of(const char* law, double b_H, int threads = 2, int max_multiple = 0) {
   Case c{make_oscillator("linear", law), {}, {}};
   c.p = default_parameters(c.system.parameters);
   for (const auto& [name, value] :
@@ -37,6 +37,7 @@ Case skeleton_of(const char* law, double b_H, int threads = 2) {
   options.continuation.max_period = 16;
   options.continuation.max_branches = 200;
   options.continuation.threads = threads;
+  options.max_multiple = max_multiple;
   Vector low = c.p;
   low[oscillator_parameter::eta] = 0.65;
   options.more_seeds = {shoot(c.system, low, steady_response(low), 1)};
@@ -166,15 +167,27 @@ TEST_CASE("skeleton of Newton: every hard grazing shared by the families on both
   const Case c = skeleton_of("newton", 0.0, 1);
   check_graph(c);
   CHECK(has(c.found, PointType::GR, std::sqrt((1.99 - std::sqrt(1.99 * 1.99 - 3.0)) / 2.0), 1e-13));
+  std::set<std::string> not_followed;
   for (const SpecialPoint* point : of_type(c.found, PointType::GR)) {
     const std::string scenario = text_detail(*point, "scenario");
-    CHECK((scenario == "persistence" || scenario == "nonsmooth-fold"));
+    // Next to the impactless grazing an orbit of long period has several maxima within 1e-9 of the barrier: what begins where one
+    // of them touches ends within the tracer's smallest step. Then the list of what was not followed says so.
+    const auto listed = [&](const CutOff& entry) { return entry.label == point->label; };
+    const auto& cut_off = c.found.graph.cut_off;
+    const bool not_told = std::any_of(cut_off.begin(), cut_off.end(), listed) && point->orbit.period > 8;
+    CHECK((scenario == "persistence" || scenario == "nonsmooth-fold" || not_told));
+    not_followed.insert(not_told ? point->label : "");
     CHECK(point->precision < 1e-12);
   }
+  CHECK(not_followed.size() <= 2);  // with the empty one
+  // Families that only the multiples lead to: 1/6 ... 1/16 and their like, born on the grazing of the 1/2 orbit.
+  CHECK(std::count_if(c.found.graph.branches.begin(), c.found.graph.branches.end(),
+                      [](const Branch& branch) { return branch.period % 2 == 0 && branch.period > 4; }) > 40);
   // The family without the impact is followed from there, and found by no seed of its own.
   for (const Branch& branch : c.found.graph.branches) {
     if (branch.stop != BranchStop::grazing) continue;
     const SpecialPoint& end = branch.special_points.back();
+    if (not_followed.contains(end.label)) continue;
     const auto beyond = std::count_if(c.found.graph.branches.begin(), c.found.graph.branches.end(), [&](const Branch& other) {
       return other.id != branch.id &&
              ((other.parent && other.parent->label == end.label) || (branch.parent && other.id == branch.parent->branch) ||
@@ -197,7 +210,8 @@ TEST_CASE("skeleton of Newton: every hard grazing shared by the families on both
 }
 
 TEST_CASE("a graph that was interrupted goes on from the branches it has, and comes to the same end") {
-  Case c = skeleton_of("newton", 0.0);
+  // Without multiples, for which grazing_multiples.cpp tests the same.
+  Case c = skeleton_of("newton", 0.0, 2, 1);
   const std::vector<Branch>& whole = c.found.graph.branches;
   // As a result file holds them: states at phase 0 and no more.
   std::vector<Branch> kept(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(whole.size() / 2));
