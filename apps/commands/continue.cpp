@@ -30,7 +30,7 @@ struct Options {
   OrbitOptions orbit;
   std::string parameter = "eta";
   std::optional<double> from, to, max_step;
-  int switches = 1;
+  int switches = 1, multiples = 1;
   std::optional<int> max_points;
   bool both = false, all = false;
   std::vector<double> user_values;
@@ -49,6 +49,7 @@ ContinuationOptions continuation_options(const Options& options, double start, P
   out.to = *options.to;
   out.from = start;
   out.switch_generations = options.switches;
+  out.max_multiple = options.multiples;
   out.both_directions = options.both;
   if (options.max_step) out.trace.max_step = *options.max_step;
   if (options.max_points) out.trace.max_points = *options.max_points;
@@ -70,6 +71,7 @@ Json all_options(const Problem& problem, const Options& options) {
   json["from"] = parameter(problem, options.parameter);
   json["to"] = *options.to;
   json["switch"] = options.switches;
+  if (options.multiples > 1) json["multiples"] = options.multiples;
   if (options.max_step) json["max_step"] = *options.max_step;
   if (options.max_points) json["max_points"] = *options.max_points;
   if (options.both) json["both"] = true;
@@ -141,6 +143,8 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_number(app, "--from", options->from, "where it starts (default: the problem's own value)");
   add_number(app, "--to", options->to, "where it is to end", Need::required);
   add_count(app, "--switch", options->switches, 0, "generations of period-doubled branches that are followed (default 1)");
+  add_count(app, "--multiples", options->multiples, 1,
+            "at grazings of a hard contact, follow families of up to N times the period too (default 1: none)");
   add_flag(app, "--both", options->both, "also follow the branch the other way, around a fold, as far as the range goes");
   add_numbers(app, "--user", options->user_values, "value at which a point of type UZ is wanted; repeatable");
   add_number(app, "--max-step", options->max_step, "largest step of arclength");

@@ -38,6 +38,7 @@ struct Options {
   std::optional<double> from, to;
   bool skeleton = false;
   int max_period = 16, max_branches = 500, seed = 1;
+  std::optional<int> multiples;
   std::optional<double> max_step;
   SweepingOptions sweeping;
   std::string resume;
@@ -68,6 +69,7 @@ SkeletonOptions skeleton_options(const Options& options, const Problem& problem,
   following.max_period = options.max_period;
   following.max_branches = options.max_branches;
   following.threads = console.thread_count();
+  out.max_multiple = options.multiples.value_or(options.max_period);
   if (options.max_step) following.trace.max_step = *options.max_step;
   following.cancelled = interrupted;
   following.progress = [&progress](const Branch& branch) {
@@ -85,6 +87,7 @@ SkeletonOptions skeleton_options(const Options& options, const Problem& problem,
 /// What of the options says how the skeleton is computed, and what how the sweeps are.
 Json skeleton_json(const Options& options) {
   Json json = {{"max_period", options.max_period}, {"max_branches", options.max_branches}, {"seed", options.seed}};
+  json["multiples"] = options.multiples.value_or(options.max_period);
   if (options.max_step) json["max_step"] = *options.max_step;
   return json;
 }
@@ -282,6 +285,8 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_text(app, "--resume", options->resume, "DIR", "go on from the result that an interrupted run left in DIR (its --out)");
   begin_group(app, "Skeleton");
   add_count(app, "--max-period", options->max_period, 1, "longest period that is followed (default 16)");
+  add_count(app, "--multiples", options->multiples, 1,
+            "at grazings of a hard contact, follow families of up to N times the period (default: to --max-period; 1: none)");
   add_count(app, "--max-branches", options->max_branches, 1, "most branches; what is cut off is listed (default 500)");
   add_count(app, "--seed", options->seed, 0, "of the global search (default 1)");
   add_number(app, "--max-step", options->max_step, "largest step of arclength");
