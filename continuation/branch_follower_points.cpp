@@ -306,12 +306,23 @@ bool BranchFollower::reaches_grazing(SignatureProblem& problem, const CurvePoint
     return true;
   };
   if (!close_in(weakest_kept)) return false;
+  // An orbit about to gain an impact is kept from so far before that a free run tells it from the grazing.
+  constexpr double told_apart = 1e-8;
   CurvePoint last = before;
   last.u = good;
-  last.arclength = before.arclength + lo * length;
-  last.tangent = tangent_at(zero, good, before.tangent);
+  double kept = lo;
+  if (!beyond->lost && lo * length > told_apart) {
+    const double earlier = lo - told_apart / length;
+    Vector u = before.u + earlier * chord;
+    if (correct(zero, chord, u, options_.trace).converged() && !problem.violation(u)) {
+      last.u = std::move(u);
+      kept = earlier;
+    }
+  }
+  last.arclength = before.arclength + kept * length;
+  last.tangent = tangent_at(zero, last.u, before.tangent);
   BranchPoint point;
-  if (lo > 0.0 && last.tangent.size() > 0) point = problem.branch_point(good, branch.points.back().arclength + lo * length);
+  if (kept > 0.0 && last.tangent.size() > 0) point = problem.branch_point(last.u, branch.points.back().arclength + kept * length);
   hi = 1.0;
   if (!close_in(0.0)) return false;
   Vector u;
