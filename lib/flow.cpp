@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/lib/flow.hpp>
 
+#include <graze/lib/cubic_flow.hpp>
 #include <graze/lib/general_flow.hpp>
 #include <graze/lib/hertz_flow.hpp>
 #include <graze/lib/linear_flow.hpp>
@@ -24,7 +25,7 @@ void validate(const FlowOptions& options) {
 
 struct Flow::Kind {
   std::size_t mode;
-  std::variant<LinearFlow, HertzFlow, GeneralFlow> flow;
+  std::variant<LinearFlow, HertzFlow, CubicFlow, GeneralFlow> flow;
 };
 
 Flow::Flow(std::unique_ptr<Kind> kind) : kind_(std::move(kind)) {}
@@ -47,6 +48,8 @@ const char* Flow::kind() const {
     return "closed form";
   case 1:
     return "regularised Hertz contact";
+  case 2:
+    return "Taylor series";
   default:
     return "general";
   }
@@ -61,6 +64,8 @@ Flow make_flow(const HybridSystem& system, std::size_t mode, const Vector& p, st
         linear && LinearFlow::applies(system, mode, active, *linear))
       return Flow(
           std::make_unique<Flow::Kind>(Flow::Kind{mode, LinearFlow(system, mode, p, active, *linear, options.max_steps)}));
+    if (const auto* cubic = std::get_if<CubicOscillator>(&structure); cubic && CubicFlow::applies(system, mode))
+      return Flow(std::make_unique<Flow::Kind>(Flow::Kind{mode, CubicFlow(system, mode, p, active, *cubic, options)}));
     if (const auto* hertz = std::get_if<HertzContact>(&structure); hertz && HertzFlow::applies(system, mode, active, *hertz))
       return Flow(std::make_unique<Flow::Kind>(Flow::Kind{mode, HertzFlow(system, mode, active, *hertz, options)}));
   }

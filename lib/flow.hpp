@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Flow: carries a state through one mode until a time or the mode's first event, with the transition matrix.
 //
-// Three kinds stand behind one interface: closed form (LinearFlow), regularised Hertz contact (HertzFlow) and the general
-// integrator (GeneralFlow, GSL). make_flow looks at the mode's structure and at FlowOptions::kind once; dispatch is per
+// Four kinds stand behind one interface: closed form (LinearFlow), regularised Hertz contact (HertzFlow), Taylor series of the
+// oscillator with a cubic spring (CubicFlow) and the general integrator (GeneralFlow, GSL). make_flow looks at the mode's structure and at FlowOptions::kind once; dispatch is per
 // segment. Over one segment, with t0 and t1 held fixed,
 //     dx1 = Phi dx0 + Psi dp,        Phi: n x n, Psi: n x (number of active parameters),
 // and `divergence` is the integral of trace(f_x), so that ln det Phi = divergence (Liouville), computed independently.
@@ -58,6 +58,7 @@ struct FlowTask {
 
 class LinearFlow;
 class HertzFlow;
+class CubicFlow;
 class GeneralFlow;
 
 class Flow {
@@ -70,7 +71,7 @@ class Flow {
   void carry(const FlowTask& task, const Vector& x0, Segment& out);
   /// f(t, x) of the mode.
   void field(double t, const Vector& x, Vector& out) const;
-  /// "closed form", "regularised Hertz contact" or "general".
+  /// "closed form", "regularised Hertz contact", "Taylor series" or "general".
   const char* kind() const;
 
  private:

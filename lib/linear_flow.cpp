@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/lib/linear_flow.hpp>
 
+#include <graze/lib/detail/bernstein.hpp>
+
 #include <algorithm>
 #include <cmath>
 
@@ -10,36 +12,6 @@ namespace {
 
 using Matrix2 = Eigen::Matrix2d;
 using Vector2 = Eigen::Vector2d;
-
-/// True if the polynomial with power coefficients a_0 ... a_N in h is <= 0 on all of [0, H] and < 0 at H, shown by its Bernstein
-/// coefficients (it lies in their convex hull).
-template <std::size_t N> bool stays_below_zero(const std::array<double, N + 1>& a, double H) {
-  static constexpr std::array<double, N + 1> inverse_binomial = [] {
-    std::array<double, N + 1> inverse{};
-    double binomial = 1.0;
-    for (std::size_t k = 0; k <= N; ++k) {
-      inverse[k] = 1.0 / binomial;
-      binomial = binomial * static_cast<double>(N - k) / static_cast<double>(k + 1);
-    }
-    return inverse;
-  }();
-  if (!(a[0] <= 0.0)) return false;
-  std::array<double, N + 1> b;  // a_k H^k / binomial(N, k)
-  double power = 1.0;
-#pragma GCC unroll 8
-  for (std::size_t k = 0; k <= N; ++k) {
-    b[k] = a[k] * power * inverse_binomial[k];
-    power *= H;
-  }
-  // Then b_j = sum_{k <= j} binomial(j, k) b_k, by repeated partial sums.
-#pragma GCC unroll 8
-  for (std::size_t m = 1; m <= N; ++m) {
-#pragma GCC unroll 8
-    for (std::size_t k = N; k >= m; --k) b[k] += b[k - 1];
-    if (!(b[m] <= 0.0)) return false;
-  }
-  return b[N] < 0.0;
-}
 
 }  // namespace
 
@@ -236,8 +208,9 @@ std::optional<double> LinearFlow::first_crossing(const Flight& flight, const Bar
     H = std::min({2.0 * H, longest, s_end - s});
     const double too_short = 1e-15 * (1.0 + s);
     for (;; H *= 0.5) {
-      if (stays_below_zero<6>({g, v, a / 2, j / 6, x4 / 24, x5 / 120, M6 / 720}, H)) break;  // no crossing on [s, s + H]
-      if (stays_below_zero<5>({-v, -a, -j / 2, -x4 / 6, -x5 / 24, M6 / 120}, H)) {  // the speed stays positive on it: at most one
+      if (detail::stays_below_zero<6>({g, v, a / 2, j / 6, x4 / 24, x5 / 120, M6 / 720}, H)) break;  // no crossing on [s, s + H]
+      if (detail::stays_below_zero<5>({-v, -a, -j / 2, -x4 / 6, -x5 / 24, M6 / 120},
+                                      H)) {  // the speed stays positive on it: at most one
         if (g >= 0.0) return s;
         const Point end = evaluate(s + H);
         if (gap(end) < 0.0) break;

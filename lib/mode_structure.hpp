@@ -28,6 +28,14 @@ struct LinearOscillator {
   std::vector<std::size_t> not_differentiable_in;
 };
 
+/// x'' + 2 damping x' + stiffness x + cubic x^3 = amplitude cos(frequency t) + constant: carried by Taylor series.
+struct CubicOscillator {
+  enum Coefficient : std::size_t { damping, stiffness, cubic, amplitude, frequency, constant, count };
+  std::array<double, count> value{};
+  /// d(value)/dp, 6 x (number of parameters).
+  Matrix dp = {};
+};
+
 /// x'' = amplitude cos(frequency t) - 2 damping x' - x - beta x^3 - stiffness (x - barrier)^(3/2) (1 + contact_damping x')
 /// for x >= barrier: carried in the regularising variable y = sqrt(x - barrier), dt = y ds (DESIGN: "Hertz contact").
 struct HertzContact {
@@ -40,7 +48,7 @@ struct HertzContact {
 /// Nothing is known: the general integrator.
 struct GeneralField {};
 
-using ModeStructure = std::variant<GeneralField, LinearOscillator, HertzContact>;
+using ModeStructure = std::variant<GeneralField, LinearOscillator, CubicOscillator, HertzContact>;
 
 /// The structure of a mode at given parameter values; an empty function means GeneralField.
 using StructureAt = std::function<ModeStructure(const Vector& p)>;

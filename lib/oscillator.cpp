@@ -67,7 +67,12 @@ Mode free_mode() {
     f[1] = -p[xi] * p[eta] * std::sin(p[eta] * t);
   };
   mode.structure = [](const Vector& p) -> ModeStructure {
-    if (p[beta] != 0.0) return GeneralField{};
+    if (p[beta] != 0.0) {
+      using C = CubicOscillator;
+      C cubic{{p[b], 1.0, p[beta], p[xi], p[eta], 0.0}, Matrix::Zero(C::count, p.size())};
+      cubic.dp(C::damping, b) = cubic.dp(C::cubic, beta) = cubic.dp(C::amplitude, xi) = cubic.dp(C::frequency, eta) = 1.0;
+      return cubic;
+    }
     LinearOscillator linear;
     linear.damping = p[b];
     linear.amplitude = p[xi];

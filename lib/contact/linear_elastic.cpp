@@ -35,6 +35,13 @@ void attach(HybridSystem& system) {
       linear->dp(1, k_S) = 1.0;
       linear->dp(4, k_S) = p[r];
       linear->dp(4, r) = p[k_S];
+    } else if (auto* cubic = std::get_if<CubicOscillator>(&structure)) {
+      using C = CubicOscillator;
+      cubic->value[C::stiffness] += p[k_S];
+      cubic->value[C::constant] = p[k_S] * p[r];
+      cubic->dp(C::stiffness, k_S) = 1.0;
+      cubic->dp(C::constant, k_S) = p[r];
+      cubic->dp(C::constant, r) = p[k_S];
     }
     return structure;
   };

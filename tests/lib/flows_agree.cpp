@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where two flows apply they agree to 1e-11 over a forcing period: the closed form and the regularised contact against the general
-// integrator, in the state, in Phi and in Psi (every parameter both can differentiate in), from many random starts with other
+// Where two flows apply they agree to 1e-11 over a forcing period: the closed form, the series and the regularised contact against the
+// general integrator, in the state, in Phi and in Psi (every parameter both can differentiate in), from many random starts with other
 // than published parameter values, undamped, critical and overdamped too.
 #include "support/checks.hpp"
 

@@ -145,7 +145,7 @@ TEST_CASE("the instant of a crossing is that of the closed form to rounding") {
   }
 }
 
-TEST_CASE("make_flow takes the closed form where it holds and says so") {
+TEST_CASE("make_flow takes the closed form or the series where they hold and says so") {
   const HybridSystem linear = elastic(), hertz = make_oscillator("linear", "hertz"), beam = make_oscillator("cantilever", "linear");
   const auto kind = [](const HybridSystem& system, std::size_t mode, std::initializer_list<std::pair<const char*, double>> set = {},
                        std::vector<std::size_t> active = {}, FlowKind wanted = FlowKind::automatic) {
@@ -155,7 +155,9 @@ TEST_CASE("make_flow takes the closed form where it holds and says so") {
   REQUIRE(kind(linear, 1) == "closed form");
   REQUIRE(kind(hertz, 0) == "closed form");
   REQUIRE(kind(hertz, 1) == "regularised Hertz contact");
-  REQUIRE(kind(beam, 0) == "general");
+  REQUIRE(kind(beam, 0) == "Taylor series");
+  REQUIRE(kind(beam, 1) == "Taylor series");
+  REQUIRE(kind(beam, 0, {}, {}, FlowKind::general) == "general");
   REQUIRE(kind(make_oscillator("cantilever", "hertz"), 1) == "regularised Hertz contact");
   REQUIRE(kind(linear, 0, {}, {}, FlowKind::general) == "general");
   // The derivative in beta at beta = 0, and undamped resonance, are not in the closed form.

@@ -94,6 +94,15 @@ inline Violations check_mode(const HybridSystem& system, std::size_t mode, doubl
     };
     compare(list, fmt::format("{}: coefficients of mode {}", system.name, m.name), coefficients, p, dp);
   }
+  if (const auto* cubic = std::get_if<CubicOscillator>(&structure)) {
+    const auto coefficients = [&](const Vector& z) {
+      const ModeStructure there = m.structure(z);
+      const auto& value = std::get<CubicOscillator>(there).value;
+      return Vector(Eigen::Map<const Vector>(value.data(), static_cast<Eigen::Index>(value.size())));
+    };
+    Matrix dp = cubic->dp;
+    compare(list, fmt::format("{}: coefficients of mode {}", system.name, m.name), coefficients, p, dp);
+  }
   if (const auto* hertz = std::get_if<HertzContact>(&structure)) {
     Matrix dp = Matrix::Zero(HertzContact::count, p.size());
     for (std::size_t i = 0; i < HertzContact::count; ++i)

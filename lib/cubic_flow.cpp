@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/lib/cubic_flow.hpp>
+
+#include <graze/lib/detail/bernstein.hpp>
+#include <graze/lib/detail/cubic_series.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace graze {
+
+namespace {
+
+using C = CubicOscillator;
+
+/// Cost per step ~ order^2 and length of a step ~ tolerance^(1/order): -ln(tolerance)/2 is best, 15 at 1e-13.
+constexpr std::size_t order = 16;
+using Coefficients = std::array<double, order + 1>;
+
+/// sign (x - level) on one step of the flight, a polynomial in the time since the step's start, with its derivatives.
+struct GapPolynomial {
+  Coefficients a;  // without a[0]: the gap is start + what the flight has moved
+  double start;    // sign (x - level) at the step's start
+  double sixth;    // bound of |sixth derivative| / 720 over the step
+
+  GapPolynomial(const Coefficients& x, double sign, double at_start, double length) : a(x), start(at_start), sixth(0.0) {
+    for (double& coefficient : a) coefficient *= sign;
+    double power = 1.0, binomial = 1.0;  // (i over 6)
+    for (std::size_t i = 6; i <= order; ++i) {
+      sixth += binomial * std::abs(a[i]) * power;
+      power *= length;
+      binomial *= static_cast<double>(i + 1) / static_cast<double>(i - 5);
+    }
+  }
+  /// gap, then derivatives over factorials up to the fifth.
+  std::array<double, 6> at(double h) const {
+    std::array<double, 6> z{};
+    for (std::size_t k = order; k > 0; --k) {  // Horner's scheme for all derivatives together
+      for (std::size_t m = 5; m > 0; --m) z[m] = z[m - 1] + h * z[m];
+      z[0] = a[k] + h * z[0];
+    }
+    for (std::size_t m = 5; m > 0; --m) z[m] = z[m - 1] + h * z[m];
+    z[0] = start + h * z[0];
+    return z;
+  }
+};
+
+/// First h in [0, length] where the gap rises through 0. `leaving`: the flight's start lies on the barrier and leaves it (it is
+/// not an active guard, Propagator has seen to that): rounding must not undo this.
+std::optional<double> first_crossing(const GapPolynomial& gap, double length, double t, double scale, bool leaving) {
+  double s = 0.0, H = length;
+  std::array<double, 6> z = gap.at(0.0);
+  const bool resting = leaving && std::abs(z[1]) <= rest_tolerance * (1.0 + 2.0 * std::abs(z[2]));
+  while (s < length) {
+    // Once a maximum at rounding distance has been looked at, the motion is taken to leave it.
+    const bool from_barrier = leaving;
+    if (leaving) {
+      z[0] = std::min(z[0], 0.0);
+      z[1] = std::min(z[1], 0.0);
+      if (resting && s == 0.0) z[2] = std::min(z[2], 0.0);
+      leaving = false;
+    }
+    const double g = z[0], v = z[1], a = 2.0 * z[2];
+    if (!from_barrier && g >= 0.0) return s;  // only by rounding: the bound had it below
+    H = std::min(2.0 * H, length - s);
+    const double too_short = 1e-15 * (1.0 + std::abs(t));
+    for (;; H *= 0.5) {
+      if (detail::stays_below_zero<6>({g, v, z[2], z[3], z[4], z[5], gap.sixth}, H)) break;  // no crossing on [s, s + H]
+      if (detail::stays_below_zero<5>({-v, -a, -3.0 * z[3], -4.0 * z[4], -5.0 * z[5], 6.0 * gap.sixth}, H)) {
+        // The speed stays positive on it: at most one crossing.
+        if (gap.at(s + H)[0] < 0.0) break;
+        double lo = s, hi = s + H, root = std::clamp(s - g / v, lo, hi);
+        for (int i = 0; i < 60; ++i) {
+          const std::array<double, 6> here = gap.at(root);
+          (here[0] < 0.0 ? lo : hi) = root;
+          const double newton = here[0] / here[1], bend = 2.0 * newton * here[2] / here[1];
+          const double move = newton / (1.0 - 0.5 * std::clamp(bend, -1.0, 1.0));
+          root -= move;
+          if (!(root >= lo && root <= hi)) root = 0.5 * (lo + hi);
+          // What a move leaves is of the size of its cube times (a/v)^2 and j/v.
+          const double remains = std::abs(move) * (bend * bend + std::abs(6.0 * move * move * here[3] / here[1]));
+          if (std::min(std::abs(move), 20.0 * remains) <= 4e-16 * root || lo == hi) break;
+        }
+        return std::clamp(root, s, s + H);
+      }
+      if (H < too_short || (!from_barrier && a < 0.0 && std::abs(g) < 4e-16 * scale && v * v < -a * 1e-14 * scale)) {
+        // At rounding distance below a maximum: look at the maximum itself, once, and go on beyond it.
+        const double to_top = a < 0.0 ? std::max(0.0, -v / a) : 0.0;
+        const std::array<double, 6> top = gap.at(s + to_top);
+        if (top[0] > 0.0 || !(top[2] < 0.0)) return std::min(s + to_top, length);
+        s += to_top;
+        z = top;
+        leaving = true;
+        break;
+      }
+    }
+    if (leaving) {
+      H = length;
+      continue;
+    }
+    s += H;
+    if (s < length) z = gap.at(s);
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+bool CubicFlow::applies(const HybridSystem& system, std::size_t mode) {
+  return system.states == 2 && std::all_of(system.events.begin(), system.events.end(), [mode](const Event& event) {
+           return event.from != mode || (event.guard.level && event.guard.level->coordinate == 0);
+         });
+}
+
+CubicFlow::CubicFlow(const HybridSystem& system, std::size_t mode, const Vector& p, std::span<const std::size_t> active,
+                     const CubicOscillator& oscillator, const FlowOptions& options)
+    : oscillator_(oscillator), options_(options) {
+  Matrix dp(C::count, static_cast<Eigen::Index>(active.size()));
+  for (std::size_t i = 0; i < active.size(); ++i)
+    dp.col(static_cast<Eigen::Index>(i)) = oscillator.dp.col(static_cast<Eigen::Index>(active[i]));
+  for (std::size_t i = 0; i < C::count; ++i)
+    if (!dp.row(static_cast<Eigen::Index>(i)).isZero(0.0)) sources_.push_back(i);
+  source_dp_.resize(static_cast<Eigen::Index>(sources_.size()), dp.cols());
+  for (std::size_t i = 0; i < sources_.size(); ++i)
+    source_dp_.row(static_cast<Eigen::Index>(i)) = dp.row(static_cast<Eigen::Index>(sources_[i]));
+  for (std::size_t i = 0; i < system.events.size(); ++i) {
+    const Event& event = system.events[i];
+    if (event.from == mode)
+      barriers_.push_back({i, event.guard.level->sign, p[static_cast<Eigen::Index>(event.guard.level->level)]});
+  }
+}
+
+void CubicFlow::field(double t, const Vector& x, Vector& out) const {
+  const auto& q = oscillator_.value;
+  out[0] = x[1];
+  out[1] = q[C::amplitude] * std::cos(q[C::frequency] * t) + q[C::constant] - 2.0 * q[C::damping] * x[1] -
+           q[C::stiffness] * x[0] - q[C::cubic] * x[0] * x[0] * x[0];
+}
+
+void CubicFlow::carry(const FlowTask& task, const Vector& x0, Segment& out) const {
+  if (task.sensitivity == Sensitivity::none) return carry_with<0>(task, x0, out);
+  if (task.sensitivity == Sensitivity::state || sources_.empty()) {
+    carry_with<1>(task, x0, out);
+    out.Psi.setZero(2, task.sensitivity == Sensitivity::state ? 0 : source_dp_.cols());
+    return;
+  }
+  if (sources_.size() <= 2) return carry_with<2>(task, x0, out);
+  carry_with<1 + C::count / 2>(task, x0, out);
+}
+
+template <std::size_t Pairs> void CubicFlow::carry_with(const FlowTask& task, const Vector& x0, Segment& out) const {
+  const double duration = task.t_end - task.t0;
+  detail::CubicState<Pairs> z;
+  z.v = x0[1];
+  if constexpr (Pairs > 0) {
+    z.dx[0] = detail::Pair{1.0, 0.0};
+    z.dv[0] = detail::Pair{0.0, 1.0};
+  }
+  out.t0 = task.t0;
+  out.x0 = x0;
+  out.end = FlowEnd::failed;
+  out.evaluations = 0;
+  double level = 0.0;
+
+  const auto finish = [&](FlowEnd end, double s) {
+    out.end = end;
+    out.t1 = end == FlowEnd::time ? task.t_end : task.t0 + s;
+    out.x1.resize(2);
+    out.x1 << (end == FlowEnd::event ? level : x0[0] + z.moved), z.v;
+    if constexpr (Pairs > 0) {
+      out.divergence = -2.0 * oscillator_.value[C::damping] * s;
+      out.Phi.resize(2, 2);
+      out.Phi << z.dx[0][0], z.dx[0][1], z.dv[0][0], z.dv[0][1];
+    }
+    if constexpr (Pairs > 1) {
+      Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, C::count> columns(2, static_cast<Eigen::Index>(sources_.size()));
+      for (std::size_t i = 0; i < sources_.size(); ++i)
+        columns.col(static_cast<Eigen::Index>(i)) << z.dx[1 + i / 2][i % 2], z.dv[1 + i / 2][i % 2];
+      out.Psi.noalias() = columns * source_dp_;
+    }
+  };
+
+  // The last two terms of a step are within a quarter of the tolerance: what is left out is below a twentieth of it.
+  const double allowed = 0.25 * options_.tolerance;
+  detail::CubicSeries<order, Pairs> series(oscillator_, sources_, x0[0]);
+  double s = 0.0;
+  for (std::size_t step = 0; step < options_.max_steps; ++step) {
+    const double left = duration - s;
+    if (left <= 0.0) return finish(FlowEnd::time, duration);
+    series.expand(task.t0 + s, z);
+    out.evaluations += order;
+    const double last = series.size(order), before = series.size(order - 1);
+    if (!std::isfinite(last + before)) break;
+    double h = std::min(std::pow(allowed / last, 1.0 / order), std::pow(allowed / before, 1.0 / (order - 1)));
+    if (!(h > 0.0)) break;
+    const bool to_end = h >= left * (1.0 - 1e-12);
+    if (to_end) h = left;
+    std::optional<double> crossing;
+    for (const Barrier& barrier : task.watch_events ? std::span<const Barrier>(barriers_) : std::span<const Barrier>()) {
+      const double scale = 1.0 + std::abs(barrier.level);
+      double start = x0[0] - barrier.level;
+      const bool on_barrier = std::abs(start) <= guard_tolerance * scale;
+      if (on_barrier) start = 0.0;
+      const GapPolynomial gap(series.position(), barrier.sign, barrier.sign * (start + z.moved), h);
+      const std::optional<double> root = first_crossing(gap, h, task.t0 + s, scale, on_barrier && step == 0);
+      if (root && (!crossing || *root < *crossing)) {
+        crossing = root;
+        out.event = barrier.event;
+        level = barrier.level;
+      }
+    }
+    z = series.at(crossing ? *crossing : h);
+    if (crossing) return finish(FlowEnd::event, s + *crossing);
+    s = to_end ? duration : s + h;
+  }
+  finish(FlowEnd::failed, s);
+}
+
+}  // namespace graze
