@@ -69,7 +69,7 @@ TEST_CASE("the general integrator has order 8 in the state and in the event time
   const Vector p = parameters(system, {{"r", 0.6}, {"eta", 0.7}, {"xi", 0.5}});
   const Vector x0 = vector({-0.6, -1.0});
   const auto with_step = [&](double h) {  // a tolerance that is always met leaves every step at max_step
-    Flow flow = make_flow(system, 0, p, {}, {.tolerance = 1.0, .max_step = h});
+    Flow flow = make_flow(system, 0, p, {}, {.kind = FlowKind::general, .tolerance = 1.0, .max_step = h});
     Segment segment;
     flow.carry({0.0, 10.0, Sensitivity::none}, x0, segment);
     return segment;
@@ -82,8 +82,8 @@ TEST_CASE("the general integrator has order 8 in the state and in the event time
   // The segment starts with a few smaller steps, so that the ratio of errors is not exactly 4^8.
   const double order_t = std::log(std::abs(coarse.t1 - exact.t) / std::abs(fine.t1 - exact.t)) / std::log(4.0);
   const double order_v = std::log(std::abs(coarse.x1[1] - exact.v) / std::abs(fine.x1[1] - exact.v)) / std::log(4.0);
-  INFO("event time errors " << coarse.t1 - exact.t << " " << fine.t1 - exact.t << "; speed errors " << coarse.x1[1] - exact.v << " "
-                            << fine.x1[1] - exact.v);
+  INFO("event time errors " << coarse.t1 - exact.t << " " << fine.t1 - exact.t << "; speed errors " << coarse.x1[1] - exact.v
+                            << " " << fine.x1[1] - exact.v);
   CHECK(order_t > 7.5);
   CHECK(order_v > 7.5);
 }
@@ -94,7 +94,7 @@ TEST_CASE("a tighter tolerance of the general flow brings state and event time c
     const Vector p = parameters(system, {{"r", 0.6}, {"eta", eta}, {"xi", 0.5}});
     const Vector x0 = vector({-0.6, -1.0});
     const auto with_tolerance = [&](double tolerance) {
-      Flow flow = make_flow(system, 0, p, {}, {.tolerance = tolerance, .max_step = 10.0});
+      Flow flow = make_flow(system, 0, p, {}, {.kind = FlowKind::general, .tolerance = tolerance, .max_step = 10.0});
       Segment segment;
       flow.carry({0.0, 10.0, Sensitivity::none}, x0, segment);
       REQUIRE(segment.end == FlowEnd::event);
@@ -156,8 +156,10 @@ TEST_CASE("a state that grows beyond all bounds ends the run as failed, not as a
   // x'' = x^3 (beta < 0 beyond its barrier) reaches infinity in finite time.
   const HybridSystem system = make_oscillator("cantilever", "newton");
   const Vector p = parameters(system, {{"beta", -1.0}, {"r", 10.0}, {"xi", 0.0}});
-  const Trajectory run = simulate(system, p, 0.0, vector({-2.0, -1.0}), {.t_end = 50.0}, {.max_steps = 3000});
-  REQUIRE(run.termination == Termination::integration_failed);
+  for (const FlowKind kind : {FlowKind::automatic, FlowKind::general}) {
+    const Trajectory run = simulate(system, p, 0.0, vector({-2.0, -1.0}), {.t_end = 50.0}, {.kind = kind, .max_steps = 3000});
+    REQUIRE(run.termination == Termination::integration_failed);
+  }
 }
 
 TEST_CASE("a field that is not a number in one component alone ends the run as failed") {
