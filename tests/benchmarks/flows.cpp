@@ -59,6 +59,7 @@ void period(benchmark::State& state, const char* law, FlowKind kind) {
   state.counters["difference"] = difference;
   state.counters["per_period"] =
       benchmark::Counter(periods, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  state.counters["periods_per_second"] = benchmark::Counter(periods, benchmark::Counter::kIsIterationInvariantRate);
 }
 
 void continuation(benchmark::State& state) {
