@@ -45,36 +45,38 @@ Attractor averaged(const Reference& reference, std::int64_t periods) {
 }
 
 /// Three joint standard errors: one comparison in 370 fails by chance, and the runs are the same every time.
-void compare(const Reference& reference, const Attractor& attractor) {
+void compare(const Reference& reference, const Attractor& attractor, double liouville) {
   INFO(reference.oscillator << " " << reference.law << ": " << attractor.exponents.at(0) << " +- "
                             << attractor.standard_errors.at(0) << " against " << reference.exponent);
   CHECK(attractor.type == AttractorType::chaotic);
   CHECK(std::abs(attractor.exponents[0] - reference.exponent) <
         3.0 * std::hypot(attractor.standard_errors[0], reference.standard_error));
-  CHECK(attractor.time_average.liouville_residual < 1e-10);
+  CHECK(attractor.time_average.liouville_residual < liouville);
 }
 
 }  // namespace
 
 TEST_CASE("chaotic exponents of the oscillators agree with values found independently") {
-  for (std::size_t k = 0; k < 3; ++k) compare(references()[k], averaged(references()[k], 20000));
+  for (std::size_t k = 0; k < 3; ++k) compare(references()[k], averaged(references()[k], 20000), 1e-10);
 }
 
 TEST_CASE("chaotic exponents of the beam with a Hertz stop agree with values found independently") {
-  compare(references()[3], averaged(references()[3], 20000));
+  compare(references()[3], averaged(references()[3], 20000), 1e-10);
 }
 
 TEST_CASE("chaotic exponents of the beam with a rigid stop agree with values found independently") {
-  compare(references()[4], averaged(references()[4], 20000));
+  compare(references()[4], averaged(references()[4], 20000), 1e-10);
 }
 
 TEST_CASE("chaotic exponents to a ten-thousandth", "[.slow]") {
   for (const Reference& reference : references()) {
     const bool slow = std::string(reference.oscillator) == "cantilever";
-    const Attractor attractor = averaged(reference, slow ? 200000 : 1000000);
+    const Attractor attractor = averaged(reference, slow ? 300000 : 1000000);
     WARN(reference.oscillator << " " << reference.law << ": " << attractor.exponents.at(0) << " +- "
                               << attractor.standard_errors.at(0));
     CHECK(attractor.standard_errors[0] < 1.2e-4);
-    compare(reference, attractor);
+    // In a million periods some impact of a rigid stop is as slow as 1e-6: its saltation is the inverse of that, and the
+    // determinant of that one period loses as many digits twice over.
+    compare(reference, attractor, 1e-6);
   }
 }
