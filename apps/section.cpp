@@ -31,8 +31,7 @@ Section collect_section(const Problem& problem, const Vector& start, const Secti
     for (std::size_t k = 0; !impacts && k < static_cast<std::size_t>(motion.periods) && section.points.size() < wanted; ++k)
       section.points.push_back({motion.strobe[k][0], motion.strobe[k][1]});
     for (const EventRecord& event : motion.events) {
-      if (!impacts || section.points.size() == wanted || (event.kind != EventKind::impact && event.kind != EventKind::enter))
-        continue;
+      if (!impacts || section.points.size() == wanted || !begins_contact(event.kind)) continue;
       section.points.push_back({std::fmod(eta * event.t, 2.0 * std::numbers::pi), event.normal_speed});
     }
     section.periods += motion.periods;

@@ -8,8 +8,6 @@ namespace graze {
 
 namespace {
 
-bool is_contact(EventKind kind) { return kind == EventKind::impact || kind == EventKind::enter; }
-
 /// Rounding of one evaluation of the equations, relative to 1 + |x| (as for multipliers).
 constexpr double rounding = 1e-14;
 
@@ -105,7 +103,7 @@ std::optional<GrazingGuess> weakest_contact(OrbitProblem& problem, const Vector&
   for (int j = 0; j < problem.nodes(); ++j) {
     const std::vector<EventRecord>& events = equations.stretch(j).events;
     for (std::size_t k = 0; k < events.size(); ++k) {
-      if (!is_contact(events[k].kind) || (best && events[k].normal_speed >= best->speed)) continue;
+      if (!begins_contact(events[k].kind) || (best && events[k].normal_speed >= best->speed)) continue;
       GrazingGuess guess;
       guess.event = events[k].event;
       guess.stretch = j;
@@ -153,7 +151,7 @@ std::optional<GrazingGuess> nearest_miss(OrbitProblem& problem, const Vector& u)
       }
       for (std::size_t e = 0; e < system.events.size(); ++e) {
         const Event& event = system.events[e];
-        if (!is_contact(event.kind) || event.from != state.mode) continue;
+        if (!begins_contact(event.kind) || event.from != state.mode) continue;
         const double h = event.guard.value(state.t, state.x, propagator.parameters());
         if (std::isfinite(before[e]) && last[e] >= before[e] && last[e] >= h && -last[e] < best_gap) {
           best_gap = -last[e];

@@ -120,7 +120,7 @@ class OneWay {
       carry(propagator, 0.0, T, x, {.sensitivity = Sensitivity::none, .keep_events = true}, transition);
       if (transition.termination != Termination::time) break;
       for (const EventRecord& event : transition.events)
-        if (event.kind == EventKind::impact || event.kind == EventKind::enter) row.impact_speeds.push_back(event.normal_speed);
+        if (begins_contact(event.kind)) row.impact_speeds.push_back(event.normal_speed);
       x = transition.x1;
     }
     row.end = x;

@@ -127,10 +127,7 @@ LyapunovSpectrum lyapunov_spectrum(const HybridSystem& system, const Vector& p, 
       liouville += transition.liouville;
       out.state = transition.x1;
       if (aligned < options.aligning) continue;
-      for (const std::size_t event : transition.event_sequence) {
-        const EventKind kind = system.events[event].kind;
-        out.impacts += kind == EventKind::impact || kind == EventKind::enter ? 1 : 0;
-      }
+      for (const std::size_t event : transition.event_sequence) out.impacts += begins_contact(system.events[event].kind) ? 1 : 0;
     }
     if (!carried) {
       out.stop = LyapunovStop::failed;

@@ -113,7 +113,7 @@ int isolated_impacts(const std::vector<EventRecord>& events) {
   int total = 0, series = 0;
   for (std::size_t k = 0; k < events.size(); ++k) {
     const EventKind kind = events[(first + k) % events.size()].kind;
-    if (kind == EventKind::impact || kind == EventKind::enter) {
+    if (begins_contact(kind)) {
       ++series;
     } else if (kind == EventKind::stick) {
       series = 0;

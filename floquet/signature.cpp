@@ -8,10 +8,8 @@
 namespace graze {
 
 int impacts(const HybridSystem& system, const Signature& signature) {
-  return static_cast<int>(std::count_if(signature.events.begin(), signature.events.end(), [&](std::size_t event) {
-    const EventKind kind = system.events[event].kind;
-    return kind == EventKind::impact || kind == EventKind::enter;
-  }));
+  return static_cast<int>(std::count_if(signature.events.begin(), signature.events.end(),
+                                        [&](std::size_t event) { return begins_contact(system.events[event].kind); }));
 }
 
 std::string label(int impacts, int period) { return fmt::format("{}/{}", impacts, period); }

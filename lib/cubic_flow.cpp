@@ -107,9 +107,7 @@ std::optional<double> first_crossing(const GapPolynomial& gap, double length, do
 }  // namespace
 
 bool CubicFlow::applies(const HybridSystem& system, std::size_t mode) {
-  return system.states == 2 && std::all_of(system.events.begin(), system.events.end(), [mode](const Event& event) {
-           return event.from != mode || (event.guard.level && event.guard.level->coordinate == 0);
-         });
+  return system.states == 2 && detail::guards_are_levels(system, mode);
 }
 
 CubicFlow::CubicFlow(const HybridSystem& system, std::size_t mode, const Vector& p, std::span<const std::size_t> active,
@@ -123,11 +121,7 @@ CubicFlow::CubicFlow(const HybridSystem& system, std::size_t mode, const Vector&
   source_dp_.resize(static_cast<Eigen::Index>(sources_.size()), dp.cols());
   for (std::size_t i = 0; i < sources_.size(); ++i)
     source_dp_.row(static_cast<Eigen::Index>(i)) = dp.row(static_cast<Eigen::Index>(sources_[i]));
-  for (std::size_t i = 0; i < system.events.size(); ++i) {
-    const Event& event = system.events[i];
-    if (event.from == mode)
-      barriers_.push_back({i, event.guard.level->sign, p[static_cast<Eigen::Index>(event.guard.level->level)]});
-  }
+  barriers_ = detail::level_barriers(system, mode, p);
 }
 
 void CubicFlow::field(double t, const Vector& x, Vector& out) const {
@@ -196,7 +190,8 @@ template <std::size_t Pairs> void CubicFlow::carry_with(const FlowTask& task, co
     const bool to_end = h >= left * (1.0 - 1e-12);
     if (to_end) h = left;
     std::optional<double> crossing;
-    for (const Barrier& barrier : task.watch_events ? std::span<const Barrier>(barriers_) : std::span<const Barrier>()) {
+    for (const detail::LevelBarrier& barrier :
+         task.watch_events ? std::span<const detail::LevelBarrier>(barriers_) : std::span<const detail::LevelBarrier>()) {
       const double scale = 1.0 + std::abs(barrier.level);
       double start = x0[0] - barrier.level;
       const bool on_barrier = std::abs(start) <= guard_tolerance * scale;

@@ -9,6 +9,7 @@
 // one may go without a crossing; once the speed has a certain sign on a stretch, the root in it is unique and Halley's.
 #pragma once
 
+#include <graze/lib/detail/level_barriers.hpp>
 #include <graze/lib/flow.hpp>
 
 namespace graze {
@@ -29,10 +30,6 @@ class CubicFlow {
   void field(double t, const Vector& x, Vector& out) const;
 
  private:
-  struct Barrier {
-    std::size_t event;
-    double sign, level;
-  };
   /// With 2 * Pairs columns of the tangent: Phi, then Psi in the coefficients of sources_.
   template <std::size_t Pairs> void carry_with(const FlowTask& task, const Vector& x0, Segment& out) const;
 
@@ -40,7 +37,7 @@ class CubicFlow {
   FlowOptions options_;
   Matrix source_dp_;                  // sources x active
   std::vector<std::size_t> sources_;  // the coefficients that the active parameters enter
-  std::vector<Barrier> barriers_;
+  std::vector<detail::LevelBarrier> barriers_;
 };
 
 }  // namespace graze

@@ -77,6 +77,9 @@ struct Reset {
 
 enum class EventKind { impact, enter, leave, stick, release, other };
 
+/// An impact, or an entry into contact: what counts as one impact.
+constexpr bool begins_contact(EventKind kind) { return kind == EventKind::impact || kind == EventKind::enter; }
+
 /// "impact", "enter", ...
 std::string_view event_kind_name(EventKind kind);
 

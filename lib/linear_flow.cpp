@@ -63,13 +63,12 @@ struct LinearFlow::Flight {
 bool LinearFlow::applies(const HybridSystem& system, std::size_t mode, std::span<const std::size_t> active,
                          const LinearOscillator& oscillator) {
   if (system.states != 2 || !(oscillator.stiffness > 0.0) || oscillator.damping < 0.0) return false;
+  if (!detail::guards_are_levels(system, mode)) return false;
   const double detuning = oscillator.stiffness - oscillator.frequency * oscillator.frequency;
   const double drag = 2.0 * oscillator.damping * oscillator.frequency;
   // Near undamped resonance x_p grows without bound and cancels against the transient.
   if (oscillator.amplitude != 0.0 && detuning * detuning + drag * drag < 1e-6 * oscillator.stiffness * oscillator.stiffness)
     return false;
-  for (const Event& event : system.events)
-    if (event.from == mode && !(event.guard.level && event.guard.level->coordinate == 0)) return false;
   return std::none_of(active.begin(), active.end(), [&](std::size_t k) {
     const auto& list = oscillator.not_differentiable_in;
     return std::find(list.begin(), list.end(), k) != list.end();
@@ -106,11 +105,7 @@ LinearFlow::LinearFlow(const HybridSystem& system, std::size_t mode, const Vecto
   active_dp_ = Matrix::Zero(5, static_cast<Eigen::Index>(active.size()));
   for (std::size_t i = 0; i < active.size(); ++i)
     active_dp_.col(static_cast<Eigen::Index>(i)) = oscillator.dp.col(static_cast<Eigen::Index>(active[i]));
-  for (std::size_t i = 0; i < system.events.size(); ++i) {
-    const Event& event = system.events[i];
-    if (event.from == mode)
-      barriers_.push_back({i, event.guard.level->sign, p[static_cast<Eigen::Index>(event.guard.level->level)]});
-  }
+  barriers_ = detail::level_barriers(system, mode, p);
 }
 
 void LinearFlow::field(double t, const Vector& x, Vector& out) const {
@@ -168,7 +163,7 @@ LinearFlow::Point LinearFlow::at(const Flight& flight, double s, const Damped* k
   return point;
 }
 
-std::optional<double> LinearFlow::first_crossing(const Flight& flight, const Barrier& barrier, double s_end,
+std::optional<double> LinearFlow::first_crossing(const Flight& flight, const detail::LevelBarrier& barrier, double s_end,
                                                  std::size_t& evaluations) const {
   const LinearOscillator& q = coefficient_;
   const double w = q.frequency, k = q.stiffness, b = q.damping;
@@ -273,7 +268,8 @@ void LinearFlow::carry(const FlowTask& task, const Vector& x0, Segment& out) con
   out.end = FlowEnd::time;
   out.evaluations = 0;
   double level = 0.0;
-  for (const Barrier& barrier : task.watch_events ? std::span<const Barrier>(barriers_) : std::span<const Barrier>()) {
+  for (const detail::LevelBarrier& barrier :
+       task.watch_events ? std::span<const detail::LevelBarrier>(barriers_) : std::span<const detail::LevelBarrier>()) {
     const std::optional<double> root = first_crossing(flight, barrier, duration, out.evaluations);
     if (root && (*root < duration || out.end == FlowEnd::time)) {
       duration = *root;

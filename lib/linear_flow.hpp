@@ -10,6 +10,7 @@
 // constant sign is certain on a stretch, the root in it is unique and Newton's.
 #pragma once
 
+#include <graze/lib/detail/level_barriers.hpp>
 #include <graze/lib/flow.hpp>
 
 namespace graze {
@@ -31,10 +32,6 @@ class LinearFlow {
   struct Damped;  // exp(-b s) C(s), exp(-b s) S(s), exp(-b s)
   struct Point;   // displacement and the first derivatives of x at an instant
   struct Flight;  // the transient of one segment
-  struct Barrier {
-    std::size_t event;
-    double sign, level;
-  };
   Flight depart(double t0, const Vector& x0) const;
   Damped damped(double s) const;
   /// exp(-b s) dS/d(q^2).
@@ -42,7 +39,7 @@ class LinearFlow {
   /// `known`: damped(s), where the caller has it.
   Point at(const Flight& flight, double s, const Damped* known = nullptr) const;
   /// nullopt: there is none up to s_end, or, where `evaluations` has come to max_steps, it was given up.
-  std::optional<double> first_crossing(const Flight& flight, const Barrier& barrier, double s_end,
+  std::optional<double> first_crossing(const Flight& flight, const detail::LevelBarrier& barrier, double s_end,
                                        std::size_t& evaluations) const;
   /// Phi and Psi of out's stretch, of duration s.
   void sensitivities(const Damped& f, double s, bool with_parameters, Segment& out) const;
@@ -53,7 +50,7 @@ class LinearFlow {
   double forced_ = 0.0;                                         // hypot(cosine, sine)
   Eigen::Matrix<double, 3, 5> particular_dq_;                   // d(cosine, sine, offset)/d(b, k, A, w, c)
   Matrix active_dp_;                                            // 5 x active
-  std::vector<Barrier> barriers_;
+  std::vector<detail::LevelBarrier> barriers_;
 };
 
 }  // namespace graze

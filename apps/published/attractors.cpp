@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/attractor_report.hpp>
+#include <graze/apps/number.hpp>
 #include <graze/apps/orbit_report.hpp>
 #include <graze/apps/published/attractors.hpp>
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -51,11 +54,16 @@ std::optional<double> end_of_impactless(const Problem& problem) {
   return root >= 0.0 && square > 0.0 ? std::optional(std::sqrt(square)) : std::nullopt;
 }
 
+std::string no_impactless_motion(const Problem& problem, double eta) {
+  const auto end = end_of_impactless(problem);
+  if (!end || !(eta > *end)) return {};
+  return fmt::format("no motion without impact exists above eta = {}: its amplitude exceeds the clearance", rounded(*end, 9));
+}
+
 double slowest_impact(const PeriodicOrbit& orbit) {
   double slowest = 0.0;
   for (const EventRecord& event : orbit.events)
-    if ((event.kind == EventKind::impact || event.kind == EventKind::enter) && (slowest == 0.0 || event.normal_speed < slowest))
-      slowest = event.normal_speed;
+    if (begins_contact(event.kind) && (slowest == 0.0 || event.normal_speed < slowest)) slowest = event.normal_speed;
   return slowest;
 }
 

@@ -38,6 +38,9 @@ bool is_described(const Attractor& attractor, const PublishedAttractor& describe
 /// such value.
 std::optional<double> end_of_impactless(const Problem& problem);
 
+/// The sentence that says so where eta lies above; else empty.
+std::string no_impactless_motion(const Problem& problem, double eta);
+
 /// The slowest impact of an orbit; 0 if it has none.
 double slowest_impact(const PeriodicOrbit& orbit);
 

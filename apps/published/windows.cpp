@@ -105,10 +105,8 @@ std::vector<Comparison> compare_windows(const SweptDiagram& swept) {
     if (!others.empty())
       add_remark(row.remark, fmt::format("{} of {} values differ: {}", others.size(), all.size(), stretches(others)));
     if (all.empty()) add_remark(row.remark, "the sweep has no value there");
-    const auto end = end_of_impactless(swept.problem);
-    if (window.attractor.type == "impactless" && !others.empty() && end && window.to > *end)
-      add_remark(row.remark, fmt::format("no motion without impact exists above eta = {}: its amplitude exceeds the clearance",
-                                         rounded(*end, 9)));
+    if (window.attractor.type == "impactless" && !others.empty())
+      add_remark(row.remark, no_impactless_motion(swept.problem, window.to));
     list.push_back(std::move(row));
   }
   return list;

@@ -3,9 +3,9 @@
 // what the unregularised equations lose.
 #include "support/checks.hpp"
 #include "support/extrapolation.hpp"
+#include "support/runge_kutta8.hpp"
 
 #include <graze/lib/detail/hertz_series.hpp>
-#include <graze/lib/detail/runge_kutta8.hpp>
 #include <graze/lib/flow.hpp>
 #include <graze/lib/oscillator.hpp>
 
