@@ -117,9 +117,7 @@ struct Earlier {
 
 /// @throws std::invalid_argument if it was not one of the same model over the same range, or if it cannot be gone on with.
 void check_earlier(Earlier& earlier, const Options& options, const Problem& problem) {
-  const auto refuse = [&](const std::string& why) {
-    throw std::invalid_argument(fmt::format("--resume: {}/diagram.json {}", options.resume, why));
-  };
+  const auto refuse = [&](const std::string& why) { refuse_to_resume(options.resume, "diagram", why); };
   const Json& result = earlier.result;
   const Problem before = problem_of(result);
   const auto index = static_cast<Eigen::Index>(parameter_index(problem.system.parameters, options.parameter));

@@ -70,8 +70,7 @@ Reproduction earlier_run(const Options& options, const Published& published) {
             swept.at("eta") == Json{diagram.from, diagram.to})
           earlier.diagrams.push_back({diagram, problem_of(published, diagram.system), rows_from(swept.at("rows"))});
   } catch (const Json::exception& error) {
-    throw std::invalid_argument(
-        fmt::format("--resume: {}/reproduce.json is damaged ({}); compute it anew", options.resume, plain(error)));
+    refuse_to_resume(options.resume, "reproduce", fmt::format("is damaged ({}); compute it anew", plain(error)));
   }
   return earlier;
 }
@@ -98,7 +97,7 @@ std::string report(const Reproduction& found) {
   if (!remarks.empty()) text += "\nremarks\n" + remarks;
   for (const Claim& claim : found.claims)
     text += fmt::format("\nclaim: {}\n  criterion: {}\n  computed: {}\n  verdict: {}\n", claim.statement, claim.criterion,
-                        claim.computed, claim.verdict == Verdict::agrees ? "agrees" : "differs");
+                        claim.computed, verdict_name(claim.verdict));
   return text;
 }
 

@@ -129,7 +129,7 @@ Json claim_json(const Claim& claim) {
           {"claim", claim.statement},
           {"criterion", claim.criterion},
           {"computed", claim.computed},
-          {"verdict", claim.verdict == Verdict::agrees ? "agrees" : "differs"},
+          {"verdict", verdict_name(claim.verdict)},
           {"details", claim.details}};
 }
 
@@ -139,7 +139,7 @@ Claim claim_from(const Json& json) {
   claim.statement = json.at("claim");
   claim.criterion = json.at("criterion");
   claim.computed = json.at("computed");
-  claim.verdict = json.at("verdict") == "agrees" ? Verdict::agrees : Verdict::differs;
+  claim.verdict = verdict_from(json.at("verdict"));
   claim.details = json.at("details");
   return claim;
 }

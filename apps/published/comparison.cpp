@@ -7,11 +7,9 @@
 
 namespace graze::apps {
 
-namespace {
-
 const char* verdict_name(Verdict verdict) { return verdict == Verdict::agrees ? "agrees" : "differs"; }
 
-}  // namespace
+Verdict verdict_from(const Json& name) { return name == verdict_name(Verdict::agrees) ? Verdict::agrees : Verdict::differs; }
 
 bool agrees_with_print(double computed, double error, double printed, int digits) {
   // A value in the middle between two printed ones may be rounded either way.
@@ -19,7 +17,9 @@ bool agrees_with_print(double computed, double error, double printed, int digits
   return std::abs(computed - printed) <= half_unit + rounding + 3.0 * error;
 }
 
-void add_remark(std::string& remark, const std::string& sentence) { remark += (remark.empty() ? "" : "; ") + sentence; }
+void add_remark(std::string& remark, const std::string& sentence) {
+  if (!sentence.empty()) remark += (remark.empty() ? "" : "; ") + sentence;
+}
 
 Json comparison_json(const Comparison& row) {
   return {{"figure", row.figure},
@@ -47,7 +47,7 @@ Comparison comparison_from(const Json& json) {
   row.uncertainty = json.at("uncertainty");
   row.published_text = json.at("published_text");
   row.computed_text = json.at("computed_text");
-  row.verdict = json.at("verdict") == "agrees" ? Verdict::agrees : Verdict::differs;
+  row.verdict = verdict_from(json.at("verdict"));
   row.remark = json.at("remark");
   row.details = json.at("details");
   return row;

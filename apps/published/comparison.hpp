@@ -14,6 +14,10 @@ namespace graze::apps {
 
 enum class Verdict { differs, agrees };
 
+/// "differs", "agrees"; and back.
+const char* verdict_name(Verdict verdict);
+Verdict verdict_from(const Json& name);
+
 /// One row of graze.reproduce/1.
 struct Comparison {
   std::string figure, system;
@@ -31,7 +35,7 @@ struct Comparison {
 /// errors of the computed one.
 bool agrees_with_print(double computed, double error, double printed, int digits);
 
-/// Sentences in a row: "a; b".
+/// Sentences in a row: "a; b". An empty one is none.
 void add_remark(std::string& remark, const std::string& sentence);
 
 Json comparison_json(const Comparison& row);

@@ -114,10 +114,7 @@ class Comparing {
     if (attractor.orbit && attractor.impacts > 0)
       there += fmt::format(" (slowest impact {})", rounded(slowest_impact(*attractor.orbit), 2));
     add_remark(row.remark, fmt::format("what is there is {}, not {}", there, label(item_.attractor)));
-    const auto end = end_of_impactless(problem_);
-    if (item_.attractor.type == "impactless" && end && *row.eta > *end)
-      add_remark(row.remark, fmt::format("no motion without impact exists above eta = {}: its amplitude exceeds the clearance",
-                                         rounded(*end, 9)));
+    if (item_.attractor.type == "impactless") add_remark(row.remark, no_impactless_motion(problem_, *row.eta));
   }
 
   void remark_on_difference(Comparison& row, const FoundAttractor& meant) const {
@@ -216,10 +213,11 @@ class Comparing {
       longest = std::max(longest, spectrum.periods);
     }
     row.details["source_rule"] = runs;
-    if (!runs.empty())
-      add_remark(row.remark,
-                 fmt::format("stopped by the source's rule, {} averages end between {} and {}, after {} to {} periods",
-                             runs.size(), rounded(low, 4), rounded(high, 4), shortest, longest));
+    if (runs.empty()) return;
+    const std::string ends = high - low < 1e-5 ? fmt::format("at {}", rounded(low, 4))
+                                               : fmt::format("between {} and {}", rounded(low, 4), rounded(high, 4));
+    add_remark(row.remark, fmt::format("stopped by the source's rule, {} averages end {}, after {} to {} periods", runs.size(),
+                                       ends, shortest, longest));
   }
 
   const PublishedExponents& item_;

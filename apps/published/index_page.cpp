@@ -50,7 +50,7 @@ std::string row_of(const Comparison& row, const std::vector<Figure>& figures) {
   for (const Figure& candidate : figures)
     if (!row.figure.empty() && candidate.name == "figure-" + row.figure)
       figure = fmt::format("<a href=\"#{}\">{}</a>", candidate.name, figure);
-  const char* verdict = row.verdict == Verdict::agrees ? "agrees" : "differs";
+  const char* verdict = verdict_name(row.verdict);
   return fmt::format(
       "<tr class=\"{}\"><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", verdict,
       figure, escaped(row.system), row.eta ? rounded(*row.eta, 7) : "", escaped(row.quantity), escaped(row.published_text),
@@ -76,10 +76,9 @@ std::string index_page(const Published& published, const Reproduction& reproduct
   page += "</table>\n";
   if (!reproduction.claims.empty()) page += "<h2>Claims in words</h2>\n";
   for (const Claim& claim : reproduction.claims)
-    page +=
-        fmt::format("<p class=\"{}\"><b>{}.</b> Criterion: {}. Computed: {}. <b>{}</b></p>\n",
-                    claim.verdict == Verdict::agrees ? "agrees" : "differs", escaped(claim.statement), escaped(claim.criterion),
-                    escaped(claim.computed), claim.verdict == Verdict::agrees ? "Agrees." : "Differs.");
+    page += fmt::format("<p class=\"{}\"><b>{}.</b> Criterion: {}. Computed: {}. <b>{}</b></p>\n", verdict_name(claim.verdict),
+                        escaped(claim.statement), escaped(claim.criterion), escaped(claim.computed),
+                        claim.verdict == Verdict::agrees ? "Agrees." : "Differs.");
   page += "<h2>Figures</h2>\n";
   for (const Figure& figure : figures)
     page += fmt::format("<figure id=\"{0}\"><img src=\"{0}.png\" alt=\"{1}\"><figcaption>{1}</figcaption></figure>\n",

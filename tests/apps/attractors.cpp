@@ -25,12 +25,6 @@ Outcome run(std::vector<std::string> more, const std::string& id = "newton-elast
   return call(more);
 }
 
-Json json_of(const Outcome& outcome) {
-  INFO(outcome.err);
-  REQUIRE(outcome.code == 0);
-  return Json::parse(outcome.out);
-}
-
 const std::vector<std::string> small_grid = {"--set", "eta=0.744", "--x=-1.9:2.3:22", "--v=-2:2:12"};
 
 std::vector<std::string> with(std::vector<std::string> options, const std::vector<std::string>& more) {

@@ -27,14 +27,6 @@ Outcome small(std::vector<std::string> more) {
   return call(arguments);
 }
 
-Json json_of(const Outcome& outcome) {
-  INFO(outcome.err);
-  CHECK(outcome.code == 0);
-  Json json = Json::parse(outcome.out, nullptr, false);
-  REQUIRE_FALSE(json.is_discarded());
-  return json;
-}
-
 std::string misuse(std::vector<std::string> more) {
   more.insert(more.begin(), {"diagram", problem("newton-elastic")});
   const Outcome outcome = call(more);
@@ -125,14 +117,8 @@ TEST_CASE("diagram lists what it did not follow") {
 
 TEST_CASE("Ctrl-C ends a diagram with what is there") {
   const TemporaryFolder folder;
-  const std::string out = folder.file("r.json");
-  const Outcome outcome =
-      spawn("diagram " + problem("hertz-damped") + " --skeleton --from 0.65 --to 0.95 --threads 1 --json " + out, SIGINT, 0.6);
-  CHECK(outcome.code == 130);
-  CHECK_THAT(outcome.err, Contains("interrupted"));
-  const Json json = Json::parse(read_file(out), nullptr, false);
-  REQUIRE_FALSE(json.is_discarded());
-  CHECK(json["status"] == "interrupted");
+  const Json json = interrupted_json("diagram " + problem("hertz-damped") + " --skeleton --from 0.65 --to 0.95 --threads 1",
+                                     folder.file("r.json"), 0.6);
   CHECK(json["branches"].is_array());
   CHECK(folder.files() == 1);
 }

@@ -3,6 +3,8 @@
 
 #include <graze/apps/program.hpp>
 
+#include <catch2/catch.hpp>
+
 #include <fmt/format.h>
 
 #include <spawn.h>
@@ -29,6 +31,12 @@ Outcome call(const std::vector<std::string>& arguments) {
   return outcome;
 }
 
+apps::Json json_of(const Outcome& outcome) {
+  INFO(outcome.err);
+  REQUIRE(outcome.code == 0);
+  return apps::Json::parse(outcome.out);
+}
+
 Outcome spawn(const std::string& arguments, int signal, double delay) {
   const TemporaryFolder folder;
   const std::string out = folder.file("out"), err = folder.file("err");
@@ -49,6 +57,17 @@ Outcome spawn(const std::string& arguments, int signal, double delay) {
   outcome.out = read_file(out);
   outcome.err = read_file(err);
   return outcome;
+}
+
+apps::Json interrupted_json(const std::string& arguments, const std::string& file, double delay) {
+  INFO(arguments);
+  const Outcome outcome = spawn(arguments + " --json " + file, SIGINT, delay);
+  CHECK(outcome.code == 130);
+  CHECK_THAT(outcome.err, Catch::Matchers::Contains("interrupted"));
+  apps::Json json = apps::Json::parse(read_file(file), nullptr, false);
+  REQUIRE_FALSE(json.is_discarded());
+  CHECK(json["status"] == "interrupted");
+  return json;
 }
 
 std::string problem(const std::string& id) { return fmt::format("{}/problems/{}.toml", GRAZE_DATA_DIR, id); }

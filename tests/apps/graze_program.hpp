@@ -2,6 +2,8 @@
 // Running the program in tests: as a function (call) or as a process of its own (spawn); and a folder that is gone afterwards.
 #pragma once
 
+#include <graze/apps/json.hpp>
+
 #include <sys/types.h>
 
 #include <filesystem>
@@ -18,9 +20,16 @@ struct Outcome {
 /// run_program within this process.
 Outcome call(const std::vector<std::string>& arguments);
 
+/// What a call that must succeed has put on stdout as JSON.
+apps::Json json_of(const Outcome& outcome);
+
 /// The program as a child process: arguments as a shell understands them, redirections included; `signal` > 0 is sent to it after
 /// `delay` seconds.
 Outcome spawn(const std::string& arguments, int signal = 0, double delay = 0.0);
+
+/// The program, interrupted by Ctrl-C after `delay` seconds, has ended as it should: with 130, and with what there is as JSON in
+/// `file`.
+apps::Json interrupted_json(const std::string& arguments, const std::string& file, double delay);
 
 /// data/problems/<id>.toml
 std::string problem(const std::string& id);

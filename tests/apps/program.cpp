@@ -218,12 +218,7 @@ TEST_CASE("Ctrl-C keeps what was computed and exits with 130") {
   for (const std::string& arguments :
        {"orbit " + hertz + " --settle 100000000", "trajectory " + newton + " --settle 0 --set r=0 --periods 2000000 --samples 1",
         "poincare " + newton + " --settle 0 --set r=0 --points 5000000"}) {
-    INFO(arguments);
-    const Outcome outcome = spawn(arguments + " --json " + out, SIGINT, 0.4);
-    CHECK(outcome.code == 130);
-    const Json json = Json::parse(read_file(out), nullptr, false);
-    REQUIRE_FALSE(json.is_discarded());
-    CHECK(json["status"] == "interrupted");
+    interrupted_json(arguments, out, 0.4);
     CHECK(folder.files() == 1);
   }
   // A forcing period of thousands of the oscillator's own: interrupted within it, in the transient and in the search.

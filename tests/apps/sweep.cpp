@@ -20,12 +20,6 @@ Outcome run(std::vector<std::string> more, const std::string& id = "newton-elast
   return call(more);
 }
 
-Json json_of(const Outcome& outcome) {
-  INFO(outcome.err);
-  CHECK(outcome.code == 0);
-  return Json::parse(outcome.out);
-}
-
 }  // namespace
 
 TEST_CASE("sweep follows the attractor and shows hysteresis") {

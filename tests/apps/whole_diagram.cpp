@@ -35,14 +35,6 @@ Outcome run(const std::vector<std::string>& more) {
   return call(std::vector<std::string>{"diagram", problem("newton-elastic"), "--max-period", "8", "--quiet"} + more);
 }
 
-Json json_of(const Outcome& outcome) {
-  INFO(outcome.err);
-  CHECK(outcome.code == 0);
-  Json json = Json::parse(outcome.out, nullptr, false);
-  REQUIRE_FALSE(json.is_discarded());
-  return json;
-}
-
 /// The picture that was drawn of it: every sample over the branches, and the exponents below on the same axis.
 void check_picture(const Json& result, const std::string& file) {
   CHECK(picture_names("graze.diagram/1") == std::vector<std::string>{"diagram", "skeleton", "states", "exponents"});
@@ -262,15 +254,9 @@ TEST_CASE("a whole diagram refuses what it does not understand before it compute
 
 TEST_CASE("Ctrl-C in the skeleton leaves a diagram whose sweeps are to come") {
   const TemporaryFolder folder;
-  const std::string out = folder.file("r.json");
-  const Outcome outcome =
-      spawn("diagram " + problem("hertz-damped") + " --from 0.65 --to 0.95 --threads 1 --json " + out, SIGINT, 0.6);
-  CHECK(outcome.code == 130);
-  CHECK_THAT(outcome.err, Contains("interrupted"));
-  const Json json = Json::parse(read_file(out), nullptr, false);
-  REQUIRE_FALSE(json.is_discarded());
+  const Json json =
+      interrupted_json("diagram " + problem("hertz-damped") + " --from 0.65 --to 0.95 --threads 1", folder.file("r.json"), 0.6);
   CHECK(json["schema"] == "graze.diagram/1");
-  CHECK(json["status"] == "interrupted");
   CHECK(json["parts"]["skeleton"] == "interrupted");
   CHECK(json["parts"]["sweeps"] == "not run");
   CHECK(json["rows"].empty());

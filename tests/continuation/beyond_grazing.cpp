@@ -7,7 +7,7 @@
 
 #include "support/branches.hpp"
 #include "support/checks.hpp"
-#include "support/one_impact_orbit.hpp"
+#include "support/newton_oscillator.hpp"
 #include "support/two_sided_oscillator.hpp"
 
 #include <catch2/catch.hpp>
@@ -18,15 +18,6 @@ using namespace graze;
 using namespace graze::support;
 
 namespace {
-
-const HybridSystem& newton_oscillator() {
-  static const HybridSystem system = make_oscillator("linear", "newton");
-  return system;
-}
-
-Vector parameters_of(const OneImpactParameters& q) {
-  return parameters(newton_oscillator(), {{"b", q.b}, {"xi", q.xi}, {"eta", q.eta}, {"r", q.r}, {"k_r", q.k_r}});
-}
 
 /// A stretch of 1/n orbits that is inadmissible from `from` to about `to` of one parameter.
 struct Stretch {

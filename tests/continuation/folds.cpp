@@ -8,7 +8,7 @@
 
 #include "support/branches.hpp"
 #include "support/checks.hpp"
-#include "support/one_impact_orbit.hpp"
+#include "support/newton_oscillator.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -19,15 +19,9 @@ using namespace graze::support;
 
 namespace {
 
-const HybridSystem& newton_oscillator() {
-  static const HybridSystem system = make_oscillator("linear", "newton");
-  return system;
-}
-
 /// The library's orbit at a closed-form one.
 PeriodicOrbit orbit_at(const OneImpactOrbit& closed, int nodes = 0) {
-  const OneImpactParameters& q = closed.parameters;
-  const Vector p = parameters(newton_oscillator(), {{"b", q.b}, {"xi", q.xi}, {"eta", q.eta}, {"r", q.r}, {"k_r", q.k_r}});
+  const Vector p = parameters_of(closed.parameters);
   return shoot(newton_oscillator(), p, closed.states().front(), closed.n, {.nodes = nodes});
 }
 

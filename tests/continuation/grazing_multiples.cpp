@@ -7,7 +7,7 @@
 #include "support/branches.hpp"
 #include "support/checks.hpp"
 #include "support/grazing_families.hpp"
-#include "support/one_impact_orbit.hpp"
+#include "support/newton_oscillator.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -20,15 +20,6 @@ using namespace graze::support;
 namespace {
 
 constexpr int longest = 16;
-
-const HybridSystem& newton_oscillator() {
-  static const HybridSystem system = make_oscillator("linear", "newton");
-  return system;
-}
-
-Vector parameters_of(const OneImpactParameters& q) {
-  return parameters(newton_oscillator(), {{"b", q.b}, {"xi", q.xi}, {"eta", q.eta}, {"r", q.r}, {"k_r", q.k_r}});
-}
 
 /// Turns and turns with an impact.
 using Pattern = std::pair<int, int>;

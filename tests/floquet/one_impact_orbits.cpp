@@ -5,7 +5,7 @@
 #include <graze/lib/oscillator.hpp>
 
 #include "support/checks.hpp"
-#include "support/one_impact_orbit.hpp"
+#include "support/newton_oscillator.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -13,15 +13,6 @@ using namespace graze;
 using namespace graze::support;
 
 namespace {
-
-const HybridSystem& newton_oscillator() {
-  static const HybridSystem system = make_oscillator("linear", "newton");
-  return system;
-}
-
-Vector values_of(const OneImpactParameters& q) {
-  return parameters(newton_oscillator(), {{"b", q.b}, {"xi", q.xi}, {"eta", q.eta}, {"r", q.r}, {"k_r", q.k_r}});
-}
 
 /// Every k_r with every r (0 and below among them), at frequencies that are no simple fractions of each other.
 std::vector<OneImpactParameters> grid() {
@@ -55,7 +46,7 @@ template <class Check> int for_each_admissible(const Check& check) {
 
 PeriodicOrbit shoot_at(const OneImpactOrbit& orbit, double off) {
   const Vector start = orbit.states().front() + off * Vector(vector({-1.0, 0.3}));
-  return shoot(newton_oscillator(), values_of(orbit.parameters), start, orbit.n);
+  return shoot(newton_oscillator(), parameters_of(orbit.parameters), start, orbit.n);
 }
 
 /// Newton stops at a residual of 1e-15 or so, the orbit errs by that times |(M - I)^-1|; near grazing, v = 0, both M and the
