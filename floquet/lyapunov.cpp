@@ -37,9 +37,16 @@ class Frame {
 
   void advance(const Matrix& Phi) { Q_ = Phi * Q_; }
 
-  /// ln of the lengths that each direction has gained since the last time; -infinity for one that is lost.
-  const std::vector<double>& orthonormalise() {
-    Q_.rows() == 2 ? orthonormalise_with<Eigen::Matrix2d>() : orthonormalise_with<Matrix>();
+  /// ln of the lengths that each direction has gained since the last time; -infinity for one that is lost. `log_det`: ln|det| of
+  /// what came in between, factor by factor, or not finite. Of two directions it gives the second, which next to grazing
+  /// (stretched by 1/v) is lost in the rounding of the product.
+  const std::vector<double>& orthonormalise(double log_det) {
+    if (Q_.rows() != 2) {
+      orthonormalise_with<Matrix>();
+      return growth_;
+    }
+    orthonormalise_with<Eigen::Matrix2d>();
+    if (std::isfinite(log_det) && std::isfinite(growth_[0])) growth_[1] = log_det - growth_[0];
     return growth_;
   }
 
@@ -116,7 +123,7 @@ LyapunovSpectrum lyapunov_spectrum(const HybridSystem& system, const Vector& p, 
       out.stop = LyapunovStop::interrupted;
       break;
     }
-    double liouville = 0.0, sum = 0.0;
+    double liouville = 0.0, log_det = 0.0, sum = 0.0;
     bool carried = true;
     for (int period = 0; period < options.interval && carried; ++period) {
       carry(propagator, 0.0, T, out.state, {.sensitivity = Sensitivity::state}, transition);
@@ -125,6 +132,7 @@ LyapunovSpectrum lyapunov_spectrum(const HybridSystem& system, const Vector& p, 
       if (!carried) break;
       frame.advance(transition.Phi);
       liouville += transition.liouville;
+      log_det += transition.log_det;
       out.state = transition.x1;
       if (aligned < options.aligning) continue;
       for (const std::size_t event : transition.event_sequence) out.impacts += begins_contact(system.events[event].kind) ? 1 : 0;
@@ -133,7 +141,7 @@ LyapunovSpectrum lyapunov_spectrum(const HybridSystem& system, const Vector& p, 
       out.stop = LyapunovStop::failed;
       break;
     }
-    const std::vector<double>& growth = frame.orthonormalise();
+    const std::vector<double>& growth = frame.orthonormalise(log_det);
     if (aligned < options.aligning) {
       aligned += options.interval;
       continue;
