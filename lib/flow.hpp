@@ -2,8 +2,8 @@
 // Flow: carries a state through one mode until a time or the mode's first event, with the transition matrix.
 //
 // Four kinds stand behind one interface: closed form (LinearFlow), regularised Hertz contact (HertzFlow), Taylor series of the
-// oscillator with a cubic spring (CubicFlow) and the general integrator (GeneralFlow, GSL). make_flow looks at the mode's structure and at FlowOptions::kind once; dispatch is per
-// segment. Over one segment, with t0 and t1 held fixed,
+// oscillator with a cubic spring (CubicFlow) and the general integrator (GeneralFlow, GSL). make_flow looks at the mode's
+// structure and at FlowOptions::kind once; dispatch is per segment. Over one segment, with t0 and t1 held fixed,
 //     dx1 = Phi dx0 + Psi dp,        Phi: n x n, Psi: n x (number of active parameters),
 // and `divergence` is the integral of trace(f_x), so that ln det Phi = divergence (Liouville), computed independently.
 #pragma once

@@ -2,29 +2,16 @@
 #include <graze/lib/hertz_flow.hpp>
 
 #include <graze/lib/detail/hertz_series.hpp>
+#include <graze/lib/detail/hertz_step.hpp>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstdint>
-#include <numbers>
 
 namespace graze {
 
 namespace {
 
 using C = HertzContact;
-
-/// Order of the series. Cost per step ~ order^2 and length of a step ~ tolerance^(1/order): -ln(tolerance)/2 is best, 15 at
-/// 1e-13.
-constexpr std::size_t order = 16;
-
-/// x^(1/order) to 4%, which is all that the length of a step needs: read as a whole number, a double is its logarithm to base 2
-/// up to 0.09, with 2^52 for the unit.
-double rough_root(double x) {
-  constexpr auto one = std::bit_cast<std::int64_t>(1.0);
-  return 0.97 * std::bit_cast<double>(one + (std::bit_cast<std::int64_t>(x) - one) / static_cast<std::int64_t>(order));
-}
 
 /// Newton, kept in the bracket, on a quantity of a partial step: value(s) returns it with its derivative; value(0) < 0 <=
 /// value(h).
@@ -88,7 +75,8 @@ double HertzFlow::speed_coefficient(double y) const {
   return 2.0 * p[C::damping] + p[C::stiffness] * p[C::contact_damping] * y * y * y;
 }
 
-template <std::size_t Pairs> void HertzFlow::leave_rest(const FlowTask& task, double dt, detail::HertzState<Pairs>& z) const {
+template <std::size_t Pairs>
+void HertzFlow::leave_rest(const FlowTask& task, double dt, detail::HertzState<Pairs>& z) const {
   const auto& p = contact_.value;
   const double r = p[C::barrier], v = z.yv[1], w = p[C::frequency], c = z.phase[0], s = z.phase[1];
   const double a = p[C::amplitude] * c - 2.0 * p[C::damping] * v - r - p[C::beta] * r * r * r;
@@ -181,7 +169,7 @@ template <std::size_t Pairs> void HertzFlow::carry_with(const FlowTask& task, co
   const auto longest_step = [&](double cosine, double v, double dt) {
     const double a = std::abs(p[C::amplitude] * cosine - r * (1.0 + p[C::beta] * r * r)) + 2.0 * p[C::damping] * std::abs(v) +
                      std::abs(p[C::amplitude]) * p[C::frequency] * dt;
-    return 0.3 * std::numbers::pi * std::sqrt(2.0 / std::max(a, 1e-12));
+    return detail::hertz_longest_step * std::sqrt(2.0 / std::max(a, 1e-12));
   };
 
   if (z.yv[0] == 0.0 && z.yv[1] <= rest_tolerance) {
@@ -192,9 +180,8 @@ template <std::size_t Pairs> void HertzFlow::carry_with(const FlowTask& task, co
     if (z.yv[0] == 0.0 && z.yv[1] <= 0.0) return finish(FlowEnd::event, z);
   }
 
-  // The terms fall off over a step as powers of `ratio`, so that a last one of a quarter of the tolerance leaves out a twentieth
-  // of it. The rest is for the tangent, whose error grows as that of the state over the speed of entry.
-  const double ratio = std::pow(options_.tolerance, 1.0 / order), allowed = 0.25 * options_.tolerance;
+  constexpr std::size_t order = detail::hertz_order;
+  const double ratio = std::pow(options_.tolerance, 1.0 / order), allowed = detail::hertz_last_term * options_.tolerance;
   detail::HertzSeries<order, Pairs> series(contact_, coefficient_of_active_, task.t0);
   double h = longest_step(z.phase[0], z.yv[1], 0.0);
   for (std::size_t step = 1; step <= options_.max_steps; ++step) {
@@ -205,7 +192,7 @@ template <std::size_t Pairs> void HertzFlow::carry_with(const FlowTask& task, co
     const double size = std::max(series.size(order), series.size(order - 1) * ratio / h);
     if (!std::isfinite(size)) break;
     const double v = std::abs(z.yv[1]), longest = longest_step(z.phase[0], v, 0.0);
-    h = std::min(longest, rough_root(allowed / size));
+    h = std::min(longest, detail::rough_root(allowed / size));
     State next = series.at(h);
     const double checked = longest_step(z.phase[0], std::max(v, std::abs(next.yv[1])), std::abs(next.time[0] - z.time[0]));
     if (h > checked) {

@@ -27,6 +27,24 @@ Guard make_level_guard(const LevelGuard& level) {
   return guard;
 }
 
+Reset make_rebound(const Rebound& rebound) {
+  const auto level = static_cast<Eigen::Index>(rebound.level), coefficient = static_cast<Eigen::Index>(rebound.coefficient);
+  Reset reset;
+  reset.map = [=](double, const Vector& x, const Vector& p, Vector& out) {
+    const double after = -p[coefficient] * x[1];
+    out[0] = p[level];
+    out[1] = after;
+  };
+  reset.dx = [=](double, const Vector&, const Vector& p, Matrix& J) { J << 0.0, 0.0, 0.0, -p[coefficient]; };
+  reset.dp = [=](double, const Vector& x, const Vector&, Matrix& J) {
+    J.setZero();
+    J(0, level) = 1.0;
+    J(1, coefficient) = -x[1];
+  };
+  reset.rebound = rebound;
+  return reset;
+}
+
 std::string_view event_kind_name(EventKind kind) {
   switch (kind) {
   case EventKind::impact:

@@ -67,13 +67,22 @@ struct Guard {
 
 Guard make_level_guard(const LevelGuard& level);
 
-/// A reset x+ = g(t, x-, p); empty `map` means the identity.
+/// Reset of an impact with restitution, x+ = p[level], v+ = -p[coefficient] v-, told apart because the lanes know it.
+struct Rebound {
+  std::size_t level = 0;        ///< index of the parameter
+  std::size_t coefficient = 0;  ///< index of the parameter
+};
+
+/// A reset x+ = g(t, x-, p); empty `map` means the identity. make_rebound builds all of it from a Rebound, for states (x, v).
 struct Reset {
   VectorFunction map;
   MatrixFunction dx;
   MatrixFunction dp;  ///< empty: zero
   VectorFunction dt;  ///< empty: zero
+  std::optional<Rebound> rebound;
 };
+
+Reset make_rebound(const Rebound& rebound);
 
 enum class EventKind { impact, enter, leave, stick, release, other };
 

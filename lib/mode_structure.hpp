@@ -6,6 +6,7 @@
 // others. All quantities are dimensionless; states are (x, v).
 #pragma once
 
+#include <graze/lib/hertz_contact.hpp>
 #include <graze/lib/vector.hpp>
 
 #include <array>
@@ -34,15 +35,6 @@ struct CubicOscillator {
   std::array<double, count> value{};
   /// d(value)/dp, 6 x (number of parameters).
   Matrix dp = {};
-};
-
-/// x'' = amplitude cos(frequency t) - 2 damping x' - x - beta x^3 - stiffness (x - barrier)^(3/2) (1 + contact_damping x')
-/// for x >= barrier: carried in the regularising variable y = sqrt(x - barrier), dt = y ds (DESIGN: "Hertz contact").
-struct HertzContact {
-  enum Coefficient : std::size_t { damping, beta, amplitude, frequency, barrier, stiffness, contact_damping, count };
-  std::array<double, count> value{};
-  /// Index of the parameter that each coefficient is (they are plain parameters of the system).
-  std::array<std::size_t, count> parameter{};
 };
 
 /// Nothing is known: the general integrator.

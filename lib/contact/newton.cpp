@@ -30,16 +30,7 @@ Event impact() {
   event.from = event.to = free_flight;
   event.kind = EventKind::impact;
   event.guard = make_level_guard({.coordinate = 0, .level = r, .sign = 1.0});
-  event.reset.map = [](double, const Vector& x, const Vector& p, Vector& out) {
-    out[0] = p[r];
-    out[1] = -p[k_r] * x[1];
-  };
-  event.reset.dx = [](double, const Vector&, const Vector& p, Matrix& J) { J << 0.0, 0.0, 0.0, -p[k_r]; };
-  event.reset.dp = [](double, const Vector& x, const Vector&, Matrix& J) {
-    J.setZero();
-    J(0, r) = 1.0;
-    J(1, k_r) = -x[1];
-  };
+  event.reset = make_rebound({.level = r, .coefficient = k_r});
   event.log_volume_change = [](const Vector& p) { return 2.0 * std::log(p[k_r]); };
   Accumulation rest;
   rest.sticking_mode = held;

@@ -9,11 +9,13 @@
 // Two quantities at a time lie in one SSE2 register; the recurrence is unrolled; nothing is allocated.
 #pragma once
 
-#include <graze/lib/mode_structure.hpp>
+#include <graze/lib/hertz_contact.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 namespace graze::detail {
 

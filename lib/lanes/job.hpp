@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the lanes are given and what they give back: plain numbers, since this is all that the code compiled for other processors
+// may share with the rest.
+#pragma once
+
+#include <graze/lib/hertz_contact.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace graze::lanes {
+
+/// Steps of a flight: from `longest` down by halves.
+inline constexpr std::size_t levels = 7, marching_level = 2;
+
+/// Coefficients of a motion. The flight is x'' + 2 damping x' + stiffness x = amplitude cos(frequency t) + constant, underdamped,
+/// with the particular solution cosine cos + sine sin + offset and rate^2 = stiffness - damping^2.
+enum Coefficient : std::size_t {
+  damping,
+  rate,
+  stiffness,
+  frequency,
+  amplitude,
+  constant,
+  cosine,
+  sine,
+  offset,
+  forced2,  ///< bound of the second derivative of the particular solution
+  forced6,  ///< and of the sixth
+  barrier,
+  period,
+  longest,     ///< longest step of a flight
+  march_step,  ///< that of marching_level
+  restitution,
+  contact_stiffness,
+  contact_damping,
+  turns,  ///< of each level: e^(-damping h) (cos, sin)(rate h), (cos, sin)(frequency h)
+  coefficients = turns + 4 * levels
+};
+using Coefficients = std::array<double, coefficients>;
+
+struct Motion {
+  double x = 0.0, v = 0.0;
+  const Coefficients* coefficients = nullptr;
+};
+
+/// What one forcing period did to one motion.
+struct Period {
+  double x = 0.0, v = 0.0;      ///< at its end
+  std::array<double, 4> Phi{};  ///< row by row, if asked for
+  double det = 0.0;             ///< of Phi, factor by factor
+  double divergence = 0.0;      ///< integral of trace(f_x), flights and contacts; impacts not counted
+  std::int32_t impacts = 0;     ///< impacts and entries into contact
+  bool carried = false;         ///< false: a contact too weak or a motion too close to the barrier for the lanes
+};
+
+enum class Law { restitution, hertz };
+
+struct Job {
+  Law law = Law::restitution;
+  double tolerance = 1e-13;
+  bool tangent = true;
+  const Motion* motions = nullptr;
+  std::size_t count = 0;
+  std::size_t periods = 0;    ///< of each motion
+  Period* results = nullptr;  ///< period n of motion m at m * periods + n; behind one that was not carried nothing is written
+};
+
+void carry_one(const Job& job);      ///< one lane
+void carry_generic(const Job& job);  ///< what every processor of the kind has
+void carry_avx2(const Job& job);
+void carry_avx512(const Job& job);
+
+}  // namespace graze::lanes

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Contacts in lanes: an impact with a coefficient of restitution, and a step of a Hertz contact (hertz_flow.hpp, the same
+// series).
+#pragma once
+
+#include <graze/lib/lanes/contact_series.hpp>
+#include <graze/lib/lanes/crossing.hpp>
+
+#include <utility>
+
+namespace graze::lanes {
+
+/// x'+ = -k_r x'-, with its saltation matrix [[-k_r, 0], [(a+ + k_r a-)/v, -k_r]].
+template <class Real, bool Tangent> void rebound(Memory<Real>& m, const Landing<Real>& landing) {
+  const Mask<Real>& where = landing.at_barrier;
+  const Real k = m[restitution], v = landing.v, after = -k * v;
+  if constexpr (Tangent) {
+    const Real pull = m[amplitude] * landing.c + m[constant] - m[stiffness] * m[barrier];
+    const Real a_minus = pull - 2.0 * m[damping] * v, a_plus = pull - 2.0 * m[damping] * after;
+    compose(m, where, Real(-k), Real(0.0), Real((a_plus + k * a_minus) / v), Real(-k));
+  }
+  leave_barrier(m, where, after, landing.c, landing.s);
+}
+
+/// A contact begins at depth y^2 and speed v.
+template <class Real>
+void touch(Memory<Real>& m, const Mask<Real>& where, const Real& y, const Real& v, const Real& c, const Real& s) {
+  m.set(depth, where, y);
+  m.set(speed, where, v);
+  m.set(phase_c, where, c);
+  m.set(phase_s, where, s);
+  m.set(contact_time, where, Real(0.0));
+  m.set(contact_divergence, where, Real(0.0));
+  m.set(dx_0, where, Real(1.0));
+  m.set(dx_1, where, Real(0.0));
+  m.set(q_0, where, Real(2.0 * m[damping] + m[contact_stiffness] * m[contact_damping] * y * y * y));
+  m.set(q_1, where, Real(1.0));
+  m.set(step, where, Real(0.0));
+  m.assign(where, Task::contact);
+}
+
+/// Newton, kept in the bracket [0, h], on a quantity of a partial step with its derivative; negative at 0 and not so at h.
+template <class Real, class Value> Real root_in_step(const Value& value, const Real& h, Mask<Real> seeking) {
+  Real lo = Real(0.0), hi = h, s = h;
+  for (int i = 0; i < 60 && any(seeking); ++i) {
+    const auto [g, slope] = value(s);
+    const Mask<Real> below = g < Real(0.0);
+    lo = select(seeking & below, s, lo);
+    hi = select(seeking & !below, s, hi);
+    const Real next = s - g / slope;
+    const Mask<Real> inside = (next >= lo) & (next <= hi);
+    const Mask<Real> done = inside & (abs(Real(next - s)) <= 1e-9 * h);
+    s = select(seeking, select(inside, next, Real(0.5 * (lo + hi))), s);
+    seeking = seeking & !done;
+  }
+  return s;
+}
+
+/// Where a contact ended.
+template <class Real> struct Surfacing {
+  Mask<Real> at_barrier, at_end;
+  Real y, v, c, s;
+};
+
+/// One step of every lane in contact.
+template <class Real, bool Tangent> Surfacing<Real> press(Memory<Real>& m, double tolerance, double ratio) {
+  using Series = ContactSeries<Real, Tangent>;
+  const Mask<Real> pressed = m.is(Task::contact);
+  const Real b = m[damping], k_H = m[contact_stiffness], b_H = m[contact_damping];
+  const ContactLaw<Real> law{2.0 * b, m[frequency], m[amplitude], m[barrier], k_H, k_H * b_H};
+  const ContactState<Real> z{m[depth], m[speed], m[phase_c], m[phase_s], m[contact_time], m[contact_divergence],
+                             m[dx_0],  m[dx_1],  m[q_0],     m[q_1]};
+  const Series series(law, z);
+  const auto longest_step = [&](const Real& v, const Real& dt) {
+    const Real a = abs(Real(law.xi * z.c - law.r)) + law.b2 * abs(v) + abs(law.xi) * law.w * dt;
+    return Real(detail::hertz_longest_step * sqrt(Real(2.0 / largest(a, Real(1e-12)))));
+  };
+  const Real v = abs(z.v), longest_here = longest_step(v, Real(0.0));
+  Real h = m[step];
+  h = select(h > Real(0.0), h, longest_here);
+  const Real size = largest(series.size(Series::order), Real(series.size(Series::order - 1) * (ratio / h)));
+  alignas(64) double trusted[width<Real>];
+  put(trusted, Real(detail::hertz_last_term * tolerance / size));
+  for (double& one : trusted) one = detail::rough_root(one);
+  h = least(longest_here, take<Real>(trusted));
+  ContactState<Real> next = series.at(h);
+  const Real checked = longest_step(largest(v, Real(abs(next.v))), Real(abs(Real(next.time - z.time))));
+  const Mask<Real> shorter = h > checked;
+  if (any(pressed & shorter)) {
+    h = select(shorter, checked, h);
+    next = series.at(h);
+  }
+  const Real duration = m[rest];
+  const Mask<Real> finite = abs(Real(next.y + next.v + next.time)) < Real(1e300);
+  Mask<Real> surfaced = pressed & finite & !(next.y > Real(0.0)), late = pressed & finite & (next.time >= duration);
+  if (any(surfaced | late)) {
+    const Real up = root_in_step(
+        [&](const Real& trial) { return std::pair<Real, Real>(-series.depth(trial), -0.5 * series.speed(trial)); }, h, surfaced);
+    Real s = select(surfaced, up, h);
+    const Mask<Real> in_time = surfaced & (series.time(s) <= duration);
+    late = (surfaced | late) & !in_time;
+    surfaced = in_time;
+    s = root_in_step([&](const Real& trial) { return std::pair<Real, Real>(series.time(trial) - duration, series.depth(trial)); },
+                     s, late);
+    // Elsewhere s = h: the step itself.
+    next = series.at(s);
+  }
+  m.set(step, pressed, h);
+  m.set(depth, pressed, next.y);
+  m.set(speed, pressed, next.v);
+  m.set(phase_c, pressed, next.c);
+  m.set(phase_s, pressed, next.s);
+  m.set(contact_time, pressed, next.time);
+  m.set(contact_divergence, pressed, next.divergence);
+  const Mask<Real> ended = surfaced | late;
+  const Real y = select(surfaced, Real(0.0), next.y);
+  if constexpr (Tangent) {
+    m.set(dx_0, pressed, next.dx_0);
+    m.set(dx_1, pressed, next.dx_1);
+    m.set(q_0, pressed, next.q_0);
+    m.set(q_1, pressed, next.q_1);
+    const Real q_of_dx = law.b2 + law.loss * y * y * y;
+    compose(m, ended, next.dx_0, next.dx_1, Real(next.q_0 - q_of_dx * next.dx_0), Real(next.q_1 - q_of_dx * next.dx_1));
+  }
+  m.set(divergence, ended, Real(m[divergence] + next.divergence));
+  m.set(rest, surfaced, Real(duration - next.time));
+  m.assign(pressed & !finite, Task::given_up);
+  return {surfaced, late, y, next.v, next.c, next.s};
+}
+
+}  // namespace graze::lanes

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Motions side by side in SIMD lanes against the same motions one by one (Propagator), and against themselves in fewer lanes.
+#include "support/checks.hpp"
+
+#include <graze/lib/many_motions.hpp>
+#include <graze/lib/oscillator.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <cstring>
+#include <random>
+
+using namespace graze;
+using namespace graze::support;
+
+namespace {
+
+HybridSystem oscillator(const char* law) { return make_oscillator("linear", law); }
+
+Vector with(const HybridSystem& system, std::vector<std::pair<const char*, double>> values) {
+  Vector p = default_parameters(system.parameters);
+  for (const auto& [name, value] : values) p[static_cast<Eigen::Index>(parameter_index(system.parameters, name))] = value;
+  return p;
+}
+
+std::vector<MotionStart> random_starts(std::size_t count, double r, std::size_t sets = 1) {
+  std::mt19937_64 generator(7);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  std::vector<MotionStart> starts;
+  for (std::size_t i = 0; i < count; ++i) starts.push_back({i % sets, r - 3.0 * unit(generator), 3.0 * unit(generator) - 1.5});
+  return starts;
+}
+
+struct Difference {
+  double state = 0.0, tangent = 0.0, volume = 0.0;
+  int impacts = 0, other_endings = 0;
+};
+
+/// Largest differences from the Propagator, period by period from the lanes' own states. That of the state is relative to
+/// 1 + |Phi|; that of the tangent to its square, since an error of the entry's speed is magnified twice.
+Difference compare(const HybridSystem& system, const std::vector<Vector>& parameters, const std::vector<MotionStart>& starts,
+                   std::size_t periods, const std::vector<PeriodResult>& results) {
+  Difference worst;
+  for (std::size_t set = 0; set < parameters.size(); ++set) {
+    Propagator propagator(system, parameters[set]);
+    const double T = forcing_period(system, parameters[set]);
+    Transition one;
+    for (std::size_t m = 0; m < starts.size(); ++m) {
+      if (starts[m].parameters != set) continue;
+      for (std::size_t k = 0; k < periods; ++k) {
+        const PeriodResult& many = results[m * periods + k];
+        const Vector x = k == 0 ? vector({starts[m].x, starts[m].v})
+                                : vector({results[m * periods + k - 1].x, results[m * periods + k - 1].v});
+        carry(propagator, 0.0, T, x, {.sensitivity = Sensitivity::state}, one);
+        worst.other_endings += one.termination != many.termination ? 1 : 0;
+        if (many.termination != Termination::time || one.termination != Termination::time) break;
+        const double size = 1.0 + one.Phi.norm();
+        worst.state = std::max(worst.state, std::hypot(many.x - one.x1[0], many.v - one.x1[1]) / size);
+        for (Eigen::Index i = 0; i < 4; ++i)
+          worst.tangent =
+              std::max(worst.tangent, std::abs(many.Phi[static_cast<std::size_t>(i)] - one.Phi(i / 2, i % 2)) / (size * size));
+        if (std::isfinite(one.liouville)) worst.volume = std::max(worst.volume, std::abs(many.liouville - one.liouville));
+        if (std::isfinite(many.log_det)) worst.volume = std::max(worst.volume, std::abs(many.log_det - many.liouville));
+        int impacts = 0;
+        for (const std::size_t event : one.event_sequence) impacts += begins_contact(system.events[event].kind) ? 1 : 0;
+        worst.impacts += impacts != many.impacts ? 1 : 0;
+      }
+    }
+  }
+  return worst;
+}
+
+}  // namespace
+
+TEST_CASE("lanes carry the motions that the Propagator carries") {
+  const auto [law, restitution, damping] = GENERATE(
+      table<const char*, double, double>({{"newton", 1.0, 0.0}, {"newton", 0.6, 0.0}, {"hertz", 0.0, 0.0}, {"hertz", 0.0, 0.1}}));
+  const HybridSystem system = oscillator(law);
+  const bool hard = std::string(law) == "newton";
+  std::vector<Vector> parameters;
+  ManyMotions many(system);
+  for (const double eta : {0.55, 0.711, 0.95, 1.4})
+    for (const double r : {0.3, 1.0, 2.0}) {
+      parameters.push_back(with(system, {{"eta", eta}, {"r", r}, {hard ? "k_r" : "b_H", hard ? restitution : damping}}));
+      CHECK(many.add_parameters(parameters.back()) + 1 == parameters.size());
+    }
+  const auto starts = random_starts(120, 0.3, parameters.size());
+  constexpr std::size_t periods = 20;
+  std::vector<PeriodResult> results;
+  many.carry(starts, periods, true, results);
+  REQUIRE(results.size() == starts.size() * periods);
+  const Difference worst = compare(system, parameters, starts, periods, results);
+  CAPTURE(law, restitution, damping, worst.state * 1e12, worst.tangent * 1e12, worst.volume * 1e12, many.left_over(), many.carried());
+  CHECK(worst.state < 1e-12);
+  CHECK(worst.tangent < 1e-12);
+  CHECK(worst.volume < 1e-12);
+  CHECK(worst.impacts == 0);
+  CHECK(worst.other_endings == 0);
+  CHECK(many.carried() == results.size());
+  // What the Propagator is left with: weak and chattering impacts, more of them where impacts lose energy.
+  CHECK(static_cast<double>(many.left_over()) < (restitution == 0.6 ? 0.3 : 0.02) * static_cast<double>(many.carried()));
+}
+
+TEST_CASE("lanes of any width give the same to the last bit") {
+  const char* law = GENERATE("newton", "hertz");
+  const HybridSystem system = oscillator(law);
+  std::vector<PeriodResult> reference;
+  for (const LaneWidth width : {LaneWidth::one, LaneWidth::generic, LaneWidth::avx2, LaneWidth::avx512, LaneWidth::widest}) {
+    if (!available(width)) continue;
+    ManyMotions many(system, {}, width);
+    for (const double eta : {0.70, 0.711, 0.93}) many.add_parameters(with(system, {{"eta", eta}}));
+    std::vector<PeriodResult> results;
+    many.carry(random_starts(61, 2.0, 3), 11, true, results);
+    if (reference.empty()) reference = results;
+    REQUIRE(results.size() == reference.size());
+    bool same = true;
+    for (std::size_t i = 0; i < results.size(); ++i)
+      same = same && results[i].x == reference[i].x && results[i].v == reference[i].v && results[i].Phi == reference[i].Phi &&
+             results[i].impacts == reference[i].impacts && results[i].liouville == reference[i].liouville;
+    CHECK(same);
+  }
+}
+
+TEST_CASE("a motion in lanes does not depend on its company") {
+  const HybridSystem system = oscillator("hertz");
+  ManyMotions many(system);
+  many.add_parameters(with(system, {{"eta", 0.711}, {"b_H", 0.1}}));
+  const auto starts = random_starts(40, 2.0);
+  std::vector<PeriodResult> together, alone;
+  many.carry(starts, 8, true, together);
+  for (std::size_t m = 0; m < starts.size(); ++m) {
+    many.carry({starts[m]}, 8, true, alone);
+    CHECK(alone[7].x == together[m * 8 + 7].x);
+    CHECK(alone[7].Phi == together[m * 8 + 7].Phi);
+  }
+}
+
+TEST_CASE("lanes miss no impact next to grazing") {
+  const char* law = GENERATE("newton", "hertz");
+  const HybridSystem system = oscillator(law);
+  // The impactless orbit with its amplitude from just below the barrier to just above, and motions close to it.
+  std::vector<Vector> parameters;
+  ManyMotions many(system);
+  std::vector<MotionStart> starts;
+  for (const double distance : {1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12})
+    for (const double side : {-1.0, 1.0}) {
+      Vector p = with(system, {{"eta", 0.65}});
+      const Vector steady = steady_response(p);
+      const double eta = p[oscillator_parameter::eta], b = p[oscillator_parameter::b], detuning = 1.0 - eta * eta;
+      p[oscillator_parameter::r] = p[oscillator_parameter::xi] / std::hypot(detuning, 2.0 * b * eta) + side * distance;
+      parameters.push_back(p);
+      const std::size_t set = many.add_parameters(p);
+      for (int k = 0; k < 16; ++k) starts.push_back({set, steady[0] + 1e-7 * k * k, steady[1] - 1e-9 * k});
+    }
+  std::vector<PeriodResult> results;
+  many.carry(starts, 3, true, results);
+  int impacts = 0;
+  for (const PeriodResult& result : results) impacts += result.impacts;
+  CHECK(impacts > 50);
+  const Difference worst = compare(system, parameters, starts, 3, results);
+  CHECK(worst.impacts == 0);
+  CHECK(worst.other_endings == 0);
+  CHECK(worst.state < 1e-12);
+}
+
+TEST_CASE("lanes leave chattering, sticking and inadmissible motions to the Propagator") {
+  const HybridSystem system = oscillator("newton");
+  const std::vector<Vector> parameters = {with(system, {{"eta", 0.2}, {"r", 0.3}, {"k_r", 0.5}})};
+  ManyMotions many(system);
+  many.add_parameters(parameters[0]);
+  const std::vector<MotionStart> starts = {{0, 0.0, 0.0}, {0, 0.3, 0.0}, {0, 0.3, -0.5},
+                                           {0, 0.3, 0.5}, {0, 0.4, 0.0}, {0, NAN, 0.0}};
+  std::vector<PeriodResult> results;
+  many.carry(starts, 5, true, results);
+  const Difference worst = compare(system, parameters, starts, 5, results);
+  CHECK(worst.state < 1e-12);
+  CHECK(worst.impacts == 0);
+  CHECK(worst.other_endings == 0);
+  CHECK(many.left_over() > 0);
+  for (std::size_t k = 0; k < 5; ++k) {
+    CHECK(results[4 * 5 + k].termination == Termination::inadmissible_start);
+    CHECK(results[5 * 5 + k].termination == Termination::inadmissible_start);
+  }
+}
+
+TEST_CASE("a Hertz contact may begin and end with a period in lanes") {
+  const HybridSystem system = oscillator("hertz");
+  const std::vector<Vector> parameters = {with(system, {{"eta", 0.95}})};
+  ManyMotions many(system);
+  many.add_parameters(parameters[0]);
+  std::vector<MotionStart> starts;
+  for (int k = 0; k < 20; ++k) starts.push_back({0, 2.0 + 0.02 * k, 1.5 - 0.15 * k});
+  std::vector<PeriodResult> results;
+  many.carry(starts, 10, true, results);
+  const Difference worst = compare(system, parameters, starts, 10, results);
+  CHECK(worst.state < 1e-12);
+  CHECK(worst.tangent < 1e-12);
+  CHECK(worst.impacts == 0);
+}
+
+TEST_CASE("what the lanes do not know is told") {
+  FlowOptions general;
+  general.kind = FlowKind::general;
+  const HybridSystem newton = oscillator("newton"), beam = make_oscillator("cantilever", "newton"),
+                     elastic = oscillator("linear");
+  CHECK(ManyMotions::applies(newton, default_parameters(newton.parameters)));
+  CHECK_FALSE(ManyMotions::applies(newton, default_parameters(newton.parameters), general));
+  CHECK_FALSE(ManyMotions::applies(newton, with(newton, {{"b", 1.1}})));
+  CHECK_FALSE(ManyMotions::applies(newton, with(newton, {{"beta", 0.5}})));
+  CHECK_FALSE(ManyMotions::applies(beam, default_parameters(beam.parameters)));
+  CHECK_FALSE(ManyMotions::applies(elastic, default_parameters(elastic.parameters)));
+  ManyMotions many(beam);
+  CHECK_THROWS_WITH(many.add_parameters(default_parameters(beam.parameters)),
+                    Catch::Contains("is not an oscillator that the lanes know"));
+  ManyMotions none(newton);
+  std::vector<PeriodResult> results;
+  CHECK_THROWS_WITH(none.carry({{0, 0.0, 0.0}}, 1, false, results), Catch::Contains("0 were added"));
+}
