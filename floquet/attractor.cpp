@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/attractor.hpp>
+#include <graze/floquet/lyapunov_lanes.hpp>
 #include <graze/floquet/settle.hpp>
 
 #include <algorithm>
@@ -11,6 +12,10 @@ namespace {
 
 /// A settled state returns this closely after one period of its orbit, relative to 1 + |x|; Newton decides, not this.
 constexpr double worth_trying = 0.03;
+
+/// Chaos is averaged over so many motions side by side, if the budget leaves each of them the longer part of it after parting.
+constexpr int motions_in_chaos = 16;
+constexpr std::int64_t budget_for_many = 4 * motions_in_chaos * parting;
 
 /// Distance of a state to the nearest of an orbit's states at phase 0.
 double distance(const PeriodicOrbit& orbit, const Vector& x) {
@@ -108,11 +113,16 @@ void average_on_attractor(const HybridSystem& system, const Vector& p, Attractor
     return;
   }
   averaging.significance = options.significance;  // long enough to tell chaos, too
+  if (averaging.change == 0.0 && averaging.max_periods >= budget_for_many)
+    averaging.motions = std::max(averaging.motions, motions_in_chaos);
   attractor.time_average = lyapunov_spectrum(system, p, attractor.state, averaging);
   attractor.state = attractor.time_average.state;
-  if (auto orbit = settling_orbit(system, p, attractor.state, options.max_period, averaging.flow)) {
-    settle_on(attractor, std::move(*orbit));
-    return;
+  std::vector<Vector> ends = attractor.time_average.others;
+  ends.insert(ends.begin(), attractor.state);
+  for (const Vector& end : ends) {  // one that has settled tells that the chaos was transient
+    if (auto orbit = settling_orbit(system, p, end, options.max_period, averaging.flow))
+      return settle_on(attractor, std::move(*orbit));
+    if (averaging.cancelled && averaging.cancelled()) return;
   }
   attractor.exponents = attractor.time_average.exponents;
   attractor.standard_errors = attractor.time_average.standard_errors;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/batch_means.hpp>
 #include <graze/floquet/lyapunov.hpp>
+#include <graze/floquet/lyapunov_lanes.hpp>
+#include <graze/lib/many_motions.hpp>
 
 #include <fmt/format.h>
 
@@ -21,6 +23,8 @@ void check(const HybridSystem& system, const LyapunovOptions& options) {
     throw std::invalid_argument("the exponents are averaged over forcing periods; this system is autonomous");
   if (options.interval < 1)
     throw std::invalid_argument(fmt::format("interval is {}; allowed is a whole number >= 1", options.interval));
+  if (options.motions < 1)
+    throw std::invalid_argument(fmt::format("motions is {}; allowed is a whole number >= 1", options.motions));
   if (options.aligning < 0)
     throw std::invalid_argument(fmt::format("aligning is {}; allowed is a whole number >= 0", options.aligning));
   if (options.max_periods < options.interval)
@@ -97,6 +101,8 @@ double kaplan_yorke_dimension(const std::vector<double>& exponents) {
 LyapunovSpectrum lyapunov_spectrum(const HybridSystem& system, const Vector& p, const Vector& state,
                                    const LyapunovOptions& options) {
   check(system, options);
+  if (options.motions > 1 && ManyMotions::applies(system, p, options.flow))
+    return std::move(lane_spectra(system, {{p, state}}, options).front());
   initial_mode(system, 0.0, state, p);
   LyapunovSpectrum out;
   out.state = state;

@@ -29,13 +29,15 @@ enum class LyapunovStop {
 std::string_view lyapunov_stop_text(LyapunovStop reason);
 
 struct LyapunovOptions {
-  int interval = 1;              ///< forcing periods between two orthonormalisations
+  int interval = 1;  ///< forcing periods between two orthonormalisations
+  /// > 1: averages over so many motions on the attractor side by side, in SIMD lanes, where they know the oscillator.
+  int motions = 1;
   std::int64_t aligning = 0;     ///< forcing periods carried first, whose growth is not counted: the tangent vectors align
   double standard_error = 3e-4;  ///< bound, for all exponents; 0: the budget is used up
   double significance = 0.0;     ///< > 0: goes on until the first exponent also differs from zero by so many standard errors
   double change = 0.0;           ///< > 0: stop where all exponents change by less than this from one interval to the next
   std::int64_t min_periods = 2000;
-  std::int64_t max_periods = 200000;
+  std::int64_t max_periods = 200000;  ///< of all motions together, as min_periods
   FlowOptions flow = {};
   std::function<bool()> cancelled = {};  ///< asked once per interval
   std::function<void(std::int64_t periods)> progress = {};
@@ -50,8 +52,9 @@ struct LyapunovSpectrum {
   double kaplan_yorke = 0.0;                      ///< dimension j + (lambda_1 + ... + lambda_j) / |lambda_{j+1}|
   double liouville_residual = -1.0;               ///< largest |sum ln R_ii - Liouville's identity| per period; -1: not applicable
   std::int64_t periods = 0;
-  std::int64_t impacts = 0;  ///< impacts and entries into contact on the way
-  Vector state;              ///< at forcing phase 0, at the end
+  std::int64_t impacts = 0;    ///< impacts and entries into contact on the way
+  Vector state;                ///< at forcing phase 0, at the end
+  std::vector<Vector> others;  ///< of the motions beside it (LyapunovOptions::motions), likewise
   bool converged() const { return stop == LyapunovStop::standard_error || stop == LyapunovStop::change; }
 };
 

@@ -4,6 +4,7 @@
 #include <graze/floquet/attractor.hpp>
 #include <graze/floquet/batch_means.hpp>
 #include <graze/floquet/lyapunov.hpp>
+#include <graze/floquet/lyapunov_lanes.hpp>
 #include <graze/floquet/settle.hpp>
 #include <graze/lib/oscillator.hpp>
 
@@ -169,4 +170,69 @@ TEST_CASE("an attractor is periodic where Newton proves it, however slowly the m
   const Attractor undecided = find_attractor(system, p, Vector::Zero(2), little);
   CHECK(undecided.time_average.stop == LyapunovStop::budget);
   CHECK(undecided.time_average.periods == 50);
+}
+
+TEST_CASE("exponents averaged over several motions side by side") {
+  const char* law = GENERATE("newton", "hertz");
+  const HybridSystem system = make_oscillator("linear", law);
+  Vector p = default_parameters(system.parameters);
+  p[oscillator_parameter::eta] = 0.711;
+  if (std::string(law) == "hertz") p[static_cast<Eigen::Index>(parameter_index(system.parameters, "b_H"))] = 0.1;
+  LyapunovOptions options;
+  options.standard_error = 0.0;
+  options.aligning = 500;
+  options.max_periods = 40000;
+  const LyapunovSpectrum one = lyapunov_spectrum(system, p, vector({-0.379, -0.717}), options);
+  options.motions = 8;
+  const LyapunovSpectrum many = lyapunov_spectrum(system, p, vector({-0.379, -0.717}), options);
+  CHECK(many.stop == LyapunovStop::budget);
+  CHECK(many.periods == 40000);
+  CHECK(many.others.size() == 7);
+  // Independent samples of one chaos: five joint standard errors.
+  for (std::size_t i = 0; i < 2; ++i)
+    CHECK(std::abs(one.exponents[i] - many.exponents[i]) < 5.0 * std::hypot(one.standard_errors[i], many.standard_errors[i]));
+  CHECK(many.standard_errors[0] == Approx(one.standard_errors[0]).epsilon(0.6));  // as much data: an error that is an estimate
+  CHECK(many.liouville_residual >= 0.0);
+  CHECK(many.liouville_residual < 1e-10);
+  CHECK(static_cast<double>(many.impacts) == Approx(static_cast<double>(one.impacts)).epsilon(0.05));
+  CHECK(many.kaplan_yorke == Approx(one.kaplan_yorke).margin(0.05));
+
+  options.standard_error = 1.5e-3;
+  options.min_periods = 2000;
+  const LyapunovSpectrum bounded = lyapunov_spectrum(system, p, vector({-0.379, -0.717}), options);
+  CHECK(bounded.stop == LyapunovStop::standard_error);
+  CHECK(bounded.standard_errors[0] < 1.5e-3);
+  CHECK(bounded.periods < 40000);
+}
+
+TEST_CASE("one motion in lanes has the exponents of a motion") {
+  const HybridSystem system = make_oscillator("linear", "hertz");
+  LyapunovOptions options;
+  options.standard_error = 0.0;
+  options.interval = 3;
+  options.max_periods = 90;
+  std::vector<AverageStart> starts;
+  for (const double eta : {0.80, 0.85, 0.93}) {
+    Vector p = default_parameters(system.parameters);
+    p[oscillator_parameter::eta] = eta;
+    starts.push_back({p, vector({1.2, 0.4})});
+  }
+  const std::vector<LyapunovSpectrum> spectra = lane_spectra(system, starts, options);
+  REQUIRE(spectra.size() == 3);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const LyapunovSpectrum alone = lyapunov_spectrum(system, starts[k].p, starts[k].state, options);
+    CHECK(spectra[k].periods == alone.periods);
+    CHECK(spectra[k].impacts == alone.impacts);
+    CHECK(spectra[k].correlation_times[0] == Approx(alone.correlation_times[0]));
+    for (std::size_t i = 0; i < 2; ++i) CHECK(spectra[k].exponents[i] == Approx(alone.exponents[i]).margin(1e-9));
+    CHECK((spectra[k].state - alone.state).norm() < 1e-6);  // their rounding, as far as 90 periods of it grow
+  }
+}
+
+TEST_CASE("the number of motions is checked") {
+  const HybridSystem system = make_oscillator("linear", "hertz");
+  LyapunovOptions options;
+  options.motions = 0;
+  CHECK_THROWS_WITH(lyapunov_spectrum(system, default_parameters(system.parameters), vector({0.0, 0.0}), options),
+                    "motions is 0; allowed is a whole number >= 1");
 }

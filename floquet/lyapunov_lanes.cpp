@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/batch_means.hpp>
+#include <graze/floquet/lyapunov_lanes.hpp>
+#include <graze/lib/many_motions.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace graze {
+
+namespace {
+
+constexpr std::size_t stretch = 32;  // forcing periods between two looks at what has been reached
+
+/// One motion with its first tangent vector.
+struct Strand {
+  MotionStart at;
+  double c = 1.0, s = 0.0;
+  double growth = 0.0, log_det = 0.0, liouville = 0.0;  // since the last orthonormalisation
+  int periods = 0;                                      // likewise
+  std::array<BatchMeans, 2> means = {};
+};
+
+/// All motions of one start.
+class Average {
+ public:
+  Average(const AverageStart& start, std::size_t set, const LyapunovOptions& options, double period)
+      : options_(options), interval_time_(options.interval * period) {
+    const double apart = 1e-7 * (1.0 + std::abs(start.state[0]));
+    for (int i = 0; i < std::max(1, options.motions); ++i)
+      strands_.push_back({.at = {set, start.state[0] - apart * i, start.state[1]}});
+    uncounted_ = std::max<std::int64_t>(options.aligning, strands_.size() > 1 ? parting : 0);
+    out_.stop = LyapunovStop::budget;
+    out_.state = start.state;
+    open_ = options.max_periods >= options.interval * static_cast<std::int64_t>(strands_.size());
+  }
+
+  bool open() const { return open_; }
+  const std::vector<Strand>& strands() const { return strands_; }
+
+  /// What `periods` more did to its motions, one after the other.
+  void add(const PeriodResult* results, std::size_t periods) {
+    for (std::size_t k = 0; k < periods && open_; ++k) {
+      for (std::size_t i = 0; i < strands_.size(); ++i) add(strands_[i], results[i * periods + k]);
+      out_.termination = results[k].termination;
+      if (failed_) {
+        out_.stop = LyapunovStop::failed;
+        open_ = false;
+      } else if (uncounted_ > 0) {
+        --uncounted_;
+      } else if (strands_.front().periods == 0) {
+        look();
+      }
+    }
+    out_.state = Vector{{strands_.front().at.x, strands_.front().at.v}};
+  }
+
+  void stop(LyapunovStop reason) {
+    if (open_) out_.stop = reason;
+    open_ = false;
+  }
+  std::int64_t periods() const { return out_.periods; }
+
+  LyapunovSpectrum result() && {
+    const std::array<double, 2> value = {exponent(0), exponent(1)};
+    const std::size_t first = value[1] > value[0] ? 1 : 0;
+    for (const std::size_t i : {first, 1 - first}) {
+      out_.exponents.push_back(value[i]);
+      out_.standard_errors.push_back(lost_[i] ? 0.0 : standard_error(i));
+      double time = 0.0;
+      for (const Strand& strand : strands_) time += strand.means[i].correlation_time();
+      out_.correlation_times.push_back(lost_[i] ? 0.0 : time / static_cast<double>(strands_.size()) * options_.interval);
+    }
+    out_.kaplan_yorke = kaplan_yorke_dimension(out_.exponents);
+    for (std::size_t i = 1; i < strands_.size(); ++i) out_.others.push_back(Vector{{strands_[i].at.x, strands_[i].at.v}});
+    return std::move(out_);
+  }
+
+ private:
+  void add(Strand& strand, const PeriodResult& period) {
+    if (period.termination != Termination::time) {
+      failed_ = true;
+      return;
+    }
+    strand.at.x = period.x;
+    strand.at.v = period.v;
+    const double c = period.Phi[0] * strand.c + period.Phi[1] * strand.s, s = period.Phi[2] * strand.c + period.Phi[3] * strand.s;
+    const double length = std::hypot(c, s);
+    strand.growth += std::log(length);
+    strand.log_det += period.log_det;
+    strand.liouville += period.liouville;
+    strand.c = length > 0.0 ? c / length : 1.0;
+    strand.s = length > 0.0 ? s / length : 0.0;
+    if (uncounted_ > 0) {
+      strand.growth = strand.log_det = strand.liouville = 0.0;
+      return;
+    }
+    out_.impacts += period.impacts;
+    if (++strand.periods < options_.interval) return;
+    const double other = strand.log_det - strand.growth;
+    const std::array<double, 2> growth = {strand.growth,
+                                          std::isfinite(strand.log_det) ? other : strand.liouville - strand.growth};
+    for (std::size_t i = 0; i < 2; ++i) {
+      lost_[i] = lost_[i] || !std::isfinite(growth[i]);
+      if (!lost_[i]) strand.means[i].add(growth[i]);
+    }
+    if (std::isfinite(strand.log_det) && std::isfinite(strand.liouville))
+      out_.liouville_residual =
+          std::max(out_.liouville_residual, std::abs(strand.log_det - strand.liouville) / options_.interval);
+    strand.growth = strand.log_det = strand.liouville = 0.0;
+    strand.periods = 0;
+    out_.periods += options_.interval;
+  }
+
+  /// After an orthonormalisation of all motions: whether that is enough.
+  void look() {
+    const std::array<double, 2> before = last_;
+    for (std::size_t i = 0; i < 2; ++i) last_[i] = lost_[i] ? 0.0 : exponent(i);
+    const double change = std::max(std::abs(last_[0] - before[0]), std::abs(last_[1] - before[1]));
+    const std::int64_t round = options_.interval * static_cast<std::int64_t>(strands_.size());
+    if (options_.change > 0.0 && out_.periods > round && change < options_.change) return stop(LyapunovStop::change);
+    if (options_.change == 0.0 && options_.standard_error > 0.0 && settled()) return stop(LyapunovStop::standard_error);
+    if (out_.periods + round > options_.max_periods) open_ = false;
+  }
+
+  bool settled() const {
+    if (out_.periods < options_.min_periods) return false;
+    if (!lost_[0] && std::abs(exponent(0)) < options_.significance * standard_error(0)) return false;
+    return (lost_[0] || standard_error(0) < options_.standard_error) && (lost_[1] || standard_error(1) < options_.standard_error);
+  }
+
+  double exponent(std::size_t i) const {
+    if (lost_[i]) return -std::numeric_limits<double>::infinity();
+    double sum = 0.0;
+    for (const Strand& strand : strands_) sum += strand.means[i].mean();
+    return sum / static_cast<double>(strands_.size()) / interval_time_;
+  }
+  /// The motions are independent of each other.
+  double standard_error(std::size_t i) const {
+    double squares = 0.0;
+    for (const Strand& strand : strands_) squares += std::pow(strand.means[i].standard_error(), 2);
+    return std::sqrt(squares) / static_cast<double>(strands_.size()) / interval_time_;
+  }
+
+  const LyapunovOptions& options_;
+  double interval_time_;
+  std::vector<Strand> strands_;
+  std::int64_t uncounted_ = 0;
+  std::array<bool, 2> lost_{};
+  std::array<double, 2> last_{};
+  bool open_ = true, failed_ = false;
+  LyapunovSpectrum out_;
+};
+
+}  // namespace
+
+std::vector<LyapunovSpectrum> lane_spectra(const HybridSystem& system, const std::vector<AverageStart>& starts,
+                                           const LyapunovOptions& options) {
+  ManyMotions many(system, options.flow);
+  std::vector<Average> averages;
+  averages.reserve(starts.size());
+  for (const AverageStart& start : starts) {
+    initial_mode(system, 0.0, start.state, start.p);
+    averages.emplace_back(start, many.add_parameters(start.p), options, forcing_period(system, start.p));
+  }
+  std::vector<MotionStart> motions;
+  std::vector<PeriodResult> results;
+  std::int64_t told = 0;
+  for (;;) {
+    const bool cancelled = options.cancelled && options.cancelled();
+    motions.clear();
+    std::int64_t periods = 0;
+    for (Average& average : averages) {
+      if (cancelled) average.stop(LyapunovStop::interrupted);
+      if (average.open())
+        for (const Strand& strand : average.strands()) motions.push_back(strand.at);
+      periods += average.periods();
+    }
+    if (options.progress && periods > told) options.progress(told = periods);
+    if (motions.empty()) break;
+    many.carry(motions, stretch, true, results);
+    const PeriodResult* next = results.data();
+    for (Average& average : averages) {
+      if (!average.open()) continue;
+      average.add(next, stretch);
+      next += average.strands().size() * stretch;
+    }
+  }
+  std::vector<LyapunovSpectrum> spectra;
+  for (Average& average : averages) spectra.push_back(std::move(average).result());
+  return spectra;
+}
+
+}  // namespace graze
