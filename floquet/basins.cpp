@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/basins.hpp>
-#include <graze/floquet/trapping_region.hpp>
-#include <graze/floquet/visited_cells.hpp>
+#include <graze/floquet/known_attractors.hpp>
+#include <graze/floquet/spread_order.hpp>
+#include <graze/lib/many_motions.hpp>
 
 #include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -18,16 +19,9 @@ namespace graze {
 namespace {
 
 constexpr std::size_t most_attractors = 200;  // more are a parameter at which nothing can be told apart
-constexpr double same_state = 1e-6;  // two orbits found by Newton to 1e-12 are one if they come so close, relative to 1 + |x|
-constexpr double return_distance = 1e-3;  // relative to 1 + |x|: so near a return, an orbit is looked for
-constexpr int first_look = 64;            // periods
-
-/// What is known of an attractor in order to recognise it.
-struct Known {
-  AttractorType type = AttractorType::undecided;
-  TrappingRegion orbit;
-  VisitedCells cells;
-};
+constexpr double return_distance = 1e-3;      // relative to 1 + |x|: so near a return, an orbit is looked for
+constexpr int first_look = 64;                // periods
+constexpr std::size_t side_by_side = 32;      // motions of one thread
 
 struct Run {
   enum class End { cancelled, reached, new_orbit, unrecognised, inadmissible, lost };
@@ -42,13 +36,13 @@ class Search {
  public:
   Search(const HybridSystem& system, const Vector& p, const std::vector<Vector>& starts, const BasinOptions& options, Basins out)
       : system_(system), p_(p), starts_(starts), options_(options), T_(forcing_period(system, p)), out_(std::move(out)) {
-    for (CoexistingAttractor& found : out_.attractors) known_.push_back(describe(found));
+    for (CoexistingAttractor& found : out_.attractors) known_.add(describe(found));
     told_ = static_cast<std::size_t>(std::count_if(out_.outcomes.begin(), out_.outcomes.end(),
                                                    [](const StartOutcome& outcome) { return outcome.fate != Fate::not_run; }));
   }
 
   Basins search() {
-    const std::vector<std::size_t> order = spread_order();
+    const std::vector<std::size_t> order = spread_order(starts_.size());
     oneapi::tbb::task_arena arena(std::max(1, options_.threads));
     std::size_t begin = 0;
     for (std::size_t round = 0; begin < order.size(); ++round) {
@@ -65,16 +59,6 @@ class Search {
   }
 
  private:
-  /// Every start once, neighbours far apart: with a step prime to their number, near its golden section.
-  std::vector<std::size_t> spread_order() const {
-    const std::size_t n = starts_.size();
-    std::size_t step = std::max<std::size_t>(1, static_cast<std::size_t>(0.6180339887 * static_cast<double>(n)));
-    while (std::gcd(step, n) != 1) ++step;
-    std::vector<std::size_t> order(n);
-    for (std::size_t i = 0; i < n; ++i) order[i] = i == 0 ? 0 : (order[i - 1] + step) % n;
-    return order;
-  }
-
   static std::size_t round_size(std::size_t round) { return round < 3 ? std::size_t{16} << (2 * round) : 512; }
 
   /// False: interrupted, and nothing of the round is kept.
@@ -86,10 +70,12 @@ class Search {
     for (std::size_t k = 0; k < todo.size(); ++k) runs[k].state = starts_[todo[k]];
     bool first = true;
     while (!open.empty()) {
-      oneapi::tbb::parallel_for(std::size_t{0}, open.size(), [&](std::size_t i) {
-        Run& run = runs[open[i]];
-        carry_on(run, first);
-        if (run.end != Run::End::cancelled && run.end != Run::End::unrecognised) tell();
+      const std::size_t groups = (open.size() + side_by_side - 1) / side_by_side;
+      oneapi::tbb::parallel_for(std::size_t{0}, groups, [&](std::size_t group) {
+        std::vector<Watch> watches;
+        for (std::size_t i = group * side_by_side; i < std::min(open.size(), (group + 1) * side_by_side); ++i)
+          watches.emplace_back(*this, runs[open[i]], first);
+        carry_on(watches);
       });
       first = false;
       std::vector<std::size_t> left;
@@ -108,7 +94,7 @@ class Search {
       }
       if (!whole) {
         out_.attractors.erase(out_.attractors.begin() + static_cast<std::ptrdiff_t>(attractors), out_.attractors.end());
-        known_.resize(attractors);
+        known_.keep(attractors);
         return false;
       }
       open = std::move(left);
@@ -125,81 +111,118 @@ class Search {
     return true;
   }
 
-  /// Carries the motion on until it is recognised, or for the transient.
-  void carry_on(Run& run, bool first) const {
-    Propagator propagator(system_, p_, {}, options_.flow);
-    Transition transition;
-    std::vector<Strand> strands(known_.size());
-    Vector looked_at;
-    int look = first_look, looked = -1;
-    // Again, for as long as it takes to be recognised among cells.
-    const int budget = first ? options_.transient : std::max(options_.transient, 4 * VisitedCells::window);
-    for (int k = 0; k < budget; ++k) {
+  /// A motion that is watched until it is recognised, or for the transient.
+  class Watch {
+   public:
+    Watch(Search& search, Run& run, bool first)
+        : search_(search), run_(run), first_(first), strands_(search.known_.size()),
+          // Again, for as long as it takes to be recognised among cells.
+          budget_(first ? search.options_.transient : std::max(search.options_.transient, 4 * VisitedCells::window)) {
       run.end = Run::End::cancelled;
-      if (options_.cancelled && options_.cancelled()) return;
-      carry(propagator, 0.0, T_, run.state, {.sensitivity = Sensitivity::none}, transition);
-      if (transition.termination != Termination::time) {
-        const bool wrong_start = first && k == 0 && transition.termination == Termination::inadmissible_start;
-        if (transition.termination != Termination::interrupted) run.end = wrong_start ? Run::End::inadmissible : Run::End::lost;
-        return;
+    }
+
+    bool open() const { return open_; }
+    const Vector& state() const { return run_.state; }
+
+    /// What one more period did.
+    void see(Termination termination, const Vector& state) {
+      if (termination != Termination::time) {
+        const bool wrong_start = first_ && k_ == 0 && termination == Termination::inadmissible_start;
+        return close(termination == Termination::interrupted ? Run::End::cancelled
+                     : wrong_start                           ? Run::End::inadmissible
+                                                             : Run::End::lost);
       }
-      run.state = transition.x1;
-      ++run.periods;
-      if (recognise(run, strands)) return;
-      if (looked >= 0) {
-        const int n = k - looked;
-        const double scale = 1.0 + looked_at.lpNorm<Eigen::Infinity>();
-        const bool returned = (run.state - looked_at).lpNorm<Eigen::Infinity>() < return_distance * scale;
+      run_.state = state;
+      ++run_.periods;
+      if (const auto known = search_.known_.reached(run_.state, strands_)) {
+        run_.attractor = *known;
+        return close(Run::End::reached);
+      }
+      if (returned_to_orbit()) return close(run_.end);
+      if (++k_ < budget_) return;
+      const bool found = search_.near_orbit(run_.state, false) && search_.look_for_orbit(run_, search_.options_.max_period);
+      close(found ? run_.end : Run::End::unrecognised);
+    }
+
+   private:
+    void close(Run::End end) {
+      run_.end = end;
+      open_ = false;
+      if (end != Run::End::cancelled && end != Run::End::unrecognised) search_.tell();
+    }
+
+    bool returned_to_orbit() {
+      if (looked_ >= 0) {
+        const int n = k_ - looked_;
+        const double scale = 1.0 + looked_at_.lpNorm<Eigen::Infinity>();
+        const bool returned = (run_.state - looked_at_).lpNorm<Eigen::Infinity>() < return_distance * scale;
         // Near a known orbit its region is soon reached, for less than Newton's method costs.
-        if (returned && !near_orbit(run.state, true) && look_for_orbit(run, n)) return;
-        if (returned || n >= options_.max_period) looked = -1;
-      } else if (k >= look) {
-        looked = k;
-        looked_at = run.state;
-        look = std::max(2 * look, k + options_.max_period);
+        if (returned && !search_.near_orbit(run_.state, true) && search_.look_for_orbit(run_, n)) return true;
+        if (returned || n >= search_.options_.max_period) looked_ = -1;
+      } else if (k_ >= look_) {
+        looked_ = k_;
+        looked_at_ = run_.state;
+        look_ = std::max(2 * look_, k_ + search_.options_.max_period);
+      }
+      return false;
+    }
+
+    Search& search_;
+    Run& run_;
+    bool first_, open_ = true;
+    std::vector<Strand> strands_;
+    int budget_, k_ = 0, look_ = first_look, looked_ = -1;
+    Vector looked_at_;
+  };
+
+  /// Carries the motions until none is open, or it is cancelled: in lanes, some periods at a time, where they know the
+  /// oscillator.
+  void carry_on(std::vector<Watch>& watches) const {
+    const auto cancelled = [&] { return options_.cancelled && options_.cancelled(); };
+    if (!ManyMotions::applies(system_, p_, options_.flow)) {
+      Propagator propagator(system_, p_, {}, options_.flow);
+      Transition transition;
+      for (Watch& watch : watches)
+        while (watch.open() && !cancelled()) {
+          carry(propagator, 0.0, T_, watch.state(), {.sensitivity = Sensitivity::none}, transition);
+          watch.see(transition.termination, transition.x1);
+        }
+      return;
+    }
+    constexpr std::size_t stretch = 8;
+    ManyMotions many(system_, options_.flow);
+    const std::size_t set = many.add_parameters(p_);
+    std::vector<MotionStart> motions;
+    std::vector<PeriodResult> results;
+    while (!cancelled()) {
+      motions.clear();
+      for (const Watch& watch : watches)
+        if (watch.open()) motions.push_back({set, watch.state()[0], watch.state()[1]});
+      if (motions.empty()) return;
+      many.carry(motions, stretch, false, results);
+      const PeriodResult* next = results.data();
+      for (Watch& watch : watches) {
+        if (!watch.open()) continue;
+        for (std::size_t k = 0; k < stretch && watch.open(); ++k) watch.see(next[k].termination, Vector{{next[k].x, next[k].v}});
+        next += stretch;
       }
     }
-    if (near_orbit(run.state, false) && look_for_orbit(run, options_.max_period)) return;
-    run.end = Run::End::unrecognised;
   }
 
   /// Whether a known orbit is so near that it may be the one.
   bool near_orbit(const Vector& x, bool with_region) const {
-    const double near = return_distance * (1.0 + x.lpNorm<Eigen::Infinity>());
-    return std::any_of(known_.begin(), known_.end(), [&](const Known& known) {
-      return known.type == AttractorType::periodic && (known.orbit.size > 0.0 || !with_region) && known.orbit.distance(x) < near;
-    });
-  }
-
-  bool recognise(Run& run, std::vector<Strand>& strands) const {
-    for (std::size_t i = 0; i < known_.size(); ++i) {
-      const bool there = known_[i].type == AttractorType::periodic ? known_[i].orbit.holds(run.state)
-                                                                   : strands[i].add(known_[i].cells, run.state);
-      if (!there) continue;
-      run.end = Run::End::reached;
-      run.attractor = i;
-      return true;
-    }
-    return false;
+    return known_.orbit_near(x, return_distance * (1.0 + x.lpNorm<Eigen::Infinity>()), with_region);
   }
 
   bool look_for_orbit(Run& run, int period) const {
     run.orbit = settling_orbit(system_, p_, run.state, std::min(period, options_.max_period), options_.flow);
     if (!run.orbit) return false;
     run.end = Run::End::new_orbit;
-    if (const auto same = known_orbit(run.orbit->state, run.orbit->period)) {
+    if (const auto same = known_.orbit_at(run.orbit->state, run.orbit->period)) {
       run.end = Run::End::reached;
       run.attractor = *same;
     }
     return true;
-  }
-
-  std::optional<std::size_t> known_orbit(const Vector& state, int period) const {
-    for (std::size_t i = 0; i < known_.size(); ++i)
-      if (known_[i].type == AttractorType::periodic && static_cast<int>(known_[i].orbit.centres.size()) == period &&
-          known_[i].orbit.distance(state) < same_state * (1.0 + state.lpNorm<Eigen::Infinity>()))
-        return i;
-    return std::nullopt;
   }
 
   void enter_orbit(Run& run) {
@@ -213,14 +236,14 @@ class Search {
   void enter(Run& run, Attractor attractor) {
     run.end = Run::End::reached;
     if (attractor.type == AttractorType::periodic)
-      if (const auto same = known_orbit(attractor.state, attractor.period)) {
+      if (const auto same = known_.orbit_at(attractor.state, attractor.period)) {
         run.attractor = *same;
         return;
       }
     CoexistingAttractor found;
     found.attractor = std::move(attractor);
     std::vector<Vector> states;
-    Known known = describe(found, &states);
+    KnownAttractor known = describe(found, &states);
     if (options_.cancelled && options_.cancelled()) {  // perhaps not all of its states
       run.end = Run::End::cancelled;
       return;
@@ -240,7 +263,7 @@ class Search {
     }
     run.attractor = out_.attractors.size();
     out_.attractors.push_back(std::move(found));
-    known_.push_back(std::move(known));
+    known_.add(std::move(known));
   }
 
   /// A motion that was not recognised in the transient: its exponents, and what it is by them.
@@ -266,9 +289,9 @@ class Search {
 
   /// What recognises an attractor, from its type, state and period alone (so that it is the same after a resumption). Fills in
   /// `states`.
-  Known describe(CoexistingAttractor& found, std::vector<Vector>* all = nullptr) const {
+  KnownAttractor describe(CoexistingAttractor& found, std::vector<Vector>* all = nullptr) const {
     const Attractor& attractor = found.attractor;
-    Known known;
+    KnownAttractor known;
     known.type = attractor.type;
     std::vector<Vector> states;
     if (attractor.type == AttractorType::periodic) {
@@ -340,7 +363,7 @@ class Search {
   const BasinOptions& options_;
   double T_;
   Basins out_;
-  std::vector<Known> known_;
+  KnownAttractors known_;
   std::mutex telling_;
   std::size_t told_ = 0;
 };

@@ -30,7 +30,7 @@ struct BasinOptions {
   int kept_states = 1000;  ///< states given of an attractor that is not periodic
   int threads = 1;
   FlowOptions flow = {};
-  std::function<bool()> cancelled = {};                                           ///< asked once per period, by all threads
+  std::function<bool()> cancelled = {};                                           ///< asked every few periods, by all threads
   std::function<void(std::size_t starts, std::size_t attractors)> progress = {};  ///< by one thread at a time
 };
 
