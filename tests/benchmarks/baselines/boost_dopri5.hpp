@@ -20,10 +20,11 @@ template <Law law, std::size_t N> class BoostDopri5 {
     field_.in_contact = in_contact;
     const double sign = field_.direction(), r = field_.p.r;
     const auto system = [this](const State<N>& z, State<N>& dz, double at) { field_(at, z.data(), dz.data()); };
-    dense_.initialize(u, t, h_);
+    double& h_kept = sizes_[in_contact ? 1 : 0];
+    dense_.initialize(u, t, h_kept);
     for (int steps = 0; steps < 100000; ++steps) {
       const auto [t_before, t_after] = dense_.do_step(system);
-      h_ = dense_.current_time_step();
+      h_kept = dense_.current_time_step();
       // Not past the end: whatever happens there is not this run's.
       const double t0 = t_before, h = std::min(t_after, t_end) - t0;
       const State<N>& before = dense_.previous_state();
@@ -70,7 +71,7 @@ template <Law law, std::size_t N> class BoostDopri5 {
   Field<law, N> field_;
   typename boost::numeric::odeint::result_of::make_dense_output<Stepper>::type dense_;
   Stepper stepper_;
-  double h_ = 1e-2;  // step size, kept from one stretch to the next
+  double sizes_[2] = {1e-2, 1e-2};  // of steps in flight and in contact, kept from one stretch to the next of its kind
 };
 
 }  // namespace baselines

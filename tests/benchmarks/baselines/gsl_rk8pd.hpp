@@ -25,7 +25,8 @@ template <Law law, std::size_t N> class GslRk8pd {
     const gsl_odeiv2_system system{callback<N>, nullptr, N, &field_}, system_of_state{callback<2>, nullptr, 2, &field_of_state_};
     gsl_odeiv2_evolve_reset(evolve_.get());
     gsl_odeiv2_step_reset(step_.get());
-    double h = h_;
+    double& h_kept = sizes_[in_contact ? 1 : 0];
+    double h = h_kept;
     const auto inside = [&](double t0, const State<N>& from, double s) {
       State<2> z{from[0], from[1]};
       double error[2];
@@ -37,7 +38,7 @@ template <Law law, std::size_t N> class GslRk8pd {
       const double t_before = t;
       if (gsl_odeiv2_evolve_apply(evolve_.get(), control_.get(), step_.get(), &system, &t, t_end, &h, u.data()) != GSL_SUCCESS)
         return {t, false, true};
-      if (t < t_end) h_ = h;
+      if (t < t_end) h_kept = h;
       const auto guard = [&](double s) {
         const State<2> z = inside(t_before, before, s);
         return Guard{sign * (z[0] - r), sign * z[1]};
@@ -75,7 +76,7 @@ template <Law law, std::size_t N> class GslRk8pd {
   std::unique_ptr<gsl_odeiv2_step, Free> step_, step_of_state_;
   std::unique_ptr<gsl_odeiv2_control, Free> control_;
   std::unique_ptr<gsl_odeiv2_evolve, Free> evolve_;
-  double h_ = 1e-2;  // step size, kept from one stretch to the next
+  double sizes_[2] = {1e-2, 1e-2};  // of steps in flight and in contact, kept from one stretch to the next of its kind
 };
 
 }  // namespace baselines
