@@ -21,12 +21,27 @@ template <class Make> void periods(benchmark::State& state, const Problem& p, co
   state.counters["miscounted"] = miscounted(p, name, make);
 }
 
+/// The 200 periods side by side. (The runs next to grazing are no whole periods from phase 0: not for the lanes.)
+void lanes(benchmark::State& state, const Problem& p) {
+  const Accuracy& known = tuning(p, "graze-lanes", [&](double tolerance) { return GrazeLanes(p, tolerance); });
+  GrazeLanes solver(p, known.tolerance);
+  const std::vector<Start>& starts = attractor(p);
+  for (auto _ : state) benchmark::DoNotOptimize(solver.periods(starts).data());
+  per_item(state, starts.size());
+  report(state, known);
+  state.counters["wrong"] = known.miscounted;
+}
+
 const bool registered = [] {
-  for (const Problem& p : problems())
+  for (const Problem& p : problems()) {
+    if (graze::ManyMotions::applies(make_system(p), make_parameters(p)))
+      benchmark::RegisterBenchmark(("period/" + p.name + "/graze-lanes").c_str(),
+                                   [p](benchmark::State& state) { lanes(state, p); });
     with_solvers(p, [&](const std::string& name, const auto& make) {
       benchmark::RegisterBenchmark(("period/" + p.name + "/" + name).c_str(),
                                    [p, name, make](benchmark::State& state) { periods(state, p, name, make); });
     });
+  }
   return true;
 }();
 

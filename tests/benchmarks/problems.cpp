@@ -53,6 +53,22 @@ Outcome Graze::period(const Start& start) {
   return out;
 }
 
+GrazeLanes::GrazeLanes(const Problem& problem, double tolerance)
+    : system_(make_system(problem)), motions_(system_, {.tolerance = tolerance}),
+      parameters_(motions_.add_parameters(make_parameters(problem))) {}
+
+const std::vector<PeriodResult>& GrazeLanes::periods(const std::vector<Start>& starts) {
+  starts_.clear();
+  for (const Start& start : starts) starts_.push_back({parameters_, start.x, start.v});
+  motions_.carry(starts_, 1, true, results_);
+  return results_;
+}
+
+Outcome GrazeLanes::period(const Start& start) {
+  const PeriodResult& out = periods({start}).front();
+  return {{out.x, out.v, out.Phi[0], out.Phi[2], out.Phi[1], out.Phi[3]}, out.impacts, out.termination != Termination::time};
+}
+
 const std::vector<Start>& attractor(const Problem& problem) {
   static std::map<std::string, std::vector<Start>> known;
   std::vector<Start>& starts = known[problem.name];

@@ -5,6 +5,7 @@
 
 #include "baselines/oscillator.hpp"
 
+#include <graze/lib/many_motions.hpp>
 #include <graze/lib/oscillator.hpp>
 #include <graze/lib/transition.hpp>
 
@@ -60,6 +61,22 @@ class Graze {
   graze::Propagator propagator_;
   graze::Transition transition_;
   graze::Vector x0_;
+};
+
+/// Many motions side by side, in the lanes of the processor's SIMD registers: whole forcing periods from phase 0 only.
+class GrazeLanes {
+ public:
+  GrazeLanes(const Problem& problem, double tolerance);
+  Outcome period(const Start& start);
+  /// All of `starts` over a forcing period; results are as in graze::ManyMotions.
+  const std::vector<graze::PeriodResult>& periods(const std::vector<Start>& starts);
+
+ private:
+  graze::HybridSystem system_;
+  graze::ManyMotions motions_;
+  std::size_t parameters_;
+  std::vector<graze::MotionStart> starts_;
+  std::vector<graze::PeriodResult> results_;
 };
 
 /// What is right: the general flow (GSL, events by bisection of cubic polynomials) at 1e-14, at its default step limit.

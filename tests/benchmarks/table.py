@@ -31,7 +31,7 @@ def duration(seconds):
     return f"{seconds / 1e-9:.3g} ns"
 
 
-SOLVERS = ("graze", "graze-general", "by-hand", "gsl-rk8pd", "gsl-rk8pd-signs", "boost-dopri5", "boost-dopri5-signs", "cvode",
+SOLVERS = ("graze", "graze-lanes", "graze-general", "by-hand", "gsl-rk8pd", "gsl-rk8pd-signs", "boost-dopri5", "boost-dopri5-signs", "cvode",
            "cvode-signs")
 QUESTIONS = ("period", "flight", "contact", "impact", "orbit", "branch-point", "sweep-row", "impacts", "states")
 
@@ -69,6 +69,7 @@ def main():
     print(f"Compiled (graze and what stands in tests/benchmarks): {context.get('compiler')}, {context.get('flags')}")
     print("GSL and SUNDIALS: the system's shared libraries. All with the 2x2 sensitivity. ratio: time over graze's.")
     print("solver -signs: looks for events only by signs at the ends of a step; the others also for maxima inside a step.")
+    print("graze-lanes: many motions side by side (SIMD). graze-general: the flow of systems of one's own.")
     print("error: of state and sensitivity over a period on the attractor, nine in ten are below (orbit: of its state).")
     print("miscounted: of 200 runs next to grazing, those with a wrong number of impacts.")
     print()
