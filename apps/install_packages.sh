@@ -15,7 +15,7 @@ for purpose in "$@"; do
   case "$purpose" in
     run) ;;
     tests) packages+=(catch2) ;;
-    benchmarks) packages+=(libbenchmark-dev libboost-dev) ;;
+    benchmarks) packages+=(libbenchmark-dev libboost-dev libsundials-dev) ;;
     *) echo "install_packages.sh: unknown purpose '$purpose'; known are run, tests, benchmarks" >&2; exit 2 ;;
   esac
 done
