@@ -28,9 +28,19 @@ Propagator::Propagator(const HybridSystem& system, const Vector& p, std::vector<
 void Propagator::set_parameters(const Vector& p) {
   check_parameters(system_->parameters, p);
   p_ = p;
+  lane_known_ = false;
   flows_.clear();
   for (std::size_t mode = 0; mode < system_->modes.size(); ++mode)
     flows_.push_back(make_flow(*system_, mode, p_, active_, options_));
+}
+
+const lanes::Oscillator* Propagator::one_lane() {
+  if (!lane_known_) {
+    lane_known_ = true;
+    one_lane_ = options_.kind == FlowKind::automatic ? lanes::lane_oscillator(*system_, p_) : std::nullopt;
+    if (one_lane_ && one_lane_->law != lanes::Law::restitution) one_lane_.reset();  // Hertz's contact is no faster so
+  }
+  return one_lane_ ? &*one_lane_ : nullptr;
 }
 
 HybridState Propagator::start(double t, const Vector& x) const { return {t, x, initial_mode(*system_, t, x, p_)}; }

@@ -10,6 +10,7 @@
 // A mass at rest at its stop (whatever e is) sticks too. A run never jumps past its end time.
 #pragma once
 
+#include <graze/lib/lanes/oscillator.hpp>
 #include <graze/lib/trajectory.hpp>
 
 #include <functional>
@@ -49,6 +50,12 @@ class Propagator {
   /// Dimensionless time carried so far, all runs together: the measure of cost.
   double time_carried() const { return time_carried_; }
 
+  /// Whole forcing periods from phase 0 with nothing to be told on the way take a shorter path: a single lane, for an impact
+  /// oscillator with restitution that the lanes know. Null: there is none.
+  const lanes::Oscillator* one_lane();
+  /// The time of a period carried so counts as any other.
+  void count_time(double duration) { time_carried_ += duration; }
+
   const Segment& segment() const { return segment_; }
   const EventRecord& record() const { return record_; }
   /// f(t, x) of a mode.
@@ -70,6 +77,8 @@ class Propagator {
   Segment segment_;
   EventRecord record_;
   double time_carried_ = 0.0;
+  bool lane_known_ = false;  // whether one_lane_ is what there is
+  std::optional<lanes::Oscillator> one_lane_;
   Vector f_minus_, f_plus_, gradient_, f_dt_, glance_;
   Matrix f_dx_;
 };

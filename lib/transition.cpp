@@ -147,11 +147,41 @@ class Composer {
   HybridState state_;
 };
 
+/// The same by a single lane; false: it is not for the lanes.
+bool carry_in_lane(Propagator& propagator, double t0, double t1, const Vector& x0, const TransitionOptions& options,
+                   Transition& out) {
+  if (t0 != 0.0 || options.keep_factors || options.keep_events || options.left_out || x0.size() != 2 ||
+      options.sensitivity == Sensitivity::state_and_parameters)
+    return false;
+  const lanes::Oscillator* lane = propagator.one_lane();
+  if (!lane || t1 != lane->coefficients[lanes::period]) return false;
+  const auto cancelled = propagator.options().cancelled;
+  const lanes::Motion motion{x0[0], x0[1], &lane->coefficients};
+  lanes::Period period;
+  const bool tangent = options.sensitivity == Sensitivity::state;
+  lanes::carry_one({lane->law, propagator.options().tolerance, tangent, &motion, 1, 1, &period});
+  if (!period.carried || static_cast<std::size_t>(period.impacts) > options.max_events || (cancelled && cancelled()))
+    return false;
+  propagator.count_time(t1);
+  out.termination = Termination::time;
+  out.x1.resize(2);
+  out.x1 << period.x, period.v;
+  out.mode0 = out.mode1 = 0;
+  out.event_sequence.assign(static_cast<std::size_t>(period.impacts), lane->hit);
+  if (!tangent) return true;
+  out.Phi.resize(2, 2);
+  out.Phi << period.Phi[0], period.Phi[1], period.Phi[2], period.Phi[3];
+  out.log_det = std::log(std::abs(period.det));
+  out.liouville = lane->liouville(period);
+  return true;
+}
+
 }  // namespace
 
 void carry(Propagator& propagator, double t0, double t1, const Vector& x0, const TransitionOptions& options, Transition& out) {
   constexpr auto all = std::numeric_limits<std::size_t>::max();
   Composer composer(propagator, options, out);
+  if (carry_in_lane(propagator, t0, t1, x0, options, out)) return;
   if (!composer.start(t0, x0)) return;
   if (options.left_out) {
     const LeftOutContact& gap = *options.left_out;

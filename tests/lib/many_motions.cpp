@@ -51,7 +51,8 @@ Difference compare(const HybridSystem& system, const std::vector<Vector>& parame
         const PeriodResult& many = results[m * periods + k];
         const Vector x = k == 0 ? vector({starts[m].x, starts[m].v})
                                 : vector({results[m * periods + k - 1].x, results[m * periods + k - 1].v});
-        carry(propagator, 0.0, T, x, {.sensitivity = Sensitivity::state}, one);
+        // Keeping the events takes the path over flights and impacts, which is the lanes' oracle.
+        carry(propagator, 0.0, T, x, {.sensitivity = Sensitivity::state, .keep_events = true}, one);
         worst.other_endings += one.termination != many.termination ? 1 : 0;
         if (many.termination != Termination::time || one.termination != Termination::time) break;
         const double size = 1.0 + one.Phi.norm();
@@ -216,4 +217,28 @@ TEST_CASE("what the lanes do not know is told") {
   ManyMotions none(newton);
   std::vector<PeriodResult> results;
   CHECK_THROWS_WITH(none.carry({{0, 0.0, 0.0}}, 1, false, results), Catch::Contains("0 were added"));
+}
+
+TEST_CASE("a period in a single lane is a period of flights and impacts") {
+  const HybridSystem system = oscillator("newton");
+  for (const double k_r : {1.0, 0.7, 0.0}) {
+    const Vector p = with(system, {{"eta", 0.711}, {"k_r", k_r}});
+    Propagator propagator(system, p);
+    const double T = forcing_period(system, p);
+    Transition lane, events;
+    Vector x = vector({-0.379, -0.717});
+    for (int k = 0; k < 300; ++k) {
+      carry(propagator, 0.0, T, x, {.sensitivity = Sensitivity::state}, lane);
+      carry(propagator, 0.0, T, x, {.sensitivity = Sensitivity::state, .keep_events = true}, events);
+      REQUIRE(lane.termination == Termination::time);
+      const double size = 1.0 + events.Phi.norm();
+      CHECK((lane.x1 - events.x1).norm() < 1e-12 * size);
+      CHECK((lane.Phi - events.Phi).norm() < 1e-12 * size * size);
+      CHECK(lane.event_sequence == events.event_sequence);
+      CHECK(lane.mode1 == events.mode1);
+      if (k_r > 0.0) CHECK(lane.liouville == Approx(events.liouville).margin(1e-12));
+      if (lane.event_sequence.empty()) CHECK(lane.liouville == Approx(-2.0 * p[oscillator_parameter::b] * T).margin(1e-12));
+      x = lane.x1;
+    }
+  }
 }

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/lib/lanes/oscillator.hpp>
+
+#include <graze/lib/linear_flow.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace graze::lanes {
+
+namespace {
+
+struct Description {
+  LinearOscillator free;
+  Law law = Law::restitution;
+  double barrier = 0.0, restitution = 1.0;
+  HertzContact hertz;
+  std::size_t hit = 0;
+};
+
+const Event* only_event(const HybridSystem& system, std::size_t mode) {
+  const Event* found = nullptr;
+  for (const Event& event : system.events) {
+    if (event.from != mode) continue;
+    if (found) return nullptr;
+    found = &event;
+  }
+  return found;
+}
+
+ModeStructure structure(const HybridSystem& system, std::size_t mode, const Vector& p) {
+  return system.modes[mode].structure ? system.modes[mode].structure(p) : ModeStructure{};
+}
+
+/// Contact by Hertz's law with the equations of the flight, left through the barrier.
+bool is_contact_of(const LinearOscillator& free, const HertzContact& contact, const Event& leaving, const Event& entering) {
+  using C = HertzContact;
+  const auto& q = contact.value;
+  return leaving.to == entering.from && leaving.continuous && entering.continuous && q[C::damping] == free.damping &&
+         q[C::amplitude] == free.amplitude && q[C::frequency] == free.frequency && q[C::beta] == 0.0 && free.stiffness == 1.0 &&
+         free.constant == 0.0 && leaving.guard.level && leaving.guard.level->level == entering.guard.level->level &&
+         contact.parameter[C::barrier] == entering.guard.level->level;
+}
+
+std::optional<Description> describe(const HybridSystem& system, const Vector& p) {
+  if (system.states != 2 || !system.forcing_frequency || system.modes.empty()) return std::nullopt;
+  constexpr std::size_t free_mode = 0;
+  const ModeStructure flight = structure(system, free_mode, p);
+  const auto* linear = std::get_if<LinearOscillator>(&flight);
+  const Event* hit = only_event(system, free_mode);
+  if (!linear || !hit || !hit->guard.level || hit->guard.level->coordinate != 0 || hit->guard.level->sign < 0.0)
+    return std::nullopt;
+  if (!LinearFlow::applies(system, free_mode, {}, *linear) || linear->stiffness <= linear->damping * linear->damping ||
+      linear->frequency != p[static_cast<Eigen::Index>(*system.forcing_frequency)])
+    return std::nullopt;
+  Description out;
+  out.free = *linear;
+  out.hit = static_cast<std::size_t>(hit - system.events.data());
+  out.barrier = p[static_cast<Eigen::Index>(hit->guard.level->level)];
+  if (hit->reset.rebound && hit->to == free_mode && hit->reset.rebound->level == hit->guard.level->level) {
+    out.restitution = p[static_cast<Eigen::Index>(hit->reset.rebound->coefficient)];
+    return out;
+  }
+  const ModeStructure pressed = structure(system, hit->to, p);
+  const auto* contact = std::get_if<HertzContact>(&pressed);
+  const Event* leaving = contact ? only_event(system, hit->to) : nullptr;
+  if (!leaving || hit->reset.map || leaving->reset.map || !is_contact_of(*linear, *contact, *leaving, *hit)) return std::nullopt;
+  out.law = Law::hertz;
+  out.hertz = *contact;
+  return out;
+}
+
+Coefficients coefficients_of(const Description& oscillator) {
+  const LinearOscillator& free = oscillator.free;
+  const double w = free.frequency, k = free.stiffness, b = free.damping;
+  const double detuning = k - w * w, drag = 2.0 * b * w, D = detuning * detuning + drag * drag;
+  Coefficients q{};
+  q[damping] = b;
+  q[rate] = std::sqrt(k - b * b);
+  q[stiffness] = k;
+  q[frequency] = w;
+  q[amplitude] = free.amplitude;
+  q[constant] = free.constant;
+  q[cosine] = free.amplitude == 0.0 ? 0.0 : free.amplitude * detuning / D;
+  q[sine] = free.amplitude == 0.0 ? 0.0 : free.amplitude * drag / D;
+  q[offset] = free.constant / k;
+  q[forced2] = std::hypot(q[cosine], q[sine]) * w * w;
+  q[forced6] = std::hypot(q[cosine], q[sine]) * std::pow(w, 6);
+  q[barrier] = oscillator.barrier;
+  q[period] = 2.0 * std::numbers::pi / w;
+  q[longest] = 2.5 / std::max(w, std::sqrt(k));
+  q[march_step] = std::ldexp(q[longest], -static_cast<int>(marching_level));
+  q[restitution] = oscillator.restitution;
+  q[contact_stiffness] = oscillator.hertz.value[HertzContact::stiffness];
+  q[contact_damping] = oscillator.hertz.value[HertzContact::contact_damping];
+  double h = q[longest];
+  for (std::size_t level = 0; level < levels; ++level, h *= 0.5) {
+    double* turn = &q[turns + 4 * level];
+    turn[0] = std::exp(-b * h) * std::cos(q[rate] * h);
+    turn[1] = std::exp(-b * h) * std::sin(q[rate] * h);
+    turn[2] = std::cos(w * h);
+    turn[3] = std::sin(w * h);
+  }
+  return q;
+}
+
+}  // namespace
+
+std::optional<Oscillator> lane_oscillator(const HybridSystem& system, const Vector& p) {
+  const std::optional<Description> description = describe(system, p);
+  if (!description) return std::nullopt;
+  return Oscillator{description->law, coefficients_of(*description), description->hit,
+                    description->law == Law::restitution ? 2.0 * std::log(description->restitution) : 0.0};
+}
+
+}  // namespace graze::lanes
