@@ -11,7 +11,8 @@ namespace graze::lanes {
 /// A flight shorter than this off the barrier, and an impact slower than this, are given up (their rounding wants care).
 inline constexpr double shortest_flight = 0.06, slowest_impact = 1e-4;
 
-/// A correction of a crossing below this is the last: what the polynomial of degree 5 leaves out is its sixth power.
+/// A correction of a crossing below this, in which the speed changes by less than a fifth, is the last: what the polynomial of
+/// degree 5 leaves out is its sixth power, and two steps of Newton's method from the parabola's root leave nothing.
 inline constexpr double nearly_there = 2e-3;
 
 /// Root of x - r = g + v h + a h^2/2 + ... in [lowest, highest]: that of the parabola, then some steps of Newton's method.
@@ -55,7 +56,7 @@ template <class Real> FlightEnd<Real> flight_end(const Memory<Real>& m) {
   if (any(seeking | (looking & may))) {
     const Point<Real> z = point(m, Real(E * P0 + F * Q0), Real(E * Q0 - F * P0), c, s);
     const Mask<Real> departing = (m[at_barrier] > Real(0.5)) & (m[flown] == Real(0.0));
-    guess = polynomial_root(z, Real(select(departing, Real(0.0), Real(z.x - r))), Real(0.0), farthest, 3);
+    guess = polynomial_root(z, Real(select(departing, Real(0.0), Real(z.x - r))), Real(0.0), farthest, 1);
   }
   Real h = select(timed, farthest, guess);
   for (int round = 0; round < 12; ++round) {
@@ -68,10 +69,10 @@ template <class Real> FlightEnd<Real> flight_end(const Memory<Real>& m) {
     Mask<Real> settled = none, beyond = none, ended = looking;
     if (any(seeking | (looking & may))) {
       const Point<Real> z = point(m, Real(E1 * P0 + F1 * Q0), Real(E1 * Q0 - F1 * P0), c1, s1);
-      const Real g = z.x - r, move = polynomial_root(z, g, Real(-h), Real(farthest - h), 3);
+      const Real g = z.x - r, move = polynomial_root(z, g, Real(-h), Real(farthest - h), 2);
       beyond = looking & may & (g >= Real(0.0));
       ended = looking & !beyond;
-      settled = seeking & (abs(move) < Real(nearly_there)) & (z.v > Real(0.0));
+      settled = seeking & (abs(move) < Real(nearly_there)) & (abs(Real(move * z.a)) < 0.2 * z.v);
       last = select(settled, move, Real(0.0));
       turn_a_little(Real(q * last), E1, F1);
       turn_a_little(Real(w * last), c1, s1);
@@ -146,11 +147,12 @@ template <class Real> struct Landing {
 template <class Real, bool Tangent> Landing<Real> land(Memory<Real>& m) {
   const Mask<Real> ending = m.is(Task::crossing);
   const FlightEnd<Real> end = flight_end(m);
-  const Point<Real> z =
-      point(m, Real(end.E * m[start_p] + end.F * m[start_q]), Real(end.E * m[start_q] - end.F * m[start_p]), end.c, end.s);
+  const Real P = end.E * m[start_p] + end.F * m[start_q], Q = end.E * m[start_q] - end.F * m[start_p], w = m[frequency];
+  const Real x = P + (m[cosine] * end.c + m[sine] * end.s) + m[offset];
+  const Real v = (m[rate] * Q - m[damping] * P) + w * (m[sine] * end.c - m[cosine] * end.s);
   const Real duration = m[flown] + end.h, b = m[damping], k = m[stiffness], q = m[rate];
   const Mask<Real> short_hop = (m[at_barrier] > Real(0.5)) & (duration < Real(shortest_flight));
-  const Mask<Real> good = end.at_barrier & (z.v > Real(slowest_impact)) & !short_hop;
+  const Mask<Real> good = end.at_barrier & (v > Real(slowest_impact)) & !short_hop;
   const Mask<Real> flown_out = good | end.at_end;
   m.set(rest, good, Real(m[rest] - end.h));
   m.set(divergence, flown_out, Real(m[divergence] - 2.0 * b * duration));
@@ -159,7 +161,7 @@ template <class Real, bool Tangent> Landing<Real> land(Memory<Real>& m) {
     compose(m, flown_out, Real(end.E + b * S), S, Real(-k * S), Real(end.E - b * S));
   }
   m.assign(ending & !flown_out, Task::given_up);
-  return {good, end.at_end, z.x, z.v, end.c, end.s};
+  return {good, end.at_end, x, v, end.c, end.s};
 }
 
 }  // namespace graze::lanes

@@ -74,7 +74,9 @@ template <class Real> struct Point {
 };
 
 /// From the transient's (P, Q) and the forcing's phase.
-template <class Real> Point<Real> point(const Memory<Real>& m, const Real& P, const Real& Q, const Real& c, const Real& s) {
+template <class Real>
+[[gnu::always_inline]] inline Point<Real> point(const Memory<Real>& m, const Real& P, const Real& Q, const Real& c,
+                                                const Real& s) {
   const Real b2 = 2.0 * m[damping], k = m[stiffness], w = m[frequency], w2 = w * w;
   const Real d0 = P, d1 = m[rate] * Q - m[damping] * P, d2 = -b2 * d1 - k * d0, d3 = -b2 * d2 - k * d1, d4 = -b2 * d3 - k * d2,
              d5 = -b2 * d4 - k * d3, d6 = -b2 * d5 - k * d4;
