@@ -1,10 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/interrupt.hpp>
 #include <graze/apps/program.hpp>
+#include <graze/apps/ranks.hpp>
 
 #include <iostream>
 
+namespace {
+
+/// Takes everything and keeps nothing.
+class Nowhere : public std::streambuf {
+  int overflow(int character) override { return character; }
+  std::streamsize xsputn(const char*, std::streamsize size) override { return size; }
+};
+
+}  // namespace
+
 int main(int argc, char** argv) {
   graze::apps::watch_interrupts();
-  return graze::apps::run_program(std::vector<std::string>(argv + (argc > 0 ? 1 : 0), argv + argc), std::cout, std::cerr);
+  const std::vector<std::string> arguments(argv + (argc > 0 ? 1 : 0), argv + argc);
+  if (!graze::apps::is_helper()) return graze::apps::run_program(arguments, std::cout, std::cerr);
+  // Of several processes under mpirun, one speaks.
+  Nowhere nowhere;
+  std::ostream silent(&nowhere);
+  return graze::apps::run_program(arguments, silent, silent);
 }

@@ -121,6 +121,15 @@ std::optional<std::string> write_whole(const std::string& file, std::string_view
   return cannot_write(file, error);
 }
 
+std::optional<std::string> sync_folder(const std::string& folder) {
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return cannot_write(folder, errno);
+  // A file system that cannot do it says EINVAL, and has its own ways.
+  Errno error = ::fsync(descriptor) != 0 && errno != EINVAL ? errno : 0;
+  ::close(descriptor);
+  return error ? std::optional(cannot_write(folder, error)) : std::nullopt;
+}
+
 void make_folder(const std::string& folder) {
   std::error_code error;
   fs::create_directories(folder, error);

@@ -81,7 +81,7 @@ Legend legend_of(const Picture& picture) {
     longest = std::max(longest, curve.title.size());
   }
   Legend legend;
-  legend.columns = longest > 24 ? 2 : 3;
+  legend.columns = picture.legend_columns > 0 ? picture.legend_columns : longest > 24 ? 2 : 3;
   legend.rows = (entries + legend.columns - 1) / legend.columns;
   legend.font = legend.rows > 5 ? 9 : legend.rows > 4 ? 11 : 13;
   return legend;

@@ -54,6 +54,7 @@ struct Picture {
   bool equal_axes = false;  ///< one unit is as long in x as in y
   bool unit_circle = false;
   bool grid = true;
+  std::size_t legend_columns = 0;  ///< 0: as the length of its entries allows
   std::optional<Cells> cells = {};
   std::vector<Curve> curves;
   std::vector<Label> labels;

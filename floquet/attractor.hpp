@@ -19,7 +19,12 @@ enum class AttractorType { undecided, periodic, chaotic };
 std::string_view attractor_type_name(AttractorType type);
 
 struct AttractorOptions {
-  int transient = 1000;         ///< forcing periods
+  int transient = 1000;  ///< forcing periods
+  /// > 0: for many attractors in little time. A stable orbit is then looked for already during the transient, where the motion
+  /// returns this closely relative to 1 + |x|; the same proof by Newton's method ends it. Newton's method, which costs most where
+  /// there is nothing to find, is tried for the three closest returns only, within twenty times this distance. And find_attractor
+  /// goes on where the motion nearly repeats itself without a proof: next to a bifurcation it lingers at an orbit that it leaves.
+  double recurrence = 0.0;
   int max_period = 64;          ///< longest period that is recognised
   double significance = 5.0;    ///< standard errors by which the first exponent must exceed zero in chaos
   int periods_on_orbit = 2000;  ///< of the time average on a periodic attractor; 0: none

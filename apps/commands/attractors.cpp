@@ -2,6 +2,7 @@
 // graze attractors: all attractors met from many starts, and their basins.
 #include <graze/apps/arguments.hpp>
 #include <graze/apps/attractor_report.hpp>
+#include <graze/apps/axis.hpp>
 #include <graze/apps/commands/command.hpp>
 #include <graze/apps/find_orbit.hpp>
 #include <graze/apps/input_file.hpp>
@@ -25,7 +26,6 @@ namespace graze::apps {
 
 namespace {
 
-constexpr int default_count = 64;
 constexpr int most_starts = 1000000;  // a result is held in memory before it is written
 
 struct Options {
@@ -35,37 +35,6 @@ struct Options {
   int transient = 1000, periods = 20000, max_period = 64;
   OutputOptions output;
 };
-
-/// Values of one coordinate: from, to, and how many.
-struct Axis {
-  double from = 0.0, to = 0.0;
-  int count = default_count;
-  double at(int i) const { return count == 1 ? from : i == count - 1 ? to : from + i * ((to - from) / (count - 1)); }
-};
-
-Axis parse_axis(const std::string& option, const std::string& text, bool counted) {
-  std::vector<std::string> parts(1);
-  for (const char c : text)
-    if (c == ':')
-      parts.emplace_back();
-    else
-      parts.back() += c;
-  const auto refuse = [&](const std::string& why) -> std::invalid_argument {
-    return std::invalid_argument(fmt::format("{} {}: {}", option, text, why));
-  };
-  const std::string form = counted ? "a:b:n, n values from a to b, for example -2:1.9:64" : "a:b, a range, for example -2:1.9";
-  if (parts.size() < 2 || parts.size() > (counted ? 3U : 2U)) throw refuse("must be " + form);
-  const auto from = parse_number(parts[0]), to = parse_number(parts[1]);
-  if (!from || !to || !std::isfinite(*from) || !std::isfinite(*to)) throw refuse("must be " + form);
-  Axis axis{*from, *to};
-  if (parts.size() == 3) {
-    const auto count = parse_count(parts[2]);
-    if (!count || *count < 1) throw refuse("the number of values must be a whole number >= 1");
-    axis.count = *count;
-  }
-  if (axis.from > axis.to || (axis.from == axis.to && axis.count > 1)) throw refuse("the range must go from less to more");
-  return axis;
-}
 
 /// Where the motions are: as wide as the motion without barrier and as the clearance, up to the barrier.
 std::array<Axis, 2> default_axes(const Problem& problem, bool counted) {

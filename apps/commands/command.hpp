@@ -35,6 +35,7 @@ Command diagram_command();
 Command lyapunov_command();
 Command sweep_command();
 Command attractors_command();
+Command map_command();
 Command verify_command();
 Command reproduce_command();
 Command trajectory_command();

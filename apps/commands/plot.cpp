@@ -4,6 +4,7 @@
 #include <graze/apps/commands/command.hpp>
 #include <graze/apps/input_file.hpp>
 #include <graze/apps/output_file.hpp>
+#include <graze/apps/pictures/maps.hpp>
 #include <graze/apps/pictures/pictures.hpp>
 
 #include <fmt/format.h>
@@ -24,15 +25,24 @@ struct Options {
   std::vector<std::string> y;
 };
 
+Picture picture_of_map_file(const Options& options) {
+  if (!options.x.empty() || !options.y.empty()) throw std::invalid_argument("--x and --y are for CSV tables");
+  MapFile file(options.result);
+  return picture_of_map(
+      file.plan(), [&file](int row) { return file.row(row); }, options.kind);
+}
+
 Picture picture_of_file(const Options& options) {
-  const std::string format = ending(options.result), text = read_whole(options.result);
+  const std::string format = ending(options.result);
+  if (format == "h5" || format == "hdf5") return picture_of_map_file(options);
+  const std::string text = read_whole(options.result);
   try {
     if (format == "csv") {
       if (!options.kind.empty())
         throw std::invalid_argument("--plot-kind is for JSON results; of a table, --x and --y choose columns");
       return picture_of(parse_csv(text, options.result), options.x, options.y);
     }
-    if (format != "json") throw std::invalid_argument("the name must end in .json or .csv");
+    if (format != "json") throw std::invalid_argument("the name must end in .json, .csv or .h5");
     if (!options.x.empty() || !options.y.empty()) throw std::invalid_argument("--x and --y are for CSV tables");
     return picture_of(parse_json(text), options.kind);
   } catch (const std::invalid_argument& error) {
@@ -64,7 +74,7 @@ std::string kinds_text() {
 std::function<int(const Console&)> setup(CLI::App& app) {
   auto options = std::make_shared<Options>();
   begin_group(app, "Picture");
-  add_text(app, "RESULT", options->result, "FILE", "a result of graze (.json) or a table (.csv)", Need::required);
+  add_text(app, "RESULT", options->result, "FILE", "a result of graze (.json), a table (.csv) or a map (.h5)", Need::required);
   add_text(app, "-o,--output", options->output, "FILE", "the picture (.png, .svg, .pdf)", Need::required);
   add_text(app, "--plot-kind", options->kind, "KIND", "what it shows (default: the first of its schema)");
   add_text(app, "--x", options->x, "COLUMN", "of a table: the horizontal axis (default: the first column of numbers)");
@@ -79,7 +89,7 @@ Command plot_command() {
           "a picture of a result",
           kinds_text(),
           {"graze plot branch.json -o branch.svg", "graze plot branch.json --plot-kind multipliers -o multipliers.png",
-           "graze plot trajectory.csv --x x --y v -o phase.pdf"},
+           "graze plot trajectory.csv --x x --y v -o phase.pdf", "graze plot run/map.h5 -o map.png"},
           setup};
 }
 

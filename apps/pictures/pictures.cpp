@@ -29,6 +29,8 @@ const std::vector<PictureKind>& picture_kinds() {
       sweep_picture(),
       exponents_picture(),
       basins_picture(),
+      map_picture(),
+      map_exponent_picture(),
       diagram_picture(),
       of_schema(skeleton_picture(), diagram_schema),
       of_schema(sweep_picture(), diagram_schema),

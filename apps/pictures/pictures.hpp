@@ -72,5 +72,7 @@ PictureKind sweep_picture();
 PictureKind exponents_picture();
 PictureKind diagram_picture();
 PictureKind basins_picture();
+PictureKind map_picture();
+PictureKind map_exponent_picture();
 
 }  // namespace graze::apps

@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// graze map: the attractor and its first exponent at every point of a grid over two parameters; threads, or MPI.
+#include <graze/apps/arguments.hpp>
+#include <graze/apps/axis.hpp>
+#include <graze/apps/commands/command.hpp>
+#include <graze/apps/find_orbit.hpp>
+#include <graze/apps/map_report.hpp>
+#include <graze/apps/map_run.hpp>
+#include <graze/apps/number.hpp>
+#include <graze/apps/output_file.hpp>
+#include <graze/apps/pictures/maps.hpp>
+#include <graze/apps/pictures/pictures.hpp>
+#include <graze/apps/result.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+
+namespace graze::apps {
+
+namespace {
+
+struct Options {
+  StartOptions start;  // problem, settings, settle
+  std::vector<std::string> parameters, starts;
+  std::string follow = "none", resume, h5;
+  MapOptions map;
+  std::optional<double> standard_error;
+  int chunk_rows = 1;
+  OutputOptions output;
+};
+
+ParameterAxis parse_parameter(const std::string& text) {
+  const std::size_t colon = text.find(':');
+  if (colon == std::string::npos || colon == 0 || std::count(text.begin(), text.end(), ':') != 3)
+    throw std::invalid_argument(
+        fmt::format("--param {}: must be NAME:a:b:n, n values from a to b, for example eta:0.65:0.95:200", text));
+  const std::string name = text.substr(0, colon);
+  const Axis axis = parse_axis("--param " + name + ":", text.substr(colon + 1), true);
+  return {name, axis.from, axis.to, axis.count};
+}
+
+MapPlan plan_from(const Options& options, const Console& console) {
+  MapPlan plan;
+  if (options.parameters.size() != 2)
+    throw std::invalid_argument(
+        fmt::format("--param is given {}; a map is over two parameters, for example --param eta:0.65:0.95:200 --param r:1:3:150",
+                    options.parameters.empty() ? "not at all" : counted(options.parameters.size(), "time")));
+  plan.problem = open_problem(options.start, console);
+  plan.grid = {parse_parameter(options.parameters[0]), parse_parameter(options.parameters[1])};
+  for (const ParameterAxis& axis : {plan.grid.columns, plan.grid.rows}) parameter(plan.problem, axis.parameter);  // or throws
+  if (!options.starts.empty()) plan.starts.clear();
+  for (const std::string& text : options.starts) {
+    const auto state = parse_numbers(text);
+    if (!state || state->size() != 2)
+      throw std::invalid_argument(fmt::format("--start {}: must be two numbers x,v, for example 0.5,-1.2", text));
+    plan.starts.emplace_back(*state);
+  }
+  if (options.starts.empty() && plan.problem.start) plan.starts = {plan.problem.start};
+  plan.follow = options.follow;
+  plan.options = options.map;
+  plan.options.settle = settle_of(plan.problem, options.start);
+  if (options.standard_error) plan.options.standard_error = *options.standard_error;
+  if (!(plan.options.standard_error > 0.0))
+    throw std::invalid_argument(fmt::format("--standard-error is {}; allowed is > 0", exact(plan.options.standard_error)));
+  plan.chunk_rows = options.chunk_rows;
+  check_plan(plan);
+  return plan;
+}
+
+/// Rows of what is finished; the others have points that were not computed.
+MapRows rows_of(const MapStore& store) {
+  return [&store, number = -1, chunk = MapChunk()](int row) mutable {
+    const MapPlan& plan = store.plan();
+    const int wanted = row / plan.chunk_rows;
+    if (wanted != number) {
+      const std::vector<int> missing = store.missing();
+      const bool there = !std::binary_search(missing.begin(), missing.end(), wanted);
+      chunk = there ? store.chunk(wanted) : MapChunk();
+      number = wanted;
+    }
+    const std::size_t size = static_cast<std::size_t>(plan.layers()) * static_cast<std::size_t>(plan.grid.columns.count);
+    if (chunk.points.empty()) {
+      MapPoint none;
+      none.state = Vector::Constant(static_cast<Eigen::Index>(plan.problem.system.states), std::nan(""));
+      return std::vector<MapPoint>(size, none);
+    }
+    const auto begin = chunk.points.begin() + static_cast<std::ptrdiff_t>(size) * (row - chunk.first_row);
+    return std::vector<MapPoint>(begin, begin + static_cast<std::ptrdiff_t>(size));
+  };
+}
+
+void check_all_outputs(const Options& options, const MapPlan& plan) {
+  OutputOptions output = options.output;
+  output.out.clear();  // its pictures are drawn if they can be: a cluster may have no gnuplot
+  check_outputs(output, options.start.file);
+  if (!options.h5.empty()) check_writable(options.h5);
+  check_distinct({{"--h5", options.h5}, {"--json", output.json}, {"--csv", output.csv}, {"--plot", output.plot}},
+                 options.start.file);
+  for (const auto& [option, file] : {std::pair{"--json", output.json}, {"--csv", output.csv}})
+    if (!file.empty() && plan.points() > most_points_in_text)
+      throw std::invalid_argument(fmt::format(
+          "{}: {:.0f} points are too many for a text, a million are allowed; take --h5 or --out", option, plan.points()));
+  if (options.output.out.empty()) return;
+  make_folder(options.output.out);
+  check_writable(options.output.out + "/map.h5");
+}
+
+/// Where the map goes as HDF5: --h5, and into the folder.
+std::vector<std::string> map_files(const Options& options) {
+  std::vector<std::string> files;
+  if (!options.output.out.empty()) files.push_back(options.output.out + "/map.h5");
+  if (!options.h5.empty()) files.push_back(options.h5);
+  return files;
+}
+
+/// Pictures, JSON, table and text. Returns the exit code.
+int present(const Options& options, const MapPlan& plan, const Json& head, const MapRows& rows, const MapRun& run,
+            const Console& console) {
+  int code = run.unwritable ? 2 : exit_code(run.status);
+  const auto complain = [&](const std::string& sentence) {
+    console.err << "graze map: " << sentence << "\n";
+    if (code == 0) code = 2;
+  };
+  const auto picture = [&](const std::string& file, const std::string& kind) -> std::optional<std::string> {
+    try {
+      return write_whole(file, draw(picture_of_map(plan, rows, kind), ending(file)));
+    } catch (const std::exception& error) {
+      return fmt::format("{}: {}", file, error.what());
+    }
+  };
+  if (!options.output.plot.empty())
+    if (const auto failure = picture(options.output.plot, options.output.plot_kind)) complain(*failure);
+  if (!options.output.out.empty() && run.status == Status::done)
+    for (const std::string& kind : picture_names("graze.map/1"))
+      if (const auto failure = picture(fmt::format("{}/map-{}.png", options.output.out, kind), kind)) console.note(*failure);
+  const std::vector<MapCounts> counts = count_map(plan, rows);
+  Result result;
+  result.json = head;
+  set_status(result.json, run.status, run.message);
+  OutputOptions rest;
+  rest.json = options.output.json;
+  rest.csv = options.output.csv;
+  if (!rest.json.empty()) result.json["layers"] = map_json(plan, counts, rows);
+  if (!rest.csv.empty()) result.table = map_table(plan, rows);
+  result.text = map_model(plan) + "\n\n" + map_overview(plan, counts);
+  return deliver(result, rest, "map", code, console);
+}
+
+/// A map that is there already. Empty: there is none of this run.
+std::optional<MapFile> finished_map(const Options& options, const Json& head) {
+  const std::string file = options.resume + "/map.h5";
+  if (options.resume.empty() || !std::filesystem::exists(file) || std::filesystem::exists(options.resume + "/chunks/run.json"))
+    return std::nullopt;
+  MapFile map(file);
+  for (const char* part : {"graze", "model", "parameters", "options"})
+    if (map.head().value(part, Json()) != head[part])
+      throw std::invalid_argument(fmt::format(
+          "--resume: {} is of another model, other parameters, other options or another version; give the same", file));
+  return map;
+}
+
+int lead(const Options& given, Ranks& ranks, const Console& console) {
+  Options options = given;
+  if (!options.resume.empty() && !options.output.out.empty() && options.output.out != options.resume)
+    throw std::invalid_argument("--resume DIR goes on in its own folder; leave --out away");
+  options.output.out = options.resume.empty() ? options.output.out : options.resume;
+  const MapPlan plan = plan_from(options, console);
+  const Json head = map_head(plan, options.start.settings);
+  if (!options.resume.empty() && !std::filesystem::is_directory(options.resume))
+    throw std::invalid_argument(fmt::format(
+        "--resume: {}: no such folder; give the one that an interrupted run of graze map wrote with --out", options.resume));
+  check_all_outputs(options, plan);
+  if (auto map = finished_map(options, head)) {
+    dismiss(ranks);
+    console.note(options.resume + "/map.h5 is complete; nothing is left to compute");
+    MapRun run;
+    run.status = Status::done;
+    return present(
+        options, plan, head, [&map](int row) { return map->row(row); }, run, console);
+  }
+  std::optional<MapStore> store;
+  if (options.output.out.empty())
+    store.emplace(plan, head);
+  else
+    store.emplace(plan, head, options.output.out, !options.resume.empty());
+  if (!options.resume.empty()) {
+    console.note(fmt::format("{} of {} chunks are there already", store->finished(), store->plan().chunks()));
+    if (store->damaged() > 0)
+      console.note(counted(static_cast<std::size_t>(store->damaged()), "damaged chunk") + " is computed again");
+  }
+  const int threads = console.threads > 0 || ranks.count() == 1 ? console.thread_count() : 1;
+  MapRun run = run_map(*store, head, ranks, threads, console);
+  if (run.status != Status::done) {
+    const bool partly = !options.output.json.empty() || !options.output.csv.empty() || !options.output.plot.empty();
+    if (partly) return present(options, store->plan(), head, rows_of(*store), run, console);
+    return run.unwritable ? 2 : exit_code(run.status);
+  }
+  for (const std::string& file : map_files(options))
+    if (const auto failure = write_map_file(file, store->plan(), head, rows_of(*store))) {
+      console.err << fmt::format("graze map: {}; all chunks are finished, {}\n", *failure, store->advice());
+      return 2;
+    }
+  if (map_files(options).empty()) return present(options, store->plan(), head, rows_of(*store), run, console);
+  MapFile map(map_files(options).front());
+  store->remove();
+  return present(
+      options, plan, head, [&map](int row) { return map.row(row); }, run, console);
+}
+
+int run(const Options& options, const Console& console) {
+  Ranks ranks;
+  const int helper_threads = console.threads > 0 ? console.threads : 1;
+  if (ranks.rank() > 0) return help_with_map(ranks, helper_threads);
+  try {
+    return lead(options, ranks, console);
+  } catch (...) {
+    dismiss(ranks);
+    throw;
+  }
+}
+
+std::function<int(const Console&)> setup(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  add_problem_options(app, options->start);
+  begin_group(app, "Map");
+  add_texts(app, "--param", options->parameters, "NAME:A:B:N",
+            "N values of a parameter from A to B; given twice: columns, then rows of the map");
+  add_texts(app, "--start", options->starts, "x,v",
+            "initial state at forcing phase 0; repeatable, each is a layer of the map (default: the file's, else at rest)");
+  add_choice(app, "--follow", options->follow, {"none", "up", "down", "both"},
+             "along each row, a point starts from where its neighbour ended (default none: each from the start)");
+  add_count(app, "--chunk", options->chunk_rows, 1,
+            "rows in a chunk: what a thread computes at a time, and is lost if it is "
+            "killed (default 1)");
+  begin_group(app, "Motions");
+  add_count(
+      app, "--settle", options->start.settle, 0,
+      "most forcing periods of transient from a start (default: the file's, else 1000); a stable orbit that is proved ends it");
+  add_count(app, "--transient", options->map.transient, 0, "the same from a neighbour's state (default 300)");
+  add_count(app, "--max-period", options->map.max_period, 1, "longest period that is recognised (default 64)", longest_period);
+  add_count(app, "--periods", options->map.periods, 1, "most forcing periods of an average (default 5000)");
+  add_number(app, "--standard-error", options->standard_error,
+             "bound of lambda_1's standard error where it is averaged (default 3e-3: the sign is what matters)");
+  begin_group(app, "Results");
+  add_text(app, "--out", options->output.out, "DIR", "folder that gets map.h5 and pictures, and meanwhile the finished chunks");
+  add_text(app, "--resume", options->resume, "DIR", "go on with what an interrupted or killed run left in DIR (its --out)");
+  add_text(app, "--h5", options->h5, "FILE", "the map as HDF5");
+  add_text(app, "--json", options->output.json, "FILE|-", "the map as JSON, up to a million points");
+  add_text(app, "--csv", options->output.csv, "FILE|-", "the map as a table, up to a million points");
+  add_text(app, "--plot", options->output.plot, "FILE", "picture of the map (.png, .svg, .pdf)");
+  add_choice(app, "--plot-kind", options->output.plot_kind, picture_names("graze.map/1"),
+             "what the picture shows (default attractors)");
+  return [options](const Console& console) { return run(*options, console); };
+}
+
+}  // namespace
+
+Command map_command() {
+  return {
+      "map",
+      "a two-parameter map of attractors and first exponents, on all threads or under mpirun",
+      "At each point: what the motion settles on (stable orbits by Newton's method, exponents of their multipliers; the rest by "
+      "time\n"
+      "average), z = p/n and lambda_1. With --out, finished rows are kept in small files: whatever ends the run, --resume goes "
+      "on.\n"
+      "Under mpirun -n N the rows are handed out to N processes (of --threads each, 1 by default); the map is the same.",
+      {"graze map data/problems/hertz-damped.toml --param eta:0.65:0.95:200 --param r:1:3:150 --out run",
+       "graze map data/problems/newton-elastic.toml --param eta:0.65:0.95:90 --param r:1:3:60 --follow both --plot map.png",
+       "mpirun -n 4 graze map data/problems/hertz-damped.toml --param eta:0.65:0.95:800 --param r:1:3:800 --out run"},
+      setup};
+}
+
+}  // namespace graze::apps

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What is said of a parameter map: how often each attractor occurs, all points as JSON or as a table, and the map as it is drawn.
+#pragma once
+
+#include <graze/apps/map_file.hpp>
+#include <graze/apps/table.hpp>
+
+#include <cstddef>
+#include <map>
+#include <string>
+#include <tuple>
+
+namespace graze::apps {
+
+/// A map for JSON, table or text in memory has no more points than this.
+inline constexpr double most_points_in_text = 1e6;
+
+/// How many points of a layer are of a type, a period, a number of impacts.
+using MapCounts = std::map<std::tuple<MapType, int, int>, std::size_t>;
+
+/// One for each layer; one pass over the rows.
+std::vector<MapCounts> count_map(const MapPlan& plan, const MapRows& rows);
+
+/// "z = 1/1", "impactless", "chaotic", ...: for people.
+std::string map_point_name(MapType type, int period, int impacts);
+
+/// "none: each point from rest", "up, from (0.5, 1)".
+std::string layer_name(const MapPlan& plan, int layer);
+
+/// The model with its parameters but the two of the grid.
+std::string map_model(const MapPlan& plan);
+
+std::string map_overview(const MapPlan& plan, const std::vector<MapCounts>& counts);
+
+/// "layers": start, follow, counts, and all points, row by row.
+Json map_json(const MapPlan& plan, const std::vector<MapCounts>& counts, const MapRows& rows);
+
+/// The rows of a result as map_json gives it. @throws std::invalid_argument if it does not fit the plan.
+MapRows rows_from_json(const MapPlan& plan, const Json& result);
+
+Table map_table(const MapPlan& plan, const MapRows& rows);
+
+}  // namespace graze::apps

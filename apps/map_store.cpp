@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/input_file.hpp>
+#include <graze/apps/map_store.hpp>
+#include <graze/apps/output_file.hpp>
+
+#include <fmt/format.h>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <stdexcept>
+
+namespace graze::apps {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* run_file = "/run.json";
+
+/// What makes two runs the same: everything that a point's numbers depend on.
+std::uint64_t fingerprint_of(const Json& head) {
+  return checksum(Json{head.at("graze"), head.at("model"), head.at("parameters"), head.at("options")}.dump());
+}
+
+}  // namespace
+
+MapStore::MapStore(const MapPlan& plan, const Json& head)
+    : plan_(plan), fingerprint_(fingerprint_of(head)), kept_(static_cast<std::size_t>(plan.chunks())),
+      finished_(static_cast<std::size_t>(plan.chunks()), false) {}
+
+MapStore::MapStore(const MapPlan& plan, const Json& head, const std::string& folder, bool resume)
+    : plan_(plan), fingerprint_(fingerprint_of(head)), out_(folder), folder_(folder + "/chunks") {
+  try {
+    resume ? take_up() : begin(head);
+  } catch (...) {
+    if (lock_ >= 0) ::close(lock_);
+    throw;
+  }
+}
+
+MapStore::~MapStore() {
+  if (lock_ >= 0) ::close(lock_);  // which unlocks it
+}
+
+void MapStore::lock() {
+  lock_ = ::open((folder_ + run_file).c_str(), O_RDONLY | O_CLOEXEC);
+  // A file system without locks refuses with another errno, and is trusted.
+  if (lock_ >= 0 && ::flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+    throw std::invalid_argument(fmt::format("{}: another graze map is at work there; wait for it, or end it", folder_));
+}
+
+void MapStore::begin(const Json& head) {
+  if (fs::exists(folder_ + run_file))
+    throw std::invalid_argument(fmt::format(
+        "--out: {0} holds an unfinished map; --resume {1} goes on with it, and without the folder {0} a new one begins", folder_,
+        out_));
+  make_folder(folder_);
+  finished_.assign(static_cast<std::size_t>(plan_.chunks()), false);
+  Json run = head;
+  run["chunk_rows"] = plan_.chunk_rows;
+  if (const auto failure = write_whole(folder_ + run_file, pretty(run))) throw std::invalid_argument(*failure);
+  if (const auto failure = sync_folder(folder_)) throw std::invalid_argument(*failure);
+  lock();
+}
+
+void MapStore::take_up() {
+  const std::string name = folder_ + run_file;
+  if (!fs::exists(name))
+    throw std::invalid_argument(
+        fmt::format("--resume: {}: no such file; give the folder that an interrupted run of graze map wrote with --out", name));
+  Json run;
+  try {
+    run = parse_json(read_whole(name));
+    plan_.chunk_rows = run.at("chunk_rows");
+    if (plan_.chunk_rows < 1 || fingerprint_of(run) != fingerprint_)
+      throw std::invalid_argument("is of another model, other parameters, other options or another version; give the same");
+  } catch (const Json::exception&) {
+    throw std::invalid_argument(fmt::format("--resume: {} is damaged; compute the map anew", name));
+  } catch (const std::invalid_argument& refused) {
+    throw std::invalid_argument(fmt::format("--resume: {} {}", name, refused.what()));
+  }
+  lock();
+  finished_.assign(static_cast<std::size_t>(plan_.chunks()), false);
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_))  // what was being written when the end came
+    if (entry.path().filename().string().starts_with(".")) fs::remove(entry.path());
+  for (int number = 0; number < plan_.chunks(); ++number) {
+    if (!fs::exists(file(number))) continue;
+    const bool sound = chunk_from(read_whole(file(number)), plan_, fingerprint_, number).has_value();
+    finished_[static_cast<std::size_t>(number)] = sound;
+    damaged_ += sound ? 0 : 1;
+  }
+}
+
+std::string MapStore::file(int number) const { return fmt::format("{}/{:06}.chunk", folder_, number); }
+
+std::vector<int> MapStore::missing() const {
+  std::vector<int> numbers;
+  for (int number = 0; number < plan_.chunks(); ++number)
+    if (!finished_[static_cast<std::size_t>(number)]) numbers.push_back(number);
+  return numbers;
+}
+
+int MapStore::finished() const { return static_cast<int>(std::count(finished_.begin(), finished_.end(), true)); }
+
+std::string MapStore::advice() const {
+  return out_.empty() ? "they are lost without --out DIR" : fmt::format("--resume {} goes on with them", out_);
+}
+
+std::optional<std::string> MapStore::keep(int number, const std::string& bytes) {
+  if (folder_.empty()) {
+    kept_.at(static_cast<std::size_t>(number)) = bytes;
+  } else {
+    if (auto failure = write_whole(file(number), bytes)) return failure;
+    if (auto failure = sync_folder(folder_)) return failure;
+  }
+  finished_.at(static_cast<std::size_t>(number)) = true;
+  return std::nullopt;
+}
+
+MapChunk MapStore::chunk(int number) const {
+  const std::string bytes = folder_.empty() ? kept_.at(static_cast<std::size_t>(number)) : read_whole(file(number));
+  auto chunk = chunk_from(bytes, plan_, fingerprint_, number);
+  if (!chunk) throw std::runtime_error(file(number) + ": has been damaged meanwhile; --resume computes it again");
+  return std::move(*chunk);
+}
+
+void MapStore::remove() {
+  if (folder_.empty()) return;
+  std::error_code error;  // what stays behind does no harm: the result goes before it
+  fs::remove_all(folder_, error);
+}
+
+}  // namespace graze::apps

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// MapStore: the finished chunks of a map under way: small files in a folder, or, without a folder, in memory.
+//
+// The folder holds run.json (the head of the result, and rows per chunk) and one file per chunk. Each is written under a
+// temporary name, synchronised, renamed, and the folder synchronised: whatever happens, a file is there whole or not at all. What
+// is damaged nevertheless (its checksum says so) is computed again. One program at a time works in a folder: it holds a lock on
+// run.json.
+#pragma once
+
+#include <graze/apps/map_chunk.hpp>
+
+#include <string>
+#include <vector>
+
+namespace graze::apps {
+
+class MapStore {
+ public:
+  /// In memory.
+  MapStore(const MapPlan& plan, const Json& head);
+  /// In `folder`/chunks. With `resume`, what an interrupted run of the same head has left there is gone on with.
+  /// @throws std::invalid_argument in one sentence: another run is or was there, or it is of other options, or at work now, or
+  /// there is nothing to resume.
+  MapStore(const MapPlan& plan, const Json& head, const std::string& folder, bool resume);
+  ~MapStore();
+  MapStore(const MapStore&) = delete;
+  MapStore& operator=(const MapStore&) = delete;
+
+  const MapPlan& plan() const { return plan_; }  ///< with the rows per chunk of the run that is resumed
+  std::uint64_t fingerprint() const { return fingerprint_; }
+  std::vector<int> missing() const;
+  int finished() const;
+  int damaged() const { return damaged_; }  ///< chunk files that were there and could not be used
+
+  /// What to do after an end before its time.
+  std::string advice() const;
+
+  /// Keeps a chunk. nullopt: done; else one sentence why not.
+  std::optional<std::string> keep(int number, const std::string& bytes);
+  /// One that was kept. @throws std::runtime_error if it cannot be read any more.
+  MapChunk chunk(int number) const;
+  /// Removes the folder of chunks: the result is there.
+  void remove();
+
+ private:
+  std::string file(int number) const;
+  void begin(const Json& head);
+  void take_up();
+  void lock();
+
+  MapPlan plan_;
+  std::uint64_t fingerprint_ = 0;
+  std::string out_, folder_;  // empty: in memory
+  std::vector<std::string> kept_;
+  std::vector<bool> finished_;
+  int damaged_ = 0, lock_ = -1;
+};
+
+}  // namespace graze::apps
