@@ -17,6 +17,7 @@ namespace {
 /// So near a return, an orbit is looked for during the transient; Newton's method decides. In chaos a return so close is rare.
 constexpr double recurrence = 1e-4;
 constexpr int shortest_average = 200;
+constexpr std::size_t side_by_side = 32;  // points that one thread takes at a time
 
 /// One grid of points on its way to being filled.
 class Rows {
@@ -38,51 +39,97 @@ class Rows {
   std::vector<MapPoint> compute(int count) const {
     const auto layers = static_cast<int>(layers_.size()), columns = grid_.columns.count;
     std::vector<MapPoint> points(static_cast<std::size_t>(count) * layers_.size() * static_cast<std::size_t>(columns));
-    // A strand is one row of one layer. Isolated: a thread that waits here must not begin with something else meanwhile.
+    // A strand is one row of one layer. Points that do not wait for each other are computed some at a time, side by side.
+    std::vector<Task> free, heads;
+    for (int strand = 0; strand < count * layers; ++strand) {
+      const MapLayer& layer = layers_[static_cast<std::size_t>(strand % layers)];
+      MapPoint* out = points.data() + static_cast<std::ptrdiff_t>(strand) * columns;
+      const Task head{&layer, first_ + strand / layers, 0, std::nullopt, out};
+      if (layer.follow != MapDirection::none) {
+        heads.push_back(head);
+        continue;
+      }
+      for (int column = 0; column < columns; ++column) free.push_back({&layer, head.row, column, std::nullopt, out + column});
+    }
+    const auto groups = [](std::size_t size) { return (size + side_by_side - 1) / side_by_side; };
+    const auto group = [](const std::vector<Task>& tasks, std::size_t k) {
+      const std::size_t end = std::min(tasks.size(), (k + 1) * side_by_side);
+      return std::vector<Task>(tasks.begin() + static_cast<std::ptrdiff_t>(k * side_by_side),
+                               tasks.begin() + static_cast<std::ptrdiff_t>(end));
+    };
+    // Isolated: a thread that waits here must not begin with something else meanwhile.
     oneapi::tbb::this_task_arena::isolate([&] {
-      oneapi::tbb::parallel_for(0, count * layers, [&](int strand) {
-        const MapLayer& layer = layers_[static_cast<std::size_t>(strand % layers)];
-        const int row = first_ + strand / layers;
-        MapPoint* out = points.data() + static_cast<std::ptrdiff_t>(strand) * columns;
-        if (layer.follow == MapDirection::none)
-          oneapi::tbb::parallel_for(0, columns, [&](int column) { out[column] = point(layer, row, column, std::nullopt); });
-        else
-          follow(layer, row, out);
+      oneapi::tbb::parallel_for(std::size_t{0}, groups(free.size()) + groups(heads.size()), [&](std::size_t k) {
+        if (k < groups(heads.size())) return follow(group(heads, k));
+        std::vector<Task> tasks = group(free, k - groups(heads.size()));
+        run(tasks);
       });
     });
     return points;
   }
 
  private:
-  void follow(const MapLayer& layer, int row, MapPoint* out) const {
-    std::optional<Vector> state;
+  struct Task {
+    const MapLayer* layer;
+    int row, column;
+    std::optional<Vector> state;  ///< that of the neighbour
+    MapPoint* out;
+  };
+
+  /// Rows that are followed, column by column.
+  void follow(std::vector<Task> heads) const {
+    std::vector<MapPoint*> begin;
+    for (const Task& head : heads) begin.push_back(head.out);
     for (int k = 0; k < grid_.columns.count; ++k) {
-      const int column = layer.follow == MapDirection::up ? k : grid_.columns.count - 1 - k;
-      out[column] = point(layer, row, column, state);
-      if (out[column].type == MapType::not_run) return;
-      const bool arrived = out[column].type != MapType::inadmissible && out[column].type != MapType::lost;
-      state = arrived ? std::optional(out[column].state) : std::nullopt;
+      for (std::size_t i = 0; i < heads.size(); ++i) {
+        heads[i].column = heads[i].layer->follow == MapDirection::up ? k : grid_.columns.count - 1 - k;
+        heads[i].out = begin[i] + heads[i].column;
+      }
+      run(heads);
+      for (Task& head : heads) {
+        if (head.out->type == MapType::not_run) return;
+        const bool arrived = head.out->type != MapType::inadmissible && head.out->type != MapType::lost;
+        head.state = arrived ? std::optional(head.out->state) : std::nullopt;
+      }
     }
   }
 
-  /// `state`: that of the neighbour; without one, or where it lies inside the barrier by now, the layer's start is taken.
-  MapPoint point(const MapLayer& layer, int row, int column, const std::optional<Vector>& state) const {
-    MapPoint out;
-    out.state = Vector::Constant(static_cast<Eigen::Index>(system_.states), std::nan(""));
-    if (options_.cancelled && options_.cancelled()) return out;
-    Vector p = p_;
-    p[column_] = grid_.columns.at(column);
-    p[row_] = grid_.rows.at(row);
+  /// Without a neighbour's state, or where it lies inside the barrier by now, the layer's start is taken.
+  void run(std::vector<Task>& tasks) const {
+    std::vector<AverageStart> going_on, starting;
+    std::vector<MapPoint*> of_going_on, of_starting;
+    for (Task& task : tasks) {
+      task.out->state = Vector::Constant(static_cast<Eigen::Index>(system_.states), std::nan(""));
+      Vector p = p_;
+      p[column_] = grid_.columns.at(task.column);
+      p[row_] = grid_.rows.at(task.row);
+      if (task.state && admissible(*task.state, p)) {
+        going_on.push_back({p, *task.state});
+        of_going_on.push_back(task.out);
+        continue;
+      }
+      const Vector start = task.layer->start(p);
+      if (!admissible(start, p)) {
+        task.out->type = MapType::inadmissible;
+        if (options_.progress) options_.progress();
+        continue;
+      }
+      starting.push_back({p, start});
+      of_starting.push_back(task.out);
+    }
+    find(starting, options_.settle, of_starting);
+    find(going_on, options_.transient, of_going_on);
+  }
+
+  void find(const std::vector<AverageStart>& starts, int transient, const std::vector<MapPoint*>& out) const {
+    if (starts.empty() || (options_.cancelled && options_.cancelled())) return;
     AttractorOptions finding = finding_;
-    const bool goes_on = state && admissible(*state, p);
-    finding.transient = goes_on ? options_.transient : options_.settle;
-    const Vector start = goes_on ? *state : layer.start(p);
-    if (!goes_on && !admissible(start, p))
-      out.type = MapType::inadmissible;
-    else
-      take(find_attractor(system_, p, start, finding), out);
-    if (options_.progress && out.type != MapType::not_run) options_.progress();
-    return out;
+    finding.transient = transient;
+    const std::vector<Attractor> found = find_each_attractor(system_, starts, finding);
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      take(found[i], *out[i]);
+      if (options_.progress && out[i]->type != MapType::not_run) options_.progress();
+    }
   }
 
   bool admissible(const Vector& state, const Vector& p) const {

@@ -2,6 +2,7 @@
 #include <graze/floquet/attractor.hpp>
 #include <graze/floquet/lyapunov_lanes.hpp>
 #include <graze/floquet/settle.hpp>
+#include <graze/lib/many_motions.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -10,9 +11,6 @@ namespace graze {
 
 namespace {
 
-/// A settled state returns this closely after one period of its orbit, relative to 1 + |x|; Newton decides, not this.
-constexpr double worth_trying = 0.03;
-
 /// Chaos is averaged over so many motions side by side, if the budget leaves each of them the longer part of it after parting.
 constexpr int motions_in_chaos = 16;
 constexpr std::int64_t budget_for_many = 4 * motions_in_chaos * parting;
@@ -20,127 +18,11 @@ constexpr std::int64_t budget_for_many = 4 * motions_in_chaos * parting;
 /// Where AttractorOptions::recurrence is set: returns that are worth Newton's method, against those that give rise to a look.
 double nearness_of(const AttractorOptions& options) { return 20.0 * options.recurrence; }
 
-/// Distance of a state to the nearest of an orbit's states at phase 0.
-double distance(const PeriodicOrbit& orbit, const Vector& x) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const Vector& state : orbit.states) least = std::min(least, (state - x).lpNorm<Eigen::Infinity>());
-  return least;
-}
-
-/// True if the motion from x comes closer to the orbit: by half, in the time in which its slowest multiplier halves a distance.
-bool approaches(const HybridSystem& system, const Vector& p, const PeriodicOrbit& orbit, const Vector& x,
-                const FlowOptions& flow) {
-  const double before = distance(orbit, x), slowest = std::abs(orbit.multipliers.values.front());
-  constexpr double there = 1e-9, most = 20000.0;
-  if (before < there) return true;
-  const double turns = slowest > 0.0 ? std::ceil(std::log(0.5) / std::log(slowest)) : 1.0;
-  SettleOptions options;
-  options.periods = orbit.period * static_cast<int>(std::clamp(turns, 1.0, most / orbit.period));
-  options.max_period = 0;
-  options.flow = flow;
-  const Settled later = settle(system, p, x, options);
-  return later.termination == Termination::time && distance(orbit, later.state) < 0.75 * before;
-}
-
-/// The stable orbit of period n (or a divisor) that the motion through these states comes closer to.
-std::optional<PeriodicOrbit> stable_orbit_near(const HybridSystem& system, const Vector& p, const std::vector<Vector>& states,
-                                               int n, const FlowOptions& flow) {
-  const Vector& state = states.front();
-  ShootingOptions shooting;
-  shooting.flow = flow;
-  PeriodicOrbit orbit = shoot(system, p, states, n, shooting);
-  const double scale = 1.0 + state.lpNorm<Eigen::Infinity>();
-  const bool near = orbit.converged() && distance(orbit, state) < 2.0 * worth_trying * scale;
-  if (near && orbit.stable() && orbit.admissible == Admissibility::admissible && approaches(system, p, orbit, state, flow))
-    return orbit;
-  return std::nullopt;
-}
-
-/// The states that follow, and after how many periods the motion is back within `nearness`, the closest return first.
-struct Returns {
-  std::vector<Vector> states;
-  std::vector<int> periods;
-};
-
-Returns close_returns(const HybridSystem& system, const Vector& p, const Vector& state, int max_period, double nearness,
-                      const FlowOptions& flow) {
-  constexpr double alike = 1e-10;  // returns this close are as good as each other: the shortest comes first
-  Returns out{{state}, {}};
-  Propagator propagator(system, p, {}, flow);
-  const double T = forcing_period(system, p), scale = 1.0 + state.lpNorm<Eigen::Infinity>();
-  Transition transition;
-  std::vector<double> distances = {0.0};
-  for (int n = 1; n <= max_period; ++n) {
-    carry(propagator, 0.0, T, out.states.back(), {.sensitivity = Sensitivity::none}, transition);
-    if (transition.termination != Termination::time) break;
-    distances.push_back(std::max(alike, (transition.x1 - state).lpNorm<Eigen::Infinity>() / scale));
-    if (distances.back() < nearness) out.periods.push_back(n);
-    out.states.push_back(transition.x1);
-  }
-  const auto closer = [&](int a, int b) {
-    return distances[static_cast<std::size_t>(a)] < distances[static_cast<std::size_t>(b)];
-  };
-  std::stable_sort(out.periods.begin(), out.periods.end(), closer);
-  return out;
-}
-
-/// settling_orbit where time matters: the few closest returns are tried, and only returns within `nearness`.
-std::optional<PeriodicOrbit> orbit_of_close_returns(const HybridSystem& system, const Vector& p, const Vector& state,
-                                                    int max_period, const AttractorOptions& options) {
-  constexpr std::size_t most_tries = 3;
-  const FlowOptions& flow = options.lyapunov.flow;
-  const Returns returns = close_returns(system, p, state, max_period, nearness_of(options), flow);
-  for (std::size_t i = 0; i < std::min(most_tries, returns.periods.size()); ++i) {
-    const int n = returns.periods[i];
-    const std::vector<Vector> states(returns.states.begin(), returns.states.begin() + n);
-    if (auto orbit = stable_orbit_near(system, p, states, n, flow)) return orbit;
-  }
-  return std::nullopt;
-}
-
-/// The transient, with a look at every return to a state that moves on in doubling steps (Brent's way to find a cycle): most
-/// motions are near their orbit long before the transient is over. Empty: none was recognised on the way.
-std::optional<PeriodicOrbit> orbit_on_the_way(const HybridSystem& system, const Vector& p, const Vector& start,
-                                              const AttractorOptions& options, Attractor& out) {
-  constexpr int first_look = 4;
-  const double T = forcing_period(system, p);
-  Propagator propagator(system, p, {}, options.lyapunov.flow);
-  Transition transition;
-  out.state = propagator.start(0.0, start).x;
-  out.termination = Termination::time;
-  Vector looked_at;
-  int look = first_look, looked = -1;
-  for (int k = 1; k <= options.transient; ++k) {
-    if (options.lyapunov.cancelled && options.lyapunov.cancelled()) {
-      out.termination = Termination::interrupted;
-      return std::nullopt;
-    }
-    carry(propagator, 0.0, T, out.state, {.sensitivity = Sensitivity::none}, transition);
-    out.termination = transition.termination;
-    if (transition.termination != Termination::time) return std::nullopt;
-    out.state = transition.x1;
-    if (looked >= 0) {
-      const double scale = 1.0 + looked_at.lpNorm<Eigen::Infinity>();
-      if ((out.state - looked_at).lpNorm<Eigen::Infinity>() < options.recurrence * scale) {
-        if (auto orbit = orbit_of_close_returns(system, p, out.state, std::min(k - looked, options.max_period), options))
-          return orbit;
-        looked = -1;
-        look = 2 * k;
-      }
-    }
-    if (k == look) {
-      looked = k;
-      looked_at = out.state;
-      look = 2 * k;
-    }
-  }
-  return std::nullopt;
-}
-
 /// The orbit that is looked for at the end of a transient or an average.
 std::optional<PeriodicOrbit> orbit_at_the_end(const HybridSystem& system, const Vector& p, const Vector& state,
                                               const AttractorOptions& options) {
-  if (options.recurrence > 0.0) return orbit_of_close_returns(system, p, state, options.max_period, options);
+  if (options.recurrence > 0.0)
+    return orbit_of_close_returns(system, p, state, options.max_period, nearness_of(options), options.lyapunov.flow);
   return settling_orbit(system, p, state, options.max_period, options.lyapunov.flow);
 }
 
@@ -150,6 +32,136 @@ bool lingers(const HybridSystem& system, const Vector& p, const Attractor& attra
   if (attractor.type == AttractorType::periodic || attractor.termination != Termination::time) return false;
   return !close_returns(system, p, attractor.state, options.max_period, nearness_of(options), options.lyapunov.flow)
               .periods.empty();
+}
+
+/// A transient on its way, with a look at its returns.
+class Approach {
+ public:
+  Approach(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options)
+      : system_(system), p_(p), options_(options), watch_(options.recurrence) {
+    initial_mode(system, 0.0, start, p);
+    out_.state = start;
+    out_.termination = Termination::time;
+  }
+
+  bool open() const { return open_ && periods_ < options_.transient; }
+  const Vector& state() const { return out_.state; }
+  void stop(Termination reason) {
+    out_.termination = reason;
+    open_ = false;
+  }
+
+  /// What one more period did.
+  void see(Termination termination, const Vector& state) {
+    ++periods_;
+    if (termination != Termination::time) return stop(termination);
+    out_.state = state;
+    const int back = watch_.see(state);
+    if (back == 0) return;
+    if (auto orbit = orbit_of_close_returns(system_, p_, state, std::min(back, options_.max_period), nearness_of(options_),
+                                            options_.lyapunov.flow)) {
+      settle_on(out_, std::move(*orbit));
+      open_ = false;
+    }
+  }
+
+  Attractor result() && {
+    if (open_)
+      if (auto orbit = orbit_at_the_end(system_, p_, out_.state, options_)) settle_on(out_, std::move(*orbit));
+    return std::move(out_);
+  }
+
+ private:
+  const HybridSystem& system_;
+  const Vector& p_;
+  const AttractorOptions& options_;
+  ReturnWatch watch_;
+  Attractor out_;
+  int periods_ = 0;
+  bool open_ = true;
+};
+
+Attractor approach_with_looks(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options) {
+  Approach approach(system, p, start, options);
+  const double T = forcing_period(system, p);
+  Propagator propagator(system, p, {}, options.lyapunov.flow);
+  Transition transition;
+  while (approach.open()) {
+    if (options.lyapunov.cancelled && options.lyapunov.cancelled()) {
+      approach.stop(Termination::interrupted);
+      break;
+    }
+    carry(propagator, 0.0, T, approach.state(), {.sensitivity = Sensitivity::none}, transition);
+    approach.see(transition.termination, transition.x1);
+  }
+  return std::move(approach).result();
+}
+
+/// All transients side by side.
+std::vector<Attractor> approach_each(const HybridSystem& system, const std::vector<AverageStart>& starts,
+                                     const AttractorOptions& options) {
+  constexpr std::size_t stretch = 16;
+  ManyMotions many(system, options.lyapunov.flow);
+  std::vector<Approach> approaches;
+  std::vector<std::size_t> sets;
+  for (const AverageStart& start : starts) {
+    approaches.emplace_back(system, start.p, start.state, options);
+    sets.push_back(many.add_parameters(start.p));
+  }
+  std::vector<MotionStart> motions;
+  std::vector<PeriodResult> results;
+  for (;;) {
+    const bool cancelled = options.lyapunov.cancelled && options.lyapunov.cancelled();
+    motions.clear();
+    for (std::size_t i = 0; i < approaches.size(); ++i) {
+      if (cancelled && approaches[i].open()) approaches[i].stop(Termination::interrupted);
+      if (approaches[i].open()) motions.push_back({sets[i], approaches[i].state()[0], approaches[i].state()[1]});
+    }
+    if (motions.empty()) break;
+    many.carry(motions, stretch, false, results);
+    const PeriodResult* next = results.data();
+    for (Approach& approach : approaches) {
+      if (!approach.open()) continue;
+      for (std::size_t k = 0; k < stretch && approach.open(); ++k)
+        approach.see(next[k].termination, Vector{{next[k].x, next[k].v}});
+      next += stretch;
+    }
+  }
+  std::vector<Attractor> out;
+  for (Approach& approach : approaches) out.push_back(std::move(approach).result());
+  return out;
+}
+
+/// What the time average over a motion that was not known to be periodic says.
+void conclude(const HybridSystem& system, const Vector& p, LyapunovSpectrum average, const AttractorOptions& options,
+              Attractor& attractor) {
+  attractor.time_average = std::move(average);
+  attractor.state = attractor.time_average.state;
+  std::vector<Vector> ends = attractor.time_average.others;
+  ends.insert(ends.begin(), attractor.state);
+  for (const Vector& end : ends) {  // one that has settled tells that the chaos was transient
+    if (auto orbit = orbit_at_the_end(system, p, end, options)) return settle_on(attractor, std::move(*orbit));
+    if (options.lyapunov.cancelled && options.lyapunov.cancelled()) return;
+  }
+  attractor.exponents = attractor.time_average.exponents;
+  attractor.standard_errors = attractor.time_average.standard_errors;
+  if (!attractor.exponents.empty() && attractor.exponents[0] > options.significance * attractor.standard_errors[0])
+    attractor.type = AttractorType::chaotic;
+}
+
+/// Goes on from an attractor that lingers.
+void go_on(const HybridSystem& system, const Vector& p, const AttractorOptions& options, Attractor& out) {
+  AttractorOptions longer = options;
+  constexpr int most_rounds = 3;
+  for (int round = 0; lingers(system, p, out, options); ++round) {
+    if (round == most_rounds) {
+      out.type = AttractorType::undecided;
+      break;
+    }
+    longer.transient = 3 * std::max(1, longer.transient);
+    out = approach_attractor(system, p, out.state, longer);
+    average_on_attractor(system, p, out, longer);
+  }
 }
 
 }  // namespace
@@ -166,23 +178,6 @@ std::string_view attractor_type_name(AttractorType type) {
   return "undecided";
 }
 
-std::optional<PeriodicOrbit> settling_orbit(const HybridSystem& system, const Vector& p, const Vector& state, int max_period,
-                                            const FlowOptions& flow) {
-  Propagator propagator(system, p, {}, flow);
-  const double T = forcing_period(system, p), scale = 1.0 + state.lpNorm<Eigen::Infinity>();
-  std::vector<Vector> states{state};
-  Transition transition;
-  for (int n = 1; n <= max_period; ++n) {
-    carry(propagator, 0.0, T, states.back(), {.sensitivity = Sensitivity::none}, transition);
-    if (transition.termination != Termination::time) return std::nullopt;
-    const Vector next = transition.x1;
-    if ((next - state).lpNorm<Eigen::Infinity>() < worth_trying * scale)
-      if (auto orbit = stable_orbit_near(system, p, states, n, flow)) return orbit;
-    states.push_back(next);
-  }
-  return std::nullopt;
-}
-
 void settle_on(Attractor& attractor, PeriodicOrbit orbit) {
   attractor.type = AttractorType::periodic;
   attractor.termination = Termination::time;
@@ -195,22 +190,16 @@ void settle_on(Attractor& attractor, PeriodicOrbit orbit) {
 }
 
 Attractor approach_attractor(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options) {
+  if (options.recurrence > 0.0) return approach_with_looks(system, p, start, options);
   Attractor out;
-  if (options.recurrence > 0.0) {
-    if (auto orbit = orbit_on_the_way(system, p, start, options, out)) {
-      settle_on(out, std::move(*orbit));
-      return out;
-    }
-  } else {
-    SettleOptions settling;
-    settling.periods = options.transient;
-    settling.max_period = 0;
-    settling.cancelled = options.lyapunov.cancelled;
-    settling.flow = options.lyapunov.flow;
-    const Settled settled = settle(system, p, start, settling);
-    out.termination = settled.termination;
-    out.state = settled.state;
-  }
+  SettleOptions settling;
+  settling.periods = options.transient;
+  settling.max_period = 0;
+  settling.cancelled = options.lyapunov.cancelled;
+  settling.flow = options.lyapunov.flow;
+  const Settled settled = settle(system, p, start, settling);
+  out.termination = settled.termination;
+  out.state = settled.state;
   if (out.termination != Termination::time) return out;
   if (auto orbit = orbit_at_the_end(system, p, out.state, options)) settle_on(out, std::move(*orbit));
   return out;
@@ -228,34 +217,42 @@ void average_on_attractor(const HybridSystem& system, const Vector& p, Attractor
   averaging.significance = options.significance;  // long enough to tell chaos, too
   if (averaging.change == 0.0 && averaging.max_periods >= budget_for_many)
     averaging.motions = std::max(averaging.motions, motions_in_chaos);
-  attractor.time_average = lyapunov_spectrum(system, p, attractor.state, averaging);
-  attractor.state = attractor.time_average.state;
-  std::vector<Vector> ends = attractor.time_average.others;
-  ends.insert(ends.begin(), attractor.state);
-  for (const Vector& end : ends) {  // one that has settled tells that the chaos was transient
-    if (auto orbit = orbit_at_the_end(system, p, end, options)) return settle_on(attractor, std::move(*orbit));
-    if (averaging.cancelled && averaging.cancelled()) return;
-  }
-  attractor.exponents = attractor.time_average.exponents;
-  attractor.standard_errors = attractor.time_average.standard_errors;
-  if (!attractor.exponents.empty() && attractor.exponents[0] > options.significance * attractor.standard_errors[0])
-    attractor.type = AttractorType::chaotic;
+  conclude(system, p, lyapunov_spectrum(system, p, attractor.state, averaging), options, attractor);
 }
 
 Attractor find_attractor(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options) {
   Attractor out = approach_attractor(system, p, start, options);
   average_on_attractor(system, p, out, options);
-  if (options.recurrence == 0.0) return out;
-  AttractorOptions longer = options;
-  constexpr int most_rounds = 3;
-  for (int round = 0; lingers(system, p, out, options); ++round) {
-    if (round == most_rounds) {
-      out.type = AttractorType::undecided;
-      break;
-    }
-    longer.transient = 3 * std::max(1, longer.transient);
-    out = approach_attractor(system, p, out.state, longer);
-    average_on_attractor(system, p, out, longer);
+  if (options.recurrence > 0.0) go_on(system, p, options, out);
+  return out;
+}
+
+std::vector<Attractor> find_each_attractor(const HybridSystem& system, const std::vector<AverageStart>& starts,
+                                           const AttractorOptions& options) {
+  const bool side_by_side = options.recurrence > 0.0 && options.periods_on_orbit == 0 &&
+                            std::all_of(starts.begin(), starts.end(), [&](const auto& start) {
+                              return ManyMotions::applies(system, start.p, options.lyapunov.flow);
+                            });
+  std::vector<Attractor> out;
+  if (!side_by_side) {
+    for (const AverageStart& start : starts) out.push_back(find_attractor(system, start.p, start.state, options));
+    return out;
+  }
+  out = approach_each(system, starts, options);
+  std::vector<std::size_t> open;
+  std::vector<AverageStart> averaged;
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    if (out[i].termination != Termination::time || out[i].type == AttractorType::periodic) continue;
+    open.push_back(i);
+    averaged.push_back({starts[i].p, out[i].state});
+  }
+  LyapunovOptions averaging = options.lyapunov;
+  averaging.significance = options.significance;
+  std::vector<LyapunovSpectrum> averages = lane_spectra(system, averaged, averaging);
+  for (std::size_t k = 0; k < open.size(); ++k) {
+    const std::size_t i = open[k];
+    conclude(system, starts[i].p, std::move(averages[k]), options, out[i]);
+    go_on(system, starts[i].p, options, out[i]);
   }
   return out;
 }

@@ -6,8 +6,8 @@
 // exponent is positive by several standard errors. Else undecided.
 #pragma once
 
-#include <graze/floquet/lyapunov.hpp>
-#include <graze/floquet/shooting.hpp>
+#include <graze/floquet/lyapunov_lanes.hpp>
+#include <graze/floquet/settling_orbit.hpp>
 
 #include <optional>
 
@@ -55,8 +55,9 @@ void average_on_attractor(const HybridSystem& system, const Vector& p, Attractor
 /// Makes it the periodic attractor that a stable orbit is.
 void settle_on(Attractor& attractor, PeriodicOrbit orbit);
 
-/// The stable orbit that a motion at `state` is settling on, if it is periodic with period up to max_period.
-std::optional<PeriodicOrbit> settling_orbit(const HybridSystem& system, const Vector& p, const Vector& state, int max_period,
-                                            const FlowOptions& flow = {});
+/// find_attractor from each start, where options.recurrence > 0 and options.periods_on_orbit = 0 side by side in SIMD lanes, if
+/// they know the oscillator; else one after the other.
+std::vector<Attractor> find_each_attractor(const HybridSystem& system, const std::vector<AverageStart>& starts,
+                                           const AttractorOptions& options = {});
 
 }  // namespace graze

@@ -30,7 +30,7 @@ struct Options {
   std::string follow = "none", resume, h5;
   MapOptions map;
   std::optional<double> standard_error;
-  int chunk_rows = 1;
+  std::optional<int> chunk_rows;
   OutputOptions output;
 };
 
@@ -67,7 +67,8 @@ MapPlan plan_from(const Options& options, const Console& console) {
   if (options.standard_error) plan.options.standard_error = *options.standard_error;
   if (!(plan.options.standard_error > 0.0))
     throw std::invalid_argument(fmt::format("--standard-error is {}; allowed is > 0", exact(plan.options.standard_error)));
-  plan.chunk_rows = options.chunk_rows;
+  // Rows that are followed go side by side, some at a time; points that do not wait for each other do so within their row.
+  plan.chunk_rows = options.chunk_rows.value_or(options.follow == "none" ? 1 : 16);
   check_plan(plan);
   return plan;
 }
@@ -234,9 +235,9 @@ std::function<int(const Console&)> setup(CLI::App& app) {
             "initial state at forcing phase 0; repeatable, each is a layer of the map (default: the file's, else at rest)");
   add_choice(app, "--follow", options->follow, {"none", "up", "down", "both"},
              "along each row, a point starts from where its neighbour ended (default none: each from the start)");
-  add_count(app, "--chunk", options->chunk_rows, 1,
-            "rows in a chunk: what a thread computes at a time, and is lost if it is "
-            "killed (default 1)");
+  add_count(
+      app, "--chunk", options->chunk_rows, 1,
+      "rows in a chunk: what a thread computes at a time, and is lost if it is killed (default 1, or 16 that are followed)");
   begin_group(app, "Motions");
   add_count(
       app, "--settle", options->start.settle, 0,

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The stable orbit that a motion is settling on, known by Newton's method and not by a tolerance on its samples.
+#pragma once
+
+#include <graze/floquet/shooting.hpp>
+
+#include <optional>
+#include <vector>
+
+namespace graze {
+
+/// The stable orbit that a motion at `state` is settling on, if it is periodic with period up to max_period.
+std::optional<PeriodicOrbit> settling_orbit(const HybridSystem& system, const Vector& p, const Vector& state, int max_period,
+                                            const FlowOptions& flow = {});
+
+/// The states that follow one, and after how many periods the motion is back within a distance, the closest return first.
+struct Returns {
+  std::vector<Vector> states;
+  std::vector<int> periods;
+};
+
+/// Those of up to max_period periods; `nearness` is relative to 1 + |x|.
+Returns close_returns(const HybridSystem& system, const Vector& p, const Vector& state, int max_period, double nearness,
+                      const FlowOptions& flow = {});
+
+/// settling_orbit where time matters: the few closest returns are tried, and only returns within `nearness`.
+std::optional<PeriodicOrbit> orbit_of_close_returns(const HybridSystem& system, const Vector& p, const Vector& state,
+                                                    int max_period, double nearness, const FlowOptions& flow = {});
+
+/// Looks, period by period, for returns to a state that moves on in doubling steps (Brent's way to find a cycle): most motions
+/// are near their orbit long before a transient is over.
+class ReturnWatch {
+ public:
+  explicit ReturnWatch(double recurrence) : recurrence_(recurrence) {}
+  /// The next state. The number of periods since the state looked at, if it is back within `recurrence` (relative to 1 + |x|);
+  /// else 0.
+  int see(const Vector& state);
+
+ private:
+  double recurrence_;
+  int periods_ = 0, look_ = 4, looked_ = -1;
+  Vector looked_at_;
+};
+
+}  // namespace graze
