@@ -9,12 +9,13 @@
 set -euo pipefail
 
 packages=(g++ cmake ninja-build pkg-config libeigen3-dev libgsl-dev libnlopt-dev libnlopt-cxx-dev libcli11-dev
-  libtomlplusplus-dev nlohmann-json3-dev libfmt-dev libtbb-dev libxsimd-dev fonts-dejavu-core)
+  libtomlplusplus-dev nlohmann-json3-dev libfmt-dev libtbb-dev libxsimd-dev libhdf5-dev libopenmpi-dev openmpi-bin
+  fonts-dejavu-core)
 command -v gnuplot > /dev/null || packages+=(gnuplot-nox) # any flavour that provides the command will do
 for purpose in "$@"; do
   case "$purpose" in
     run) ;;
-    tests) packages+=(catch2) ;;
+    tests) packages+=(catch2 hdf5-tools python3-h5py) ;;
     benchmarks) packages+=(libbenchmark-dev libboost-dev libsundials-dev) ;;
     *) echo "install_packages.sh: unknown purpose '$purpose'; known are run, tests, benchmarks" >&2; exit 2 ;;
   esac

@@ -60,16 +60,18 @@ Handle space_of(const std::vector<hsize_t>& size) {
 
 Handle text_type(std::size_t size) {
   Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  check(H5Tset_size(type, std::max<std::size_t>(size, 1)));
-  check(H5Tset_strpad(type, H5T_STR_NULLPAD));
+  check(H5Tset_size(type, size));
+  if (size != H5T_VARIABLE) check(H5Tset_strpad(type, H5T_STR_NULLPAD));
   check(H5Tset_cset(type, H5T_CSET_UTF8));
   return type;
 }
 
+/// A text of variable length, which h5py and MATLAB give as a string, not as bytes.
 void set_attribute(hid_t object, const std::string& name, const std::string& text) {
-  const Handle type = text_type(text.size()), space = space_of({});
+  const Handle type = text_type(H5T_VARIABLE), space = space_of({});
   const Handle attribute(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-  check(H5Awrite(attribute, type, text.c_str()));
+  const char* const characters = text.c_str();
+  check(H5Awrite(attribute, type, &characters));
 }
 
 void set_attribute(hid_t object, const std::string& name, double value) {
@@ -309,9 +311,11 @@ void write_content(hid_t file, const MapPlan& plan, const Json& head, const MapR
 std::string text_attribute(hid_t object, const char* name) {
   const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
   const Handle type(H5Aget_type(attribute), H5Tclose);
-  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) != 0) throw std::runtime_error("another kind of attribute");
-  std::string text(H5Tget_size(type), '\0');
-  check(H5Aread(attribute, type, text.data()));
+  if (H5Tis_variable_str(type) <= 0) throw std::runtime_error("another kind of attribute");
+  char* characters = nullptr;
+  check(H5Aread(attribute, type, &characters));
+  std::string text = characters ? characters : "";
+  H5free_memory(characters);
   return text;
 }
 

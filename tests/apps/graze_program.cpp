@@ -59,6 +59,27 @@ Outcome spawn(const std::string& arguments, int signal, double delay) {
   return outcome;
 }
 
+Outcome run_shell(const std::string& text, const std::function<bool(pid_t)>& watch) {
+  const TemporaryFolder folder;
+  const std::string out = folder.file("out"), err = folder.file("err");
+  std::string command = "exec >'" + out + "' 2>'" + err + "' </dev/null; exec " + text;
+  char shell[] = "/bin/sh", option[] = "-c";
+  char* const argv[] = {shell, option, command.data(), nullptr};
+  pid_t child = 0;
+  if (posix_spawn(&child, shell, nullptr, nullptr, argv, environ) != 0) throw std::runtime_error("the shell cannot be started");
+  int state = 0;
+  bool watching = static_cast<bool>(watch);
+  while (::waitpid(child, &state, watching ? WNOHANG : 0) == 0) {
+    watching = !watch(child);
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  Outcome outcome;
+  outcome.code = WIFEXITED(state) ? WEXITSTATUS(state) : -WTERMSIG(state);
+  outcome.out = read_file(out);
+  outcome.err = read_file(err);
+  return outcome;
+}
+
 apps::Json interrupted_json(const std::string& arguments, const std::string& file, double delay) {
   INFO(arguments);
   const Outcome outcome = spawn(arguments + " --json " + file, SIGINT, delay);

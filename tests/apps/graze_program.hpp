@@ -7,6 +7,7 @@
 #include <sys/types.h>
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,10 @@ apps::Json json_of(const Outcome& outcome);
 /// The program as a child process: arguments as a shell understands them, redirections included; `signal` > 0 is sent to it after
 /// `delay` seconds.
 Outcome spawn(const std::string& arguments, int signal = 0, double delay = 0.0);
+
+/// Any command of a shell, stdout and stderr caught. `watch` is asked every few milliseconds with the process id for as long as
+/// the command runs, until it says true.
+Outcome run_shell(const std::string& command, const std::function<bool(pid_t)>& watch = {});
 
 /// The program, interrupted by Ctrl-C after `delay` seconds, has ended as it should: with 130, and with what there is as JSON in
 /// `file`.

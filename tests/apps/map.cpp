@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// graze map: what it gives, in all its formats, and what it refuses.
+#include "graze_program.hpp"
+
+#include <graze/apps/map_chunk.hpp>
+#include <graze/apps/map_report.hpp>
+#include <graze/apps/pictures/pictures.hpp>
+#include <graze/apps/table.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <set>
+
+using namespace graze;
+using namespace graze::apps;
+using namespace graze::support;
+using Catch::Matchers::Contains;
+
+namespace {
+
+Outcome run(std::vector<std::string> more, const std::string& id = "hertz-damped") {
+  more.insert(more.begin(), {"map", problem(id), "--quiet"});
+  return call(more);
+}
+
+const std::vector<std::string> small = {"--param", "eta:0.69:0.74:6", "--param", "r:1.9:2.1:3"};
+
+std::vector<std::string> with(const std::vector<std::string>& more) {
+  std::vector<std::string> all = small;
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("map: JSON, table, HDF5 and h5py tell the same") {
+  const TemporaryFolder folder;
+  const std::string h5 = folder.file("m.h5"), csv = folder.file("m.csv");
+  const Json json = json_of(run(with({"--follow", "both", "--h5", h5, "--csv", csv, "--json", "-"})));
+  CHECK(json["schema"] == "graze.map/1");
+  CHECK(json["status"] == "done");
+  CHECK(json["options"]["columns"] == Json({{"parameter", "eta"}, {"from", 0.69}, {"to", 0.74}, {"count", 6}}));
+  REQUIRE(json["layers"].size() == 2);
+  CHECK(json["layers"][1]["follow"] == "down");
+  std::set<std::string> types;
+  std::size_t counted = 0;
+  for (const Json& row : json["layers"][0]["type"])
+    for (const Json& type : row) types.insert(type);
+  for (const Json& kind : json["layers"][0]["counts"]) counted += kind["points"].get<std::size_t>();
+  CHECK(types == std::set<std::string>{"chaotic", "periodic"});
+  CHECK(counted == 18);
+
+  const Table table = parse_csv(read_file(csv), csv);
+  REQUIRE(table.rows.size() == 36);
+  CHECK(table.columns[1] == "r");
+  CHECK(table.rows[11][6] == Json(json["layers"][1]["lambda_1"][0][5]).dump());  // row by row, and in each layer by layer
+
+  // Debian's own python3 has Debian's h5py, if another one comes first on PATH.
+  const Outcome seen =
+      run_shell("sh -c 'for python in python3 /usr/bin/python3; do "
+                "$python -c \"import h5py\" 2> /dev/null && exec $python \"$0\" \"$1\"; done; exit 77' '" GRAZE_SOURCE_DIR
+                "/tests/apps/read_map.py' '" +
+                h5 + "'");
+  if (seen.code == 77) {
+    WARN("python3-h5py is not installed: the HDF5 file was not read by it");
+    return;
+  }
+  INFO(seen.err);
+  REQUIRE(seen.code == 0);
+  const Json python = Json::parse(seen.out);
+  CHECK(python["schema"] == "graze.map/1");
+  CHECK(python["units"] == "dimensionless");
+  CHECK(python["options"] == json["options"]);
+  for (const auto& [name, value] : json["parameters"].items()) CHECK(python["parameters"][name] == value);
+  CHECK(python["dimensions"] == Json({"/layer", "/r", "/eta"}));
+  CHECK(python["eta"].size() == 6);
+  CHECK(python["eta"][5] == 0.74);
+  CHECK(python["r"][0] == 1.9);
+  CHECK(python["start"] == Json::parse("[[null, null], [null, null]]"));
+  CHECK(python["follow"] == Json({"up", "down"}));
+  CHECK(python["filters"] == Json::parse(R"(["gzip", true, [1, 3, 6]])"));
+  for (std::size_t layer = 0; layer < 2; ++layer) {
+    for (const char* name : {"type", "lambda_1", "standard_error", "state"})
+      CHECK(python[name][layer] == json["layers"][layer][name]);
+    for (std::size_t row = 0; row < 3; ++row)
+      for (std::size_t column = 0; column < 6; ++column) {
+        const Json& period = json["layers"][layer]["period"][row][column];
+        CHECK(python["period"][layer][row][column] == (period.is_null() ? Json(0) : period));
+      }
+  }
+}
+
+TEST_CASE("map: its points are those of lyapunov at the same parameters") {
+  const Json map = json_of(run(with({"--json", "-"})))["layers"][0];
+  for (const auto& [row, column] : {std::pair{0, 0}, {1, 3}, {2, 5}}) {
+    const std::string eta = fmt::format("eta={}", 0.69 + column * 0.01), r = fmt::format("r={}", 1.9 + row * 0.1);
+    const Json one = json_of(call({"lyapunov", problem("hertz-damped"), "--set", eta, "--set", r, "--quiet", "--json", "-"}));
+    INFO(eta << " " << r);
+    CHECK(map["type"][row][column] == one["attractor"]["type"]);
+    CHECK(map["period"][row][column] == one["attractor"]["period"]);
+    CHECK(map["impacts"][row][column] == one["attractor"]["impacts"]);
+    // Chaotic: two independent averages. Periodic: one orbit, and 1e-9 is what its multipliers leave of Newton's 1e-12.
+    const double error = std::hypot(map["standard_error"][row][column].get<double>(), one["standard_errors"][0].get<double>());
+    const double bound = map["type"][row][column] == "chaotic" ? 5.0 * error : 1e-9;
+    CHECK(std::abs(map["lambda_1"][row][column].get<double>() - one["exponents"][0].get<double>()) < bound);
+  }
+}
+
+TEST_CASE("map: several starts are layers, and a start inside a barrier is a matter of the point") {
+  const std::vector<std::string> options = {"--param", "eta:0.7:0.8:3", "--param", "r:1:3:3", "--start", "0,0",
+                                            "--start", "1.5,0.2",       "--json",  "-",       "--set",   "k_r=0.8"};
+  const Json json = json_of(run(options, "newton-elastic"));
+  REQUIRE(json["layers"].size() == 2);
+  CHECK(json["layers"][1]["start"] == Json({1.5, 0.2}));
+  CHECK(json["layers"][0]["type"][0][0] != "inadmissible");
+  CHECK(json["layers"][1]["type"][0][0] == "inadmissible");
+  CHECK(json["layers"][1]["lambda_1"][0][0].is_null());
+  CHECK(json["layers"][1]["type"][2][0] != "inadmissible");
+}
+
+TEST_CASE("map: pictures have a cell per point and a legend of what occurs") {
+  const TemporaryFolder folder;
+  const std::string h5 = folder.file("m.h5"), json = folder.file("m.json");
+  REQUIRE(run(with({"--follow", "both", "--h5", h5, "--json", json, "--plot", folder.file("m.png")})).code == 0);
+  CHECK(read_file(folder.file("m.png")).size() > 2000);
+  const Json result = Json::parse(read_file(json));
+  const Picture picture = picture_of(result);
+  REQUIRE(picture.cells);
+  CHECK(picture.cells->colour.size() == 18);
+  CHECK(picture.beside.size() == 1);
+  std::vector<std::string> titles;
+  for (const Curve& curve : picture.curves) titles.push_back(curve.title);
+  CHECK(std::count(titles.begin(), titles.end(), "chaotic") == 1);
+  CHECK(std::count(titles.begin(), titles.end(), "undecided") == 0);
+  const Picture exponent = picture_of(result, "exponent");
+  for (std::size_t i = 0; i < 18; ++i) {  // warm colours where the exponent is positive
+    const bool positive = result["layers"][0]["lambda_1"][i / 6][i % 6].get<double>() > 0.0;
+    CHECK((exponent.cells->colour[i] >= 4) == positive);
+  }
+  for (const char* kind : {"attractors", "exponent"})
+    CHECK(call({"plot", h5, "--plot-kind", kind, "-o", folder.file("p.svg")}).code == 0);
+  // The same picture from the file and from JSON.
+  CHECK(call({"plot", h5, "-o", folder.file("a.svg")}).code == 0);
+  CHECK(call({"plot", json, "-o", folder.file("b.svg")}).code == 0);
+  CHECK(read_file(folder.file("a.svg")) == read_file(folder.file("b.svg")));
+}
+
+TEST_CASE("map: no byte of a chunk can change without being noticed") {
+  MapPlan plan;
+  plan.problem = make_problem("linear", "hertz");
+  plan.grid = {{"eta", 0.7, 0.8, 2}, {"r", 1.0, 2.0, 3}};
+  MapChunk chunk{1, 1, std::vector<MapPoint>(2)};
+  chunk.points[0] = {MapType::periodic, 3, 2, -0.05, 0.0, Vector{{1.0, -2.0}}};
+  chunk.points[1] = {MapType::chaotic, 0, 0, 0.1, 1e-3, Vector{{0.5, 0.25}}};
+  const std::string bytes = chunk_bytes(chunk, plan, 42);
+  const auto back = chunk_from(bytes, plan, 42, 1);
+  REQUIRE(back);
+  CHECK(back->points[0].period == 3);
+  CHECK(back->points[0].impacts == 2);
+  CHECK(back->points[1].type == MapType::chaotic);
+  CHECK(back->points[1].lambda_1 == 0.1);
+  CHECK(back->points[1].state[1] == 0.25);
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    std::string damaged = bytes;
+    damaged[i] = static_cast<char>(damaged[i] ^ 16);
+    CHECK_FALSE(chunk_from(damaged, plan, 42, 1));
+    CHECK_FALSE(chunk_from(bytes.substr(0, i), plan, 42, 1));
+  }
+  CHECK_FALSE(chunk_from(bytes, plan, 43, 1));  // of another run
+  CHECK_FALSE(chunk_from(bytes, plan, 42, 0));  // of other rows
+}
+
+TEST_CASE("map refuses what it does not understand") {
+  const TemporaryFolder folder;
+  const auto misuse = [](const std::vector<std::string>& more, const std::string& id = "hertz-damped") {
+    const Outcome outcome = run(more, id);
+    INFO(outcome.err);
+    CHECK(outcome.code == 2);
+    CHECK(outcome.out.empty());
+    return outcome.err;
+  };
+  CHECK_THAT(misuse({}), Contains("--param is given not at all; a map is over two parameters"));
+  CHECK_THAT(misuse({"--param", "eta:0.7:0.8:3"}), Contains("--param is given 1 time"));
+  CHECK_THAT(misuse({"--param", "eta:0.7:0.8", "--param", "r:1:2:3"}), Contains("--param eta:0.7:0.8: must be NAME:a:b:n"));
+  CHECK_THAT(misuse({"--param", "eta:0.7:0.8:0", "--param", "r:1:2:3"}), Contains("whole number >= 1"));
+  CHECK_THAT(misuse({"--param", "eta:0.8:0.7:3", "--param", "r:1:2:3"}), Contains("from less to more"));
+  CHECK_THAT(misuse({"--param", "eta:0.7:0.8:3", "--param", "eta:1:2:3"}), Contains("both parameters of the map are eta"));
+  CHECK_THAT(misuse({"--param", "eta:0:0.8:3", "--param", "r:1:2:3"}), Contains("eta"));
+  CHECK_THAT(misuse({"--param", "etta:0.7:0.8:3", "--param", "r:1:2:3"}), Contains("did you mean \"eta\"?"));
+  CHECK_THAT(misuse({"--param", "eta:0.7:0.8:3", "--param", "k_r:0:1:3"}), Contains("belongs to the newton contact law"));
+  CHECK_THAT(misuse(with({"--start", "1"})), Contains("--start 1: must be two numbers x,v"));
+  CHECK_THAT(misuse(with({"--start", "9,0"}), "newton-elastic"), Contains("--start") && Contains("x <= r"));
+  CHECK_THAT(misuse(with({"--follow", "sideways"})), Contains("--follow sideways"));
+  CHECK_THAT(misuse(with({"--standard-error", "0"})), Contains("--standard-error is 0; allowed is > 0"));
+  CHECK_THAT(misuse(with({"--chunk", "0"})), Contains("--chunk 0"));
+  CHECK_THAT(misuse(with({"--resume", folder.file("none")})), Contains("no such folder"));
+  CHECK_THAT(misuse(with({"--h5", folder.file("none/m.h5")})), Contains("there is no folder"));
+  CHECK_THAT(misuse({"--param", "eta:0.7:0.8:40000", "--param", "r:1:2:40000"}), Contains("more than a thousand million"));
+  CHECK_THAT(misuse({"--param", "eta:0.7:0.8:2000", "--param", "r:1:2:2000", "--json", folder.file("j")}),
+             Contains("too many for a text"));
+  CHECK(folder.files() == 0);
+  folder.write("x.h5", "this is none");
+  const Outcome outcome = call({"plot", folder.file("x.h5"), "-o", folder.file("x.png")});
+  CHECK(outcome.code == 2);
+  CHECK_THAT(outcome.err, Contains("this is not an HDF5 file"));
+}

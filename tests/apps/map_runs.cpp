@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// graze map: runs that are killed, interrupted, damaged and gone on with; threads; ranks. A map has no times in it, so that the
+// same map is the same file, byte by byte.
+#include "graze_program.hpp"
+
+#include <graze/apps/json.hpp>
+#include <graze/apps/ranks.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <fmt/format.h>
+
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+using namespace graze;
+using namespace graze::apps;
+using namespace graze::support;
+using Catch::Matchers::Contains;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Mostly chaotic points, a tenth of a second or more for each of 16 rows.
+std::string options() {
+  return fmt::format("map '{}' --param eta:0.70:0.74:8 --param r:1.95:2.1:16 --follow up --quiet --settle 3000",
+                     problem("hertz-damped"));
+}
+
+std::string program(const std::string& arguments) { return "'" GRAZE_PROGRAM "' " + arguments; }
+
+int chunks(const std::string& out) {
+  std::error_code error;
+  int count = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator(out + "/chunks", error))
+    count += entry.path().extension() == ".chunk" && !entry.path().filename().string().starts_with(".") ? 1 : 0;
+  return count;
+}
+
+/// The map of these options as a file, computed once by one thread.
+const std::string& reference() {
+  static const std::string bytes = [] {
+    const TemporaryFolder folder;
+    const Outcome outcome = run_shell(program(options() + " --threads 1 --h5 '" + folder.file("m.h5") + "'"));
+    INFO(outcome.err);
+    REQUIRE(outcome.code == 0);
+    return read_file(folder.file("m.h5"));
+  }();
+  return bytes;
+}
+
+/// As a finished map should be: identical, and no chunks left behind.
+void check_finished(const Outcome& outcome, const std::string& out) {
+  INFO(outcome.err);
+  CHECK(outcome.code == 0);
+  CHECK(read_file(out + "/map.h5") == reference());
+  CHECK_FALSE(fs::exists(out + "/chunks"));
+}
+
+/// Sends a signal once so many chunks are there.
+std::function<bool(pid_t)> after(int count, const std::string& out, int signal, const std::function<pid_t()>& whom = {}) {
+  return [=](pid_t child) {
+    if (chunks(out) < count) return false;
+    const pid_t target = whom ? whom() : child;
+    return target > 0 && ::kill(target, signal) == 0;
+  };
+}
+
+bool have_mpirun() {
+  if (!mpi_version().empty() && run_shell("mpirun --version").code == 0) return true;
+  WARN("mpirun is not installed, or graze was built without MPI: nothing was tested over several ranks");
+  return false;
+}
+
+const std::string mpirun = "env OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 mpirun --oversubscribe ";
+
+/// The process that is this rank of the run that writes to `out`.
+pid_t process_of(int rank, const std::string& out) {
+  const std::string variable = fmt::format("OMPI_COMM_WORLD_RANK={}", rank);
+  for (const fs::directory_entry& entry : fs::directory_iterator("/proc")) {
+    const std::string command = read_file(entry.path() / "cmdline"), name = entry.path().filename();
+    if (command.find(out) == std::string::npos || read_file(entry.path() / "environ").find(variable) == std::string::npos)
+      continue;
+    return std::stoi(name);
+  }
+  return 0;
+}
+
+}  // namespace
+
+TEST_CASE("map: two threads give the file of one") {
+  const TemporaryFolder folder;
+  const std::string out = folder.file("run");
+  check_finished(run_shell(program(options() + " --threads 2 --chunk 3 --out '" + out + "'")), out);
+  CHECK(fs::exists(out + "/map-attractors.png"));
+  CHECK(fs::exists(out + "/map-exponent.png"));
+  // Asked to go on, it says that nothing is left, and gives the results again.
+  const Outcome again = run_shell(program(options() + " --resume '" + out + "' --json -"));
+  CHECK(again.code == 0);
+  CHECK(Json::parse(again.out)["layers"][0]["type"].size() == 16);
+  const Outcome other = run_shell(program(options() + " --set b=0.06 --resume '" + out + "'"));
+  CHECK(other.code == 2);
+  CHECK_THAT(other.err, Contains("is of another model, other parameters, other options or another version"));
+}
+
+TEST_CASE("map: killed at any moment, it is gone on with, and the map is the same") {
+  const TemporaryFolder folder;
+  const std::string out = folder.file("run");
+  for (const int enough : {1, 4, 9}) {  // killed three times; 16 rows are in work
+    const Outcome killed =
+        run_shell(program(options() + " --threads 1 " + (enough == 1 ? "--out" : "--resume") + " '" + out + "'"),
+                  after(enough, out, SIGKILL));
+    CHECK(killed.code == -SIGKILL);
+    CHECK_FALSE(fs::exists(out + "/map.h5"));
+    CHECK(chunks(out) >= enough);
+  }
+  const int kept = chunks(out);
+  // A file that was being written, one that was damaged, and one that was cut off.
+  std::ofstream(out + "/chunks/.000015.chunk.AbCdEf") << "half";
+  std::string bytes = read_file(out + "/chunks/000000.chunk");
+  bytes[bytes.size() / 2] ^= 1;
+  std::ofstream(out + "/chunks/000000.chunk", std::ios::binary) << bytes;
+  fs::resize_file(out + "/chunks/000001.chunk", 100);
+  std::string loud = options();
+  loud.erase(loud.find(" --quiet"), 8);
+  const Outcome resumed = run_shell(program(loud + " --resume '" + out + "'"));
+  CHECK_THAT(resumed.err, Contains(fmt::format("{} of 16 chunks are there already", kept - 2)) && Contains("2 damaged chunks"));
+  check_finished(resumed, out);
+}
+
+TEST_CASE("map: Ctrl-C ends it with what there is, and says how to go on") {
+  const TemporaryFolder folder;
+  const std::string out = folder.file("run"), json = folder.file("part.json");
+  const Outcome outcome =
+      run_shell(program(options() + " --threads 1 --out '" + out + "' --json '" + json + "'"), after(3, out, SIGINT));
+  CHECK(outcome.code == 130);
+  CHECK_THAT(outcome.err, Contains("interrupted; ") && Contains(" of 16 chunks are finished, --resume " + out + " goes on"));
+  const Json part = Json::parse(read_file(json));
+  CHECK(part["status"] == "interrupted");
+  CHECK(part["layers"][0]["type"][0][0] != "not_run");
+  CHECK(part["layers"][0]["type"][15][7] == "not_run");
+  // A new map does not begin on top of it, nor does another one go on with it.
+  const Outcome anew = run_shell(program(options() + " --out '" + out + "'"));
+  CHECK(anew.code == 2);
+  CHECK_THAT(anew.err, Contains("holds an unfinished map; --resume"));
+  const Outcome other = run_shell(program(options() + " --periods 400 --resume '" + out + "'"));
+  CHECK(other.code == 2);
+  CHECK_THAT(other.err, Contains("is of another model, other parameters, other options or another version; give the same"));
+  // Nor do two at a time.
+  std::string second;
+  const Outcome first = run_shell(program(options() + " --threads 1 --resume '" + out + "'"), [&](pid_t) {
+    if (chunks(out) < 6) return false;
+    second = run_shell(program(options() + " --resume '" + out + "'")).err;
+    return true;
+  });
+  CHECK_THAT(second, Contains("another graze map is at work there"));
+  check_finished(first, out);
+}
+
+TEST_CASE("map: two ranks give the file of one process") {
+  if (!have_mpirun()) return;
+  const TemporaryFolder folder;
+  const std::string out = folder.file("run");
+  const Outcome outcome = run_shell(mpirun + "-n 2 " + program(options() + " --out '" + out + "'"));
+  check_finished(outcome, out);
+  // Rank 0 alone speaks.
+  const std::size_t place = outcome.out.find("16 values");
+  CHECK(place != std::string::npos);
+  CHECK(outcome.out.find("16 values", place + 1) == std::string::npos);
+  if (run_shell("h5diff --version").code != 0) return;
+  std::ofstream(folder.file("one.h5"), std::ios::binary) << reference();
+  CHECK(run_shell("h5diff '" + folder.file("one.h5") + "' '" + out + "/map.h5'").code == 0);
+}
+
+TEST_CASE("map: a rank that dies ends the run, which can be gone on with") {
+  if (!have_mpirun()) return;
+  const TemporaryFolder folder;
+  const std::string out = folder.file("run");
+  const Outcome killed = run_shell(mpirun + "-n 2 " + program(options() + " --out '" + out + "'"),
+                                   after(3, out, SIGKILL, [&] { return process_of(1, out); }));
+  CHECK(killed.code != 0);
+  CHECK_THAT(killed.err, Contains("chunks are finished, --resume " + out + " goes on with them"));  // what rank 0 says
+  CHECK_THAT(killed.err, Contains("rank 1") || Contains("signal 9"));                               // what mpirun says
+  CHECK_FALSE(fs::exists(out + "/map.h5"));
+  CHECK(chunks(out) >= 3);
+  check_finished(run_shell(mpirun + "-n 3 " + program(options() + " --resume '" + out + "'")), out);
+}
+
+TEST_CASE("map: misuse under mpirun is said once, and ends all ranks") {
+  if (!have_mpirun()) return;
+  for (const std::string wrong : {" --standard-error 0", " --nonsense"}) {
+    const Outcome outcome = run_shell(mpirun + "-n 2 " + program(options() + wrong));
+    CHECK(outcome.code == 2);
+    const std::size_t place = outcome.err.find("graze map: ");
+    CHECK(place != std::string::npos);
+    CHECK(outcome.err.find("graze map: ", place + 1) == std::string::npos);
+  }
+}
