@@ -87,14 +87,17 @@ void put_skeleton(Json& result, const Skeleton& found, std::size_t parameter) {
   for (const Branch& branch : found.graph.branches) result["branches"].push_back(branch_json(branch));
   result["cascades"] = cascades_json(cascades(found.graph.branches));
   result["cut_off"] = Json::array();
-  for (const CutOff& cut : found.graph.cut_off)
+  for (const CutOff& cut : found.graph.cut_off) {
     result["cut_off"].push_back({{"branch", cut.branch}, {"label", cut.label}, {"reason", cut.reason}});
+    if (cut.families > 0) result["cut_off"].back()["families"] = cut.families;
+  }
 }
 
 std::vector<CutOff> cut_off_from(const Json& list) {
   std::vector<CutOff> out;
   for (const Json& cut : list)
-    out.push_back({cut.at("branch").get<int>(), cut.at("label").get<std::string>(), cut.at("reason").get<std::string>()});
+    out.push_back({cut.at("branch").get<int>(), cut.at("label").get<std::string>(), cut.at("reason").get<std::string>(),
+                   cut.value("families", 0)});
   return out;
 }
 

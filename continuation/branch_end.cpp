@@ -88,6 +88,15 @@ GrazingEdge first_edge(const SpecialPoint& point, const Branch& branch) {
   return edge_at(point, at_grazing, branch.points.front().impacts);
 }
 
+const KnownEdge* edge_beyond(const std::vector<KnownEdge>& edges, std::size_t index, const SpecialPoint& point, GrazingEnd end) {
+  GrazingEdge partner = partner_edge(point, end.grazing, end.lost);
+  // With one impact more or, where several contacts touch together, with several.
+  for (int more = 0; more < (end.lost ? 1 : most_together); ++more, ++partner.impacts)
+    for (const KnownEdge& known : edges)
+      if (known.branch != index && same_edge(known.edge, partner)) return &known;
+  return nullptr;
+}
+
 void set_scenario(Branch& branch, const std::function<void(SpecialPoint&)>& change) {
   SpecialPoint& point = branch.special_points.back();
   const auto name = [&] { return fmt::format("({})", std::get<std::string>(point.details.at("scenario"))); };
@@ -97,10 +106,16 @@ void set_scenario(Branch& branch, const std::function<void(SpecialPoint&)>& chan
     branch.message.replace(at, before.size(), name());
 }
 
-void set_scenario_none(Branch& branch, const std::string& reason) {
+bool leads_away(const HybridSystem& system, std::size_t event) { return system.events[event].to != system.events[event].from; }
+
+void set_scenario_alone(Branch& branch, const std::string& reason, bool none) {
   set_scenario(branch, [&](SpecialPoint& point) {
-    point.details.insert_or_assign("scenario", std::string(grazing_scenario_name(GrazingScenario::none)));
-    point.details.insert_or_assign("scenario_from", reason);
+    const std::string response = std::get<std::string>(point.details.at("scenario"));
+    const bool says = response == grazing_scenario_name(GrazingScenario::persistence) ||
+                      response == grazing_scenario_name(GrazingScenario::nonsmooth_fold);
+    const GrazingScenario scenario = none ? GrazingScenario::none : GrazingScenario::undecided;
+    if (none || !says) point.details.insert_or_assign("scenario", std::string(grazing_scenario_name(scenario)));
+    point.details.insert_or_assign("scenario_from", none || !says ? reason : "linear response alone: " + reason);
   });
 }
 

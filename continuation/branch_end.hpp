@@ -3,6 +3,8 @@
 #pragma once
 
 #include <graze/continuation/branch_follower.hpp>
+#include <graze/continuation/branch_switching.hpp>
+#include <graze/continuation/branch_task.hpp>
 #include <graze/continuation/grazing_edge.hpp>
 
 #include <functional>
@@ -28,10 +30,18 @@ bool is_partner(const Branch& child, const Branch& ended);
 /// The edge at which the branch, born on the grazing `point`, begins.
 GrazingEdge first_edge(const SpecialPoint& point, const Branch& branch);
 
+/// Of the known ends of families the one on the other side of the grazing `point`, on which branch `index` ended; null if there
+/// is none.
+const KnownEdge* edge_beyond(const std::vector<KnownEdge>& edges, std::size_t index, const SpecialPoint& point, GrazingEnd end);
+
 /// Changes the scenario of the grazing at the end of the branch, in its details and in the branch's message.
 void set_scenario(Branch& branch, const std::function<void(SpecialPoint&)>& change);
 
-/// Nothing begins there, for that reason.
-void set_scenario_none(Branch& branch, const std::string& reason);
+/// Whether that contact leads to another mode: then nothing begins at its grazing.
+bool leads_away(const HybridSystem& system, std::size_t event);
+
+/// No family was found to begin there, for that reason: there is `none`, or else the scenario is that of the linear response
+/// alone, "undecided" where that says nothing.
+void set_scenario_alone(Branch& branch, const std::string& reason, bool none);
 
 }  // namespace graze

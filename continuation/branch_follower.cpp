@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/branch_follower.hpp>
-#include <graze/continuation/widest_gap.hpp>
 
 #include <fmt/format.h>
 
@@ -87,8 +86,8 @@ void BranchFollower::begin(BranchProblem& problem, const Vector& u, Branch& bran
 bool BranchFollower::take(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, BranchPoint point,
                           std::vector<MetPoint> met, Branch& branch) {
   // What is not found where it was announced may be no such point, but a step onto another branch close by.
-  constexpr double smallest_doubt = 1e-5;
-  const bool long_step = after.arclength - before.arclength > smallest_doubt;
+  constexpr double smallest_doubt = 1e-5, smallest_step = 1e-8;
+  const bool long_step = !corner_ && after.arclength - before.arclength > smallest_doubt;
   const auto doubtful = [&](const MetPoint& special) { return special.point.status != PointStatus::converged && long_step; };
   if (std::any_of(met.begin(), met.end(), doubtful)) return false;
   const TestPoint a{before, branch.points.back()}, b{after, point};
@@ -96,6 +95,15 @@ bool BranchFollower::take(BranchProblem& problem, const CurvePoint& before, cons
     const double f_a = test.value(a), f_b = test.value(b);
     if (!std::isfinite(f_a) || !std::isfinite(f_b) || (f_a < 0.0) == (f_b < 0.0) || !test.confirm(a, b)) continue;
     met.push_back(locate(problem, test, a, b, branch));
+    if (corner_) {  // at its tip, which lies within the smallest step of the grazing, on the side of the contact
+      SpecialPoint& tip = met.back().point;
+      tip.status = PointStatus::bracketed;
+      tip.value = corner_->value;
+      tip.precision = smallest_step;
+      tip.interval[0] = tip.value - tip.precision;
+      tip.interval[1] = tip.value + tip.precision;
+      met.back().place = corner_->place + (corner_->to_contact ? 1e-12 : -1e-12);
+    }
     if (doubtful(met.back())) return false;
   }
   user_points(problem, before, after, branch, met);
@@ -113,15 +121,18 @@ Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& 
   if (end == Verdict::reject) return Verdict::reject;
   BranchPoint point = problem.branch_point(after.u, branch.points.back().arclength + after.arclength - before.arclength);
   if (!point.multipliers.valid || skipped_something(branch.points.back(), point)) return Verdict::reject;
-  // One grazing at a time: a step across several is halved, down to where they cannot be told apart.
+  // One grazing at a time: a step across several is halved, down to where they cannot be told apart. Contacts that touch together
+  // (an orbit symmetric between two barriers) are one.
   const int change = std::abs(point.isolated_impacts - branch.points.back().isolated_impacts);
   // Orbits on both sides of a hard grazing are different families, even where the corrector finds its way across: never step over
   // one.
   if (change == 1 && hard_contacts_) return Verdict::reject;
-  if (change > 1 && after.arclength - before.arclength > 1e-7) return Verdict::reject;
+  const bool close = after.arclength - before.arclength <= 1e-7;
+  if (change > 1 && hard_contacts_ && !close) return Verdict::reject;
   if (returns_to_parent(branch, point)) return Verdict::stop;
   std::vector<MetPoint> met;
-  if (change == 1) met.push_back(locate_impact_change(problem, before, after, point, branch));
+  if (change == 1 || (change > 1 && !hard_contacts_)) met.push_back(locate_impact_change(problem, before, after, point, branch));
+  if (change > 1 && !close && met.back().point.status != PointStatus::converged) return Verdict::reject;
   if (!take(problem, before, after, std::move(point), std::move(met), branch)) return Verdict::reject;
   if (end) return *end;
   section_blocked_ = better_section(problem, after.u) != problem.equations().section_phase();
@@ -159,7 +170,8 @@ Verdict BranchFollower::monitor_signature(SignatureProblem& problem, const Curve
   if (branch.points.empty()) return monitor_beyond_grazing(problem, before, after, branch);
   const std::optional<Verdict> end = end_of_range(problem, before, after);
   if (end == Verdict::reject) return Verdict::reject;
-  if (problem.violation(after.u)) return reaches_grazing(problem, before, after, branch) ? Verdict::stop : Verdict::reject;
+  refused_ = problem.violation(after.u);
+  if (refused_) return reaches_grazing(problem, before, after, branch) ? Verdict::stop : Verdict::reject;
   BranchPoint point = problem.branch_point(after.u, branch.points.back().arclength + after.arclength - before.arclength);
   if (!point.multipliers.valid || skipped_something(branch.points.back(), point)) return Verdict::reject;
   if (returns_to_parent(branch, point)) return Verdict::stop;
@@ -181,29 +193,6 @@ bool BranchFollower::end_on_bound(BranchProblem& problem, Branch& branch) {
     return true;
   }
   return false;
-}
-
-double BranchFollower::better_section(OrbitProblem& problem, const Vector& u) const {
-  const double current = problem.equations().section_phase();
-  if (!hard_contacts_ || problem.equations().autonomous() ||
-      !problem.evaluate(u, {.sensitivity = Sensitivity::none, .keep_events = true}))
-    return current;
-  // Places of the events within a stretch, as fractions of it, from its start.
-  const Vector shortened = u.head(u.size() - 1);
-  const double length = problem.equations().duration(shortened) / problem.nodes();
-  std::vector<double> places;
-  for (int j = 0; j < problem.nodes(); ++j)
-    for (const EventRecord& event : problem.equations().stretch(j).events)
-      places.push_back((event.t - problem.equations().node_time(shortened, j)) / length);
-  if (places.empty()) return current;
-  std::sort(places.begin(), places.end());
-  const double room = std::min(places.front(), 1.0 - places.back());
-  constexpr double too_close = 0.02;
-  if (room > too_close) return current;
-  const Gap gap = widest_gap(places);
-  if (0.5 * gap.length < 2.0 * room) return current;
-  // One stretch is period / nodes forcing periods.
-  return std::fmod(current + gap.middle * problem.period() / problem.nodes(), 1.0);
 }
 
 Curve BranchFollower::follow_states(OrbitProblem& problem, const BranchStart& given, Branch& branch) {
@@ -246,7 +235,22 @@ Curve BranchFollower::follow_states(OrbitProblem& problem, const BranchStart& gi
       direction = plain;
       continue;
     }
-    if (curve.stop != TraceStop::monitor || !section_blocked_) break;
+    if (curve.stop == TraceStop::min_step && !hard_contacts_ && !branch.points.empty()) {
+      CurvePoint last = curve.points.back();
+      trace_options.initial_step = 1e-6;
+      if (around_corner(problem, branch, last)) {
+        start = last.u;
+        direction = last.tangent;
+        continue;
+      }
+      // States in a stiff contact are as steep as those at a hard one.
+      section_blocked_ = !clear_of_soft_;
+      clear_of_soft_ = true;
+      section_blocked_ = section_blocked_ && better_section(problem, last.u) != problem.equations().section_phase();
+      if (!section_blocked_) break;
+    } else if (curve.stop != TraceStop::monitor || !section_blocked_) {
+      break;
+    }
     start = curve.points.back().u;
     direction = curve.points.back().tangent;
     const double arclength = branch.points.back().arclength;
@@ -300,7 +304,7 @@ Curve BranchFollower::follow_signature(SignatureProblem& problem, const BranchSt
 }
 
 std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const BranchStart& start, Branch& branch) {
-  interrupted_ = returned_ = false;
+  interrupted_ = returned_ = clear_of_soft_ = false;
   fastest_ = 0.0;
   refused_.reset();
   grazing_.reset();
@@ -323,6 +327,9 @@ std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const Br
 std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const Curve& curve, Branch& branch, bool on_grazing) {
   TraceStop why = curve.stop;
   branch.time_carried = problem.time_carried();
+  // Orbits that were met between two grazings, the second of which could not be told, are kept.
+  if (branch.points.empty() && on_grazing && why == TraceStop::min_step && fastest_ >= weakest_told)
+    begin(problem, fastest_point_, branch);
   const bool nothing_beyond = branch.points.empty() && on_grazing && !curve.points.empty();
   if (branch.points.empty() && !curve.points.empty() && !on_grazing) begin(problem, curve.points.front().u, branch);
   if (branch.points.empty()) {
@@ -368,8 +375,10 @@ std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const C
   } else if (why == TraceStop::point_limit) {
     stop(BranchStop::point_limit, fmt::format("{} points were computed, the limit", branch.points.size()));
   } else {
+    const std::string reason =
+        refused_ ? "several contacts graze there so close together that they cannot be told apart" : curve.failure;
     stop(BranchStop::step_too_small, fmt::format("no point is found beyond {} = {:.12g} even with the smallest step ({})",
-                                                 branch.parameter, end.value, curve.failure));
+                                                 branch.parameter, problem.value(curve.points.back().u), reason));
     if (curve.first_failed) {
       BranchPoint failed;
       failed.value = problem.value(*curve.first_failed);

@@ -47,6 +47,7 @@ class BranchFollower {
   // The two ways of following, and what both do at each step.
   Curve follow_states(OrbitProblem& problem, const BranchStart& given, Branch& branch);
   Curve follow_signature(SignatureProblem& problem, const BranchStart& start, Branch& branch);
+  bool around_corner(OrbitProblem& problem, Branch& branch, CurvePoint& last);
   Verdict monitor_states(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
   Verdict monitor_signature(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
   Verdict monitor_beyond_grazing(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
@@ -82,6 +83,13 @@ class BranchFollower {
   // Of the branch being followed.
   Vector last_;  ///< unknowns of its last point
   bool interrupted_ = false, returned_ = false;
+  /// Next to the value and the place along the step where a stiff contact's grazing is a corner.
+  struct Corner {
+    double value, place;
+    bool to_contact;
+  };
+  bool clear_of_soft_ = false;    ///< nodes keep clear of soft contacts too
+  std::optional<Corner> corner_;  ///< set while a step goes around it
   bool section_blocked_ = false;  ///< an impact has come too close to a node
   std::optional<GrazingEnd> grazing_;
   // While a branch that starts on a grazing has no point yet:

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The special points of a branch being followed.
+// The special points of a branch being followed, and where its nodes lie.
 #include <graze/continuation/branch_follower.hpp>
+#include <graze/continuation/grazing_by_events.hpp>
+#include <graze/continuation/widest_gap.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +18,29 @@ double place_of(const ZeroProblem& zero, const CurvePoint& before, const Vector&
 }
 
 }  // namespace
+
+double BranchFollower::better_section(OrbitProblem& problem, const Vector& u) const {
+  const double current = problem.equations().section_phase();
+  if (!(hard_contacts_ || clear_of_soft_) || problem.equations().autonomous() ||
+      !problem.evaluate(u, {.sensitivity = Sensitivity::none, .keep_events = true}))
+    return current;
+  // Places of the events within a stretch, as fractions of it, from its start.
+  const Vector shortened = u.head(u.size() - 1);
+  const double length = problem.equations().duration(shortened) / problem.nodes();
+  std::vector<double> places;
+  for (int j = 0; j < problem.nodes(); ++j)
+    for (const EventRecord& event : problem.equations().stretch(j).events)
+      places.push_back((event.t - problem.equations().node_time(shortened, j)) / length);
+  if (places.empty()) return current;
+  std::sort(places.begin(), places.end());
+  const double room = std::min(places.front(), 1.0 - places.back());
+  constexpr double too_close = 0.02;
+  if (room > too_close) return current;
+  const Gap gap = widest_gap(places);
+  if (0.5 * gap.length < 2.0 * room) return current;
+  // One stretch is period / nodes forcing periods.
+  return std::fmod(current + gap.middle * problem.period() / problem.nodes(), 1.0);
+}
 
 Vector BranchFollower::at_value(BranchProblem& problem, Vector u, double value) const {
   u[u.size() - 1] = value;
@@ -165,6 +190,7 @@ MetPoint BranchFollower::locate_impact_change(OrbitProblem& problem, const Curve
                                               const BranchPoint& reached, const Branch& branch) const {
   const BranchPoint& last = branch.points.back();
   const bool lost = reached.impacts < last.impacts;
+  const int change = std::abs(reached.isolated_impacts - last.isolated_impacts);
   const Vector& with_impact = lost ? before.u : after.u;
   const double low = std::min(last.value, reached.value), high = std::max(last.value, reached.value), width = high - low;
   // A contact that reaches over a node is cut in two: then the nodes are moved.
@@ -174,16 +200,28 @@ MetPoint BranchFollower::locate_impact_change(OrbitProblem& problem, const Curve
     if (moving && problem.equations().autonomous()) break;
     std::optional<OrbitProblem> moved;
     if (moving) moved.emplace(problem.with_section(std::fmod(section + further, 1.0)));
-    const std::optional<Vector> u = moving ? problem.to_section(*moved, with_impact) : with_impact;
-    OrbitProblem& here = moving ? *moved : problem;
-    const std::optional<GrazingGuess> guess = u ? weakest_contact(here, *u) : std::nullopt;
-    if (!guess) continue;
-    const LocatedGrazing located = locate_grazing(here, *u, *guess);
+    std::optional<Vector> u = moving ? problem.to_section(*moved, with_impact) : with_impact;
+    // Contacts that touch together are left out one by one: on a stretch each, the others do not count before it.
+    if (change > 1 && u) {
+      OrbitProblem& coarse = moving ? *moved : problem;
+      OrbitProblem fine = coarse.with_nodes(4);
+      u = coarse.to_nodes(fine, *u);
+      moved.emplace(std::move(fine));
+    }
+    OrbitProblem& here = moved ? *moved : problem;
+    const std::vector<GrazingGuess> guesses = u ? weakest_contacts(here, *u, change) : std::vector<GrazingGuess>{};
+    if (guesses.empty()) continue;
+    const LocatedGrazing located = locate_grazing(here, *u, guesses.front());
     const double value = located.newton.converged() ? here.value(located.u) : 0.0;
     if (!located.newton.converged() || value < low - 0.01 * width || value > high + 0.01 * width) continue;
+    const auto apart = [&](const GrazingGuess& other) {
+      const LocatedGrazing found = locate_grazing(here, *u, other);
+      return !found.newton.converged() || std::abs(here.value(found.u) - value) > 1e-10 * (1.0 + std::abs(value));
+    };
+    if (std::any_of(guesses.begin() + 1, guesses.end(), apart)) continue;
     const Vector along =
         before.u + (value - before.u[before.u.size() - 1]) / (after.u - before.u)[before.u.size() - 1] * (after.u - before.u);
-    const Vector& place = moving ? along : located.u;
+    const Vector& place = moved ? along : located.u;
     return {place_of(problem.zero_problem(), before, place), place,
             grazing_point(located, last.impacts, reached.impacts, branch)};
   }
@@ -200,86 +238,6 @@ MetPoint BranchFollower::locate_impact_change(OrbitProblem& problem, const Curve
   const Vector middle = 0.5 * (before.u + after.u);
   return {place_of(problem.zero_problem(), before, middle), middle, std::move(point)};
 }
-
-namespace {
-
-/// The grazing of a hard contact that Newton finds from a guess at u, if it lies right there.
-std::optional<LocatedGrazing> hard_grazing_near(OrbitProblem& problem, const Vector& u, const GrazingGuess& guess) {
-  constexpr double near = 0.02;
-  LocatedGrazing located = locate_grazing(problem, u, guess);
-  if (!located.newton.converged() || located.scenario == GrazingScenario::smooth) return std::nullopt;
-  if (weighted_norm(problem.zero_problem().weights, located.u - u) > near) return std::nullopt;
-  return located;
-}
-
-/// Where the weak contact of event k of u lies in the stroboscopic equations.
-GrazingGuess guess_of_event(SignatureProblem& problem, const Vector& u, int k, OrbitProblem& states, const Vector& v) {
-  const SignatureEquations& equations = problem.equations();
-  const double duration = equations.duration(), length = duration / states.nodes();
-  const double section = states.equations().section_phase() * duration / equations.period();
-  const auto since_section = [&](int event) {
-    const double t = std::fmod(equations.time(u, event) - section, duration);
-    return t < 0.0 ? t + duration : t;
-  };
-  const double here = since_section(k);
-  GrazingGuess guess;
-  guess.event = equations.sequence()[static_cast<std::size_t>(k)];
-  guess.stretch = std::min(static_cast<int>(here / length), states.nodes() - 1);
-  double next = (guess.stretch + 1) * length;
-  for (int other = 0; other < equations.events(); ++other) {
-    const double t = since_section(other);
-    if (t < here && t >= guess.stretch * length) ++guess.events_before;
-    if (t > here) next = std::min(next, t);
-  }
-  const Vector shortened = v.head(v.size() - 1);
-  guess.t = states.equations().node_time(shortened, guess.stretch) + here - guess.stretch * length;
-  guess.t_resume = guess.t + std::min(0.5 * (next - here), 0.05 * length);
-  return guess;
-}
-
-/// From u on, the solution with event k at speed zero: Newton in the coordinates of the events.
-bool to_zero_speed(SignatureProblem& problem, Vector& u, int k) {
-  constexpr int most = 20;
-  const ZeroProblem zero = problem.zero_problem();
-  Vector residual;
-  Matrix jacobian;
-  double last = 0.1;  // a longer step has left for somewhere else
-  for (int iteration = 0; iteration < most; ++iteration) {
-    if (!zero.evaluate(u, residual, &jacobian)) return false;
-    Matrix A(u.size(), u.size());
-    A << jacobian, problem.speed_gradient(u, k).transpose();
-    Vector right(u.size());
-    right << -residual, -problem.speed(u, k);
-    const Vector step = A.partialPivLu().solve(right);
-    const double size = step.lpNorm<Eigen::Infinity>() / (1.0 + u.lpNorm<Eigen::Infinity>());
-    if (last < 1e-8 && !(size < 0.5 * last)) return true;
-    if (!(size < last)) return false;
-    u += step;
-    last = size;
-  }
-  return false;
-}
-
-/// The same grazing, found first in the coordinates of the events: other weak impacts make the states at fixed phases too steep
-/// for Newton to find it in those.
-std::optional<LocatedGrazing> hard_grazing_by_events(SignatureProblem& problem, const Vector& u, std::size_t parameter,
-                                                     const SignatureEquations::Violation& beyond) {
-  if (!beyond.lost && !beyond.met) return std::nullopt;
-  EventNodes nodes = problem.unpack(u);
-  int touching = beyond.event;
-  if (!beyond.lost) touching = static_cast<int>(nodes.insert(beyond.met->event, beyond.met->t, beyond.met->x_minus));
-  const SignatureEquations& equations = problem.equations();
-  const Event& contact = equations.system().events[nodes.sequence[static_cast<std::size_t>(touching)]];
-  if (contact.to != contact.from) return std::nullopt;
-  SignatureProblem with_touch(equations.system(), equations.parameters(), equations.period(), nodes.sequence, parameter, 1.0,
-                              problem.flow_options());
-  Vector at = with_touch.pack(nodes, problem.value(u)), v;
-  if (!to_zero_speed(with_touch, at, touching)) return std::nullopt;
-  OrbitProblem& states = with_touch.stroboscopic(at, v);
-  return hard_grazing_near(states, v, guess_of_event(with_touch, at, touching, states, v));
-}
-
-}  // namespace
 
 bool BranchFollower::reaches_grazing(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch) {
   const ZeroProblem zero = problem.zero_problem();
@@ -325,21 +283,68 @@ bool BranchFollower::reaches_grazing(SignatureProblem& problem, const CurvePoint
   if (kept > 0.0 && last.tangent.size() > 0) point = problem.branch_point(last.u, branch.points.back().arclength + kept * length);
   hi = 1.0;
   if (!close_in(0.0)) return false;
-  Vector u;
-  OrbitProblem& states = problem.stroboscopic(good, u);
-  const std::optional<GrazingGuess> guess =
-      beyond->lost ? guess_of_event(problem, good, beyond->event, states, u) : nearest_miss(states, u);
+  const std::size_t parameter = parameter_index(system_.parameters, options_.parameter);
+  int slow = 0;  // impacts about to be lost
+  for (int k = 0; beyond->lost && k < problem.equations().events(); ++k) slow += problem.speed(good, k) < weakest_kept ? 1 : 0;
   std::optional<LocatedGrazing> located;
-  if (guess) located = hard_grazing_near(states, u, *guess);
-  if (!located) located = hard_grazing_by_events(problem, good, parameter_index(system_.parameters, options_.parameter), *beyond);
+  if (slow < 2) located = grazing_by_states(problem, good, *beyond);
+  if (!located) located = grazing_by_events(problem, good, parameter, *beyond);
+  if (!located && slow > 1) located = grazing_by_states(problem, good, *beyond);
   if (!located) return false;
   // What lies before the grazing on this step is taken up; the grazing's own multipliers are singular.
   if (point.multipliers.valid && !take(problem, before, last, std::move(point), {}, branch)) return false;
   const int impacts = branch.points.back().impacts;
-  branch.special_points.push_back(grazing_point(*located, impacts, impacts + (beyond->lost ? -1 : 1), branch));
+  branch.special_points.push_back(grazing_point(*located, impacts, impacts + (beyond->lost ? -located->touches : 1), branch));
   after = std::move(last);
   grazing_ = GrazingEnd{std::move(*located), beyond->lost};
   return true;
+}
+
+/// The grazing of a stiff contact is a corner of the branch, narrower than steps can be (like the stiffness to the power -2). The
+/// branch goes on beyond it as that of a hard contact would: `last`, its end, is moved there. False where there is no corner.
+bool BranchFollower::around_corner(OrbitProblem& problem, Branch& branch, CurvePoint& last) {
+  constexpr double near = 1e-4;
+  const ZeroProblem zero = problem.zero_problem();
+  const BranchPoint& end = branch.points.back();
+  for (const bool weakest : {true, false}) {
+    const std::optional<GrazingGuess> guess = weakest ? weakest_contact(problem, last.u) : nearest_miss(problem, last.u);
+    if (!guess) continue;
+    const LocatedGrazing located = locate_grazing(problem, last.u, *guess);
+    if (!located.newton.converged() || located.scenario != GrazingScenario::smooth ||
+        weighted_norm(zero.weights, located.u - last.u) > near)
+      continue;
+    // The grazing may have been passed, and the tip of the corner lie beyond it.
+    const double value = problem.value(located.u);
+    const SpecialPoint& met_last = branch.special_points.back();
+    const bool passed = met_last.type == PointType::GR && std::abs(met_last.value - value) < 1e-9 * (1.0 + std::abs(value));
+    const bool to_contact = passed ? std::get<std::string>(met_last.details.at("kind")) == "gained" : !weakest;
+    const int impacts = end.isolated_impacts + (passed ? 0 : to_contact ? 1 : -1);
+    for (const double speed : {1e-3, 3e-3, 1e-2, 3e-4, 3e-2}) {
+      // With contact: at that speed, as that of a hard contact. Without: as far from the grazing.
+      const double height = speed * speed / (2.0 * -located.curvature), side = located.top_dp > 0.0 ? -1.0 : 1.0;
+      const double change = to_contact ? (located.response * speed + height) / located.top_dp : side * speed;
+      Vector away = change * located.family_dp;
+      if (to_contact) away += speed * located.impulse;
+      CurvePoint next;
+      next.u = located.u + away;
+      if (!away.allFinite() || !correct(zero, problem.parameter_direction(), next.u, options_.trace).converged()) continue;
+      if (weighted_norm(zero.weights, next.u - located.u - away) > 0.5 * weighted_norm(zero.weights, away)) continue;
+      next.tangent = tangent_at(zero, next.u, next.u - located.u);
+      next.arclength = last.arclength + weighted_norm(zero.weights, next.u - last.u);
+      BranchPoint point = problem.branch_point(next.u, end.arclength + next.arclength - last.arclength);
+      if (next.tangent.size() == 0 || !point.multipliers.valid || point.isolated_impacts != impacts) continue;
+      std::vector<MetPoint> met;
+      if (!passed)
+        met.push_back({place_of(zero, last, located.u), located.u, grazing_point(located, end.impacts, point.impacts, branch)});
+      corner_ = Corner{value, place_of(zero, last, located.u), to_contact};
+      const bool taken = take(problem, last, next, std::move(point), std::move(met), branch);
+      corner_.reset();
+      if (!taken) continue;
+      last = std::move(next);
+      return true;
+    }
+  }
+  return false;
 }
 
 std::optional<GrazingEnd> BranchFollower::broken_off_at_grazing(OrbitProblem& problem, Branch& branch) {

@@ -4,6 +4,7 @@
 #include <graze/continuation/branch_end.hpp>
 #include <graze/continuation/branch_switching.hpp>
 #include <graze/continuation/branch_task.hpp>
+#include <graze/continuation/grazing_turns.hpp>
 #include <graze/continuation/labels.hpp>
 
 #include <fmt/format.h>
@@ -22,7 +23,6 @@ namespace {
 
 /// Branches followed before what they brought is taken up. Fixed, so that the result does not depend on the number of threads.
 constexpr std::size_t round_size = 4;
-
 using Origin = BranchOrigin;
 using Task = BranchTask;
 using Outcome = BranchOutcome;
@@ -73,7 +73,8 @@ class Graph {
       for (std::size_t k = 0; k < round.size(); ++k) {
         const bool full = static_cast<int>(graph_.branches.size()) >= options_.max_branches;
         if (!outcomes[k].nothing.empty() && !cancelled()) {
-          if (outcomes[k].none) set_scenario_none(graph_.branches[round[k].parent], outcomes[k].nothing);
+          if (round[k].origin == Origin::beyond_grazing)
+            set_scenario_alone(graph_.branches[round[k].parent], outcomes[k].nothing, outcomes[k].none);
           cut_off(round[k], std::move(outcomes[k].nothing));
         } else if (outcomes[k].branch && !full) {
           accept(round[k], std::move(outcomes[k]));
@@ -91,11 +92,11 @@ class Graph {
  private:
   bool cancelled() const { return options_.cancelled && options_.cancelled(); }
 
-  void cut_off(const Task& task, std::string reason) {
+  void cut_off(const Task& task, std::string reason, int families = 0) {
     if (task.origin == Origin::seed) return graph_.cut_off.push_back({0, "seed", std::move(reason)});
     const Branch& parent = graph_.branches[task.parent];
     if (task.origin == Origin::multiple) reason = "families of several times its period: " + reason;
-    CutOff entry{parent.id, parent.special_points[task.special].label, std::move(reason)};
+    CutOff entry{parent.id, parent.special_points[task.special].label, std::move(reason), families};
     const auto same = [&](const CutOff& other) { return other.label == entry.label && other.reason == entry.reason; };
     if (std::none_of(graph_.cut_off.begin(), graph_.cut_off.end(), same)) graph_.cut_off.push_back(std::move(entry));
   }
@@ -114,14 +115,9 @@ class Graph {
     const SpecialPoint& point = branch.special_points.back();
     const Branch* beyond = child_at(branch);
     bool begins = true;
-    if (!beyond && ends_[index]) {
-      GrazingEnd end = *ends_[index];
-      const GrazingEdge partner = partner_edge(point, end.grazing, end.lost);
-      for (const KnownEdge& known : edges_) {
-        if (known.branch == index || !same_edge(known.edge, partner)) continue;
-        beyond = &graph_.branches[known.branch];
-        begins = known.begins;
-      }
+    if (const KnownEdge* edge = !beyond && ends_[index] ? edge_beyond(edges_, index, point, *ends_[index]) : nullptr) {
+      beyond = &graph_.branches[edge->branch];
+      begins = edge->begins;
     }
     if (!beyond) return;
     set_scenario(branch, [&](SpecialPoint& grazing) { confirm_scenario(grazing, branch, *beyond, begins); });
@@ -196,11 +192,9 @@ class Graph {
       out.ends = edge_at(branch.special_points.back(), branch.special_points.back().orbit, branch.points.back().impacts);
     if (branch.stop == BranchStop::returned && branch.period % 2 == 0 && options_.follow_parents)
       out.half = half_of(system_, branch, options_);
-    if (out.begins && branch.stop == BranchStop::start_failed) {
-      out.nothing = branch.message;
-    } else {
-      out.branch = std::move(branch);
-    }
+    const bool nothing = out.begins && branch.stop == BranchStop::start_failed;
+    if (nothing) out.nothing = branch.message;
+    if (!nothing) out.branch = std::move(branch);
   }
 
   Outcome follow_seed(const Task& task, int provisional_id) const {
@@ -252,7 +246,7 @@ class Graph {
     if (is_known(partner)) return out;
     OrbitProblem problem = problem_at(at_grazing);
     const std::optional<BranchStart> start = partner_start(problem, end.grazing, end.lost, options_.trace);
-    out.none = true;
+    out.none = leads_away(system_, end.grazing.event);
     if (!start) out.nothing = "no orbit was found beyond the grazing";
     if (!start || problem.value(start->u) < low_ || problem.value(start->u) > high_) return out;
     out.begins = partner;
@@ -340,6 +334,8 @@ class Graph {
       tasks_.push_back(beyond);
       add_multiples(beyond);
     }
+    if (branch.stop == BranchStop::step_too_small)
+      cut_off({Origin::doubled, {}, 1, index, branch.special_points.size() - 1}, branch.message);
     if (half) add_seed({*half}, generation);
     for (std::size_t s = 0; s < branch.special_points.size(); ++s) {
       if (branch.special_points[s].type != PointType::PD || generation >= options_.switch_generations) continue;
@@ -359,16 +355,20 @@ class Graph {
     task.origin = Origin::multiple;
     if (!ends_[beyond.parent]) return cut_off(task, "the grazing was not found again");
     GrazingEnd end = *ends_[beyond.parent];
-    const SpecialPoint& point = graph_.branches[beyond.parent].special_points[beyond.special];
-    const GrazingEdge touching = touching_edge(point, end.grazing, end.lost);
+    PeriodicOrbit orbit;
+    const GrazingEdge touching =
+        touching_edge(graph_.branches[beyond.parent].special_points[beyond.special], end.grazing, end.lost, &orbit);
     // Several branches may end there.
     if (std::any_of(spread_.begin(), spread_.end(), [&](const GrazingEdge& done) { return same_edge(done, touching); })) return;
     spread_.push_back(touching);
-    const int longest = options_.max_period > 0 ? options_.max_period / touching.period : options_.max_multiple;
-    for (const TurnPattern pattern : patterns_up_to(std::min(longest, options_.max_multiple), end.lost)) {
+    const int most = options_.max_multiple;
+    const int longest = options_.max_period > 0 ? std::min(most, options_.max_period / touching.period) : most;
+    for (const TurnPattern pattern : patterns_up_to(longest, end.lost)) {
       task.pattern = pattern;
       multiple_tasks_.push_back(task);
     }
+    if (const int others = families_not_followed(end.grazing, static_cast<int>(orbit.nodes.size()), longest); others > 0)
+      cut_off(task, others_text(others, longest), others);
   }
 
   const HybridSystem& system_;

@@ -4,8 +4,9 @@
 // From its seeds everything is followed that hangs together with them: doubled branches (and back from a doubled branch to the
 // one it was born on), and the orbits beyond a grazing of a hard contact. These are the orbits with one impact more or less, and
 // up to max_multiple the families of m times their period that are born there: with the weak impact once in m turns, or in all
-// but one of them. (Others, with the impact in some of the turns, are not started.) A family of orbits is kept once, whichever
-// way it was reached: a new branch is compared with those already there, orbit by orbit and up to a shift in time.
+// but one of them. (Others, with the impact in some of the turns, are counted and listed as not followed.) A family of orbits is
+// kept once, whichever way it was reached: a new branch is compared with those already there, orbit by orbit and up to a shift in
+// time.
 //
 // Work is done in rounds of a fixed size, and what a round brings is taken up in order: the result does not depend on the number
 // of threads.
@@ -27,6 +28,7 @@ struct CutOff {
   int branch = 0;
   std::string label;
   std::string reason;
+  int families = 0;  ///< how many families begin there, where that is known
 };
 
 struct BranchGraph {

@@ -96,7 +96,6 @@ std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGra
     const double value = problem.value(grazing.u);
     SignatureStart single = start_with(problem, grazing.orbit, nodes, value, added);
     if (lost) single.start.orientation = side * single.problem.parameter_direction();
-    constexpr int most_together = 8;
     auto violation = lost ? std::nullopt : violated_at_once(single, options);
     while (violation && !violation->lost && violation->met && static_cast<int>(added.size()) < most_together) {
       const EventRecord& met = *violation->met;
@@ -191,10 +190,11 @@ void confirm_scenario(SpecialPoint& grazing, const Branch& ended, const Branch& 
   const std::string parity = name((beyond_one(*before) + beyond_one(*after)) % 2 == 0);
   const std::string response = std::get<std::string>(grazing.details.at("scenario"));
   auto& impacts = std::get<std::vector<double>>(grazing.details.at("impacts"));
-  const bool several = std::get<std::string>(grazing.details.at("kind")) == "gained" && after->impacts != impacts.back();
+  const bool gained = std::get<std::string>(grazing.details.at("kind")) == "gained";
+  const bool several = gained ? after->impacts != impacts.back() : impacts.front() - impacts.back() > 1.0;
   std::string from = "directions, multipliers and linear response";
   if (several) {  // the linear response is that to one impact alone
-    impacts.back() = after->impacts;
+    if (gained) impacts.back() = after->impacts;
     grazing.details.insert_or_assign("scenario", sides);
     from = "directions; several contacts touch together";
   } else if (response != name(true) && response != name(false)) {

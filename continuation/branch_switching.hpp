@@ -23,6 +23,9 @@ struct BranchStart {
 std::optional<BranchStart> doubled_start(const SpecialPoint& pd, OrbitProblem& parent, OrbitProblem& doubled,
                                          const TraceOptions& options);
 
+/// Contacts that may touch together.
+inline constexpr int most_together = 8;
+
 /// At the grazing of a hard contact: the orbits without the impact that was lost, or with the one that was gained, on the side of
 /// the grazing on which they exist. Where these meet a barrier elsewhere at once, other contacts graze too (the orbit is
 /// symmetric between two barriers): then the orbits with all of these impacts, if they are admissible.

@@ -58,6 +58,12 @@ void find_retraces(const HybridSystem& system, const Branch& branch, const auto&
   for (std::size_t sample = 1; sample < samples; ++sample) {
     const std::size_t k = size * sample / samples;
     if (k < apart + 2) continue;
+    // Next to a fold the two sides of it cannot be told from each other.
+    const double value = branch.points[k].value;
+    const auto turns = [&](const SpecialPoint& special) {
+      return special.type == PointType::LP && std::abs(special.value - value) < 1e-6 * (1.0 + std::abs(value));
+    };
+    if (std::any_of(branch.special_points.begin(), branch.special_points.end(), turns)) continue;
     Branch earlier;
     earlier.period = branch.period;
     earlier.parameter = branch.parameter;

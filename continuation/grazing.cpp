@@ -56,23 +56,28 @@ void analyse(OrbitProblem& problem, const GrazingGuess& guess, const GuardAndRat
   located.family_dp.resize(size + 1);
   located.family_dp << u_dp, 1.0;
   located.top_dp = at.h_dx.dot(touch.Phi * u_dp.segment(j * n, n) + equations.fixed_time_dp(j, touch.Phi, touch.Psi)) + at.h_dp;
-  if (event.continuous) {
-    located.scenario = GrazingScenario::smooth;
-    return;
-  }
   // The reset changes a state that arrives with unit normal speed by (D_x g - I) w, where w is the direction of that speed.
+  // A soft contact is taken as the hard one that it becomes with its stiffness, which gives the speed back.
   Matrix reset_dx = Matrix::Identity(n, n);
-  if (event.reset.map) event.reset.dx(touch.t, touch.x, equations.parameters(), reset_dx);
+  if (!event.continuous && event.reset.map) event.reset.dx(touch.t, touch.x, equations.parameters(), reset_dx);
   const Vector w = at.rate_dx / at.rate_dx.squaredNorm();
-  const Vector kick = reset_dx * w - w;
+  const Vector kick = event.continuous ? Vector(-2.0 * w) : Vector(reset_dx * w - w);
   // Applied at the touch it arrives at the end of the stretch as the rest of the stretch's map carries it.
   const Matrix rest = touch.Phi.transpose().partialPivLu().solve(equations.stretch(j).Phi.transpose()).transpose();
+  located.gradient = at.h_dx;
+  located.kick = kick;
+  located.round = {rest};
+  for (int k = 1; k < problem.nodes(); ++k) located.round.push_back(equations.stretch((j + k) % problem.nodes()).Phi);
+  located.round.push_back(touch.Phi);
+  if (event.continuous) located.scenario = GrazingScenario::smooth;
+  if (located.touches > 1) return;  // what follows is the response to one impact alone
   Vector right = Vector::Zero(size);
   right.segment(j * n, n) = -rest * kick;
   const Vector response = states.solve(right);
   located.impulse.resize(size + 1);
   located.impulse << response, 0.0;
   located.response = -at.h_dx.dot(touch.Phi * response.segment(j * n, n));
+  if (event.continuous) return;
   if (std::isfinite(located.response) && located.response != 0.0)
     located.scenario = located.response > 0.0 ? GrazingScenario::persistence : GrazingScenario::nonsmooth_fold;
 }
@@ -91,19 +96,26 @@ std::string_view grazing_scenario_name(GrazingScenario scenario) {
     return "nonsmooth-fold";
   case GrazingScenario::none:
     return "none";
+  case GrazingScenario::undecided:
+    return "undecided";
   }
   return "unknown";
 }
 
 std::optional<GrazingGuess> weakest_contact(OrbitProblem& problem, const Vector& u) {
-  if (!problem.evaluate(u, {.sensitivity = Sensitivity::none, .keep_events = true})) return std::nullopt;
+  const std::vector<GrazingGuess> weakest = weakest_contacts(problem, u, 1);
+  return weakest.empty() ? std::nullopt : std::optional(weakest.front());
+}
+
+std::vector<GrazingGuess> weakest_contacts(OrbitProblem& problem, const Vector& u, int count) {
+  std::vector<GrazingGuess> list;
+  if (!problem.evaluate(u, {.sensitivity = Sensitivity::none, .keep_events = true})) return list;
   const HybridSystem& system = problem.system();
   const ShootingEquations& equations = problem.equations();
-  std::optional<GrazingGuess> best;
   for (int j = 0; j < problem.nodes(); ++j) {
     const std::vector<EventRecord>& events = equations.stretch(j).events;
     for (std::size_t k = 0; k < events.size(); ++k) {
-      if (!begins_contact(events[k].kind) || (best && events[k].normal_speed >= best->speed)) continue;
+      if (!begins_contact(events[k].kind)) continue;
       GrazingGuess guess;
       guess.event = events[k].event;
       guess.stretch = j;
@@ -117,22 +129,32 @@ std::optional<GrazingGuess> weakest_contact(OrbitProblem& problem, const Vector&
       const double next = after < events.size() ? events[after].t : equations.node_time(u.head(u.size() - 1), j) + length;
       guess.t = 0.5 * (events[k].t + left);
       guess.t_resume = left + std::min(0.5 * (next - left), 0.05 * length);
-      best = guess;
+      list.push_back(guess);
     }
   }
-  return best;
+  std::stable_sort(list.begin(), list.end(), [](const GrazingGuess& a, const GrazingGuess& b) { return a.speed < b.speed; });
+  list.resize(std::min(list.size(), static_cast<std::size_t>(count)));
+  return list;
 }
 
 std::optional<GrazingGuess> nearest_miss(OrbitProblem& problem, const Vector& u) {
+  const std::vector<GrazingGuess> misses = near_misses(problem, u, std::numeric_limits<double>::infinity());
+  return misses.empty() ? std::nullopt : std::optional(misses.front());
+}
+
+std::vector<GrazingGuess> near_misses(OrbitProblem& problem, const Vector& u, double within) {
   constexpr int samples = 400;
-  if (!problem.evaluate(u, {.sensitivity = Sensitivity::none, .keep_events = true})) return std::nullopt;
+  std::vector<GrazingGuess> list;
+  if (!problem.evaluate(u, {.sensitivity = Sensitivity::none, .keep_events = true})) return list;
   const HybridSystem& system = problem.system();
   ShootingEquations& equations = problem.equations();
   Propagator& propagator = equations.propagator();
   const Vector shortened = u.head(u.size() - 1);
   const double length = equations.duration(shortened) / problem.nodes();
-  std::optional<GrazingGuess> best;
-  double best_gap = std::numeric_limits<double>::infinity();
+  const auto sorted = [&] {
+    std::stable_sort(list.begin(), list.end(), [](const GrazingGuess& a, const GrazingGuess& b) { return a.gap < b.gap; });
+    return list;
+  };
   for (int j = 0; j < problem.nodes(); ++j) {
     const double start = equations.node_time(shortened, j);
     HybridState state = propagator.start(start, equations.node(shortened, j));
@@ -142,7 +164,7 @@ std::optional<GrazingGuess> nearest_miss(OrbitProblem& problem, const Vector& u)
       const double t = start + length * i / samples;
       for (StepEnd end = StepEnd::event; end == StepEnd::event;) {
         end = propagator.step(state, t);
-        if (end == StepEnd::failed) return best;
+        if (end == StepEnd::failed) return sorted();
         if (end == StepEnd::event) {
           ++events;
           std::fill(before.begin(), before.end(), -std::numeric_limits<double>::infinity());
@@ -153,21 +175,25 @@ std::optional<GrazingGuess> nearest_miss(OrbitProblem& problem, const Vector& u)
         const Event& event = system.events[e];
         if (!begins_contact(event.kind) || event.from != state.mode) continue;
         const double h = event.guard.value(state.t, state.x, propagator.parameters());
-        if (std::isfinite(before[e]) && last[e] >= before[e] && last[e] >= h && -last[e] < best_gap) {
-          best_gap = -last[e];
+        if (std::isfinite(before[e]) && last[e] >= before[e] && last[e] >= h) {
+          // The parabola through the three samples.
+          const double bend = before[e] - 2.0 * last[e] + h, slope = 0.5 * (h - before[e]);
+          const double aside = bend < 0.0 ? -slope / bend : 0.0, gap = -(last[e] + 0.5 * slope * aside);
           const double top = t - length / samples;
-          best = GrazingGuess{e, j, events, top, top + 0.02 * length, 0.0};
+          if (gap < within) list.push_back({e, j, events, top, top + 0.02 * length, 0.0, gap});
         }
         before[e] = last[e];
         last[e] = h;
       }
     }
   }
-  return best;
+  return sorted();
 }
 
-LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const GrazingGuess& guess) {
+LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const GrazingGuess& guess,
+                              const std::vector<GrazingGuess>& together) {
   LocatedGrazing located;
+  located.touches = 1 + static_cast<int>(together.size());
   located.u = start;
   located.event = guess.event;
   const HybridSystem& system = problem.system();
@@ -178,6 +204,7 @@ LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const 
   double t = guess.t;
   const double resume_after = guess.t_resume - guess.t;
   const auto leave_out = [&] { equations.leave_out(j, {guess.events_before, t, t + resume_after}); };
+  for (const GrazingGuess& other : together) equations.leave_out(other.stretch, {other.events_before, other.t, other.t_resume});
   Vector residual;
   Matrix jacobian;
   double last_step = std::numeric_limits<double>::infinity();

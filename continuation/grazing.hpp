@@ -10,6 +10,7 @@
 
 #include <optional>
 #include <string_view>
+#include <vector>
 
 namespace graze {
 
@@ -21,32 +22,53 @@ struct GrazingGuess {
   double t = 0.0;                 ///< in the stretch's own time
   double t_resume = 0.0;          ///< guards are watched again from here
   double speed = 0.0;             ///< of the weak contact; 0 where it is a near miss
+  double gap = 0.0;               ///< of the near miss, sampled; 0 where it is a contact
 };
 
 /// The weakest contact of the orbit at u, as a guess; empty if there is none.
 std::optional<GrazingGuess> weakest_contact(OrbitProblem& problem, const Vector& u);
 
+/// The `count` weakest contacts of the orbit at u, the weakest first; fewer if it has no more.
+std::vector<GrazingGuess> weakest_contacts(OrbitProblem& problem, const Vector& u, int count);
+
 /// The free maximum of a guard that comes nearest to it from below, as a guess; empty if there is none.
 std::optional<GrazingGuess> nearest_miss(OrbitProblem& problem, const Vector& u);
+
+/// All free maxima of a guard that come closer to it than `within`, the nearest first.
+std::vector<GrazingGuess> near_misses(OrbitProblem& problem, const Vector& u, double within);
 
 /// What lies beyond the grazing of a hard contact (Nordmark, J. Sound Vib. 145 (1991) 279; di Bernardo et al. 2008, ch. 7). To
 /// first order in its speed v an orbit with the weak impact exists where the free maximum of the guard, continued as if nothing
 /// were there, would be h_top = response v: beyond the barrier (response > 0: persistence, the impacting orbit takes over) or
 /// short of it (response < 0: nonsmooth fold, the two annihilate). For one impact per n periods of a linear oscillator its sign
-/// is that of sin(sqrt(1 - b^2) n T). Where the response is neither 0 nor infinite there is always such an orbit, and it is
-/// admissible near the grazing: after the weak impact it leaves the barrier (curvature < 0), and all other impacts and maxima are
-/// as good as those of the grazing orbit. Where several contacts touch at once (an orbit symmetric between two barriers) the
-/// speeds v >= 0 solve a linear complementarity problem, R v >= h_top with equality where v > 0. The numbers of its solutions on
-/// both sides of the grazing are both even or both odd, and the orbit without any impact is one of them: then too another family
-/// begins, with one of the impacts or with several. `none`, no admissible orbit beyond the grazing, is left for contacts after
-/// which the motion does not return, and for degenerate ones (R singular, curvature 0).
-enum class GrazingScenario { unknown, smooth, persistence, nonsmooth_fold, none };
+/// is that of sin(sqrt(1 - b^2) n T).
+///
+/// One of the two always happens at a nondegenerate grazing: with the weak impact's speed as unknown the equations of the orbit
+/// are smooth through v = 0 (Ghosh & Simpson, arXiv 2510.16218; Simpson & Ghosh, arXiv 2602.22797, use it in the same way), and
+/// where det(I - M) is not 0 (M: monodromy without that contact), d h_top / d parameter not 0 and the response neither 0 nor
+/// infinite, the implicit function theorem gives one solution for every small v of either sign, on a curve whose parameter moves
+/// with v at a rate that is not 0: those with v > 0 lie on one side. They are admissible near the grazing: after the weak impact
+/// the motion leaves the barrier (curvature < 0), other impacts keep their speeds and other maxima their distance, both positive
+/// at the grazing. How near is another matter: as near as the smallest of these speeds and distances over their own responses,
+/// which grow with the multipliers. The third outcome of border collisions, neither orbit on one side, needs both on the other:
+/// that is the nonsmooth fold.
+///
+/// Where several contacts touch at once (an orbit symmetric between two barriers) the speeds v >= 0 solve a linear
+/// complementarity problem, R v >= h_top with equality where v > 0. The numbers of its solutions on both sides of the grazing are
+/// both even or both odd, and the orbit without any impact is one of them: then too another family begins, with one of the
+/// impacts or with several.
+///
+/// `none`, no admissible orbit beyond the grazing, is kept for contacts after which the motion does not return (they lead to
+/// another mode); `undecided` for degenerate grazings (response 0 or infinite) and those of orbits that stick, where no partner
+/// was found.
+enum class GrazingScenario { unknown, smooth, persistence, nonsmooth_fold, none, undecided };
 std::string_view grazing_scenario_name(GrazingScenario scenario);
 
 struct LocatedGrazing {
   NewtonReport newton;
   Vector u;
   std::size_t event = 0;   ///< whose guard is touched
+  int touches = 1;         ///< contacts that touch together, all of them left out
   double t = 0.0;          ///< of the touch, from phase 0 of the orbit
   Vector touch;            ///< the state there
   double precision = 0.0;  ///< estimated error of the parameter's value
@@ -57,8 +79,15 @@ struct LocatedGrazing {
   double top_dp = 0.0;    ///< d(h_top)/d(parameter) along them
   double response = 0.0;  ///< h_top per unit of impact speed at which the orbit with the impact exists
   Vector impulse;         ///< change of u (at fixed parameter) per unit of impact speed
+  /// Of a hard contact: transition matrices from the touch to the end of its stretch, of the stretches that follow, and of the
+  /// last one up to the touch; the guard's gradient there, and the change of state by an impact per unit of its speed.
+  std::vector<Matrix> round;
+  Vector gradient, kick;
 };
 
-LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& u, const GrazingGuess& guess);
+/// `together`: contacts on other stretches that touch with this one (an orbit symmetric between two barriers) and are left out
+/// too. The linear response is that to one impact alone: with them the scenario stays unknown.
+LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& u, const GrazingGuess& guess,
+                              const std::vector<GrazingGuess>& together = {});
 
 }  // namespace graze

@@ -48,6 +48,30 @@ std::optional<Vector> OrbitProblem::to_section(OrbitProblem& other, const Vector
   return moved;
 }
 
+OrbitProblem OrbitProblem::with_nodes(int times) const {
+  return {system(), p_, period(), times * nodes(), parameter_, scale_, equations_.options(), equations_.section_phase()};
+}
+
+std::optional<Vector> OrbitProblem::to_nodes(OrbitProblem& finer, const Vector& u) {
+  const int times = finer.nodes() / nodes();
+  if (!evaluate(u, {.sensitivity = Sensitivity::none})) return std::nullopt;
+  const Vector shortened = u.head(u.size() - 1);
+  const double length = equations_.duration(shortened) / finer.nodes();
+  std::vector<Vector> nodes_there;
+  Transition transition;
+  for (int j = 0; j < nodes(); ++j) {
+    nodes_there.push_back(equations_.node(shortened, j));
+    for (int k = 1; k < times; ++k) {
+      const double start = equations_.node_time(shortened, j);
+      carry(equations_.propagator(), start, start + k * length, nodes_there[static_cast<std::size_t>(j * times)],
+            {.sensitivity = Sensitivity::none}, transition);
+      if (transition.termination != Termination::time) return std::nullopt;
+      nodes_there.push_back(transition.x1);
+    }
+  }
+  return finer.pack(nodes_there, equations_.duration(shortened), value(u));
+}
+
 Vector OrbitProblem::pack(const std::vector<Vector>& nodes, double duration, double value) const {
   if (static_cast<int>(nodes.size()) != this->nodes())
     throw std::invalid_argument(fmt::format("{} nodes were given; these equations have {}", nodes.size(), this->nodes()));

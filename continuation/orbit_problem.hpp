@@ -22,6 +22,10 @@ class OrbitProblem : public BranchProblem {
   OrbitProblem with_section(double section_phase) const;
   std::optional<Vector> to_section(OrbitProblem& other, const Vector& u);
 
+  /// The same problem with `times` as many nodes, and an orbit of this one in those.
+  OrbitProblem with_nodes(int times) const;
+  std::optional<Vector> to_nodes(OrbitProblem& finer, const Vector& u);
+
   Eigen::Index unknowns() const override { return equations_.unknowns() + 1; }
   int period() const { return equations_.period(); }
   int nodes() const { return equations_.nodes(); }

@@ -142,14 +142,20 @@ std::vector<Vector> SignatureProblem::states_at(const Vector& u, const std::vect
 
 OrbitProblem& SignatureProblem::stroboscopic(const Vector& u, Vector& out) {
   set_value(u);
-  const int n = equations_.period();
-  const double T = equations_.duration() / n, section = clear_section(u);
   if (stroboscopic_) carried_elsewhere_ += stroboscopic_->time_carried();
-  stroboscopic_ = std::make_unique<OrbitProblem>(equations_.system(), p_, n, n, parameter_, scale_, options_, section);
-  std::vector<double> times(static_cast<std::size_t>(n));
-  for (int j = 0; j < n; ++j) times[static_cast<std::size_t>(j)] = (section + j) * T;
-  out = stroboscopic_->pack(states_at(u, times), equations_.duration(), value(u));
+  stroboscopic_ = std::make_unique<OrbitProblem>(in_states(u, 1, clear_section(u), out));
   return *stroboscopic_;
+}
+
+OrbitProblem SignatureProblem::in_states(const Vector& u, int per_period, double section, Vector& out) {
+  set_value(u);
+  const int n = equations_.period(), nodes = n * per_period;
+  const double T = equations_.duration() / n;
+  OrbitProblem problem(equations_.system(), p_, n, nodes, parameter_, scale_, options_, section);
+  std::vector<double> times(static_cast<std::size_t>(nodes));
+  for (int j = 0; j < nodes; ++j) times[static_cast<std::size_t>(j)] = (section + static_cast<double>(j) / per_period) * T;
+  out = problem.pack(states_at(u, times), equations_.duration(), value(u));
+  return problem;
 }
 
 double SignatureProblem::time_carried() const {

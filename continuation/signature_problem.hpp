@@ -35,6 +35,8 @@ class SignatureProblem : public BranchProblem {
   BranchPoint branch_point(const Vector& u, double arclength) override;
   PeriodicOrbit orbit(const Vector& u, NewtonReport report) override;
   OrbitProblem& stroboscopic(const Vector& u, Vector& out) override;
+  /// The orbit at u in states at other phases: `per_period` to the forcing period, from `section` on (see ShootingEquations).
+  OrbitProblem in_states(const Vector& u, int per_period, double section, Vector& out);
   double time_carried() const override;
 
   Vector pack(const EventNodes& nodes, double value) const;

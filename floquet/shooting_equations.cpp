@@ -55,7 +55,7 @@ bool ShootingEquations::evaluate(const Vector& u, const TransitionOptions& optio
     const Vector x0 = node(u, j);
     Transition& transition = stretches_[index];
     TransitionOptions own = options;
-    if (j == left_out_stretch_) own.left_out = left_out_;
+    if (const auto gap = left_out_.find(j); gap != left_out_.end()) own.left_out = gap->second;
     carry(propagator_, start, start + length, x0, own, transition);
     failure_ = transition.termination;
     if (failure_ != Termination::time) return false;

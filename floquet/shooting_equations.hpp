@@ -8,6 +8,8 @@
 
 #include <graze/lib/transition.hpp>
 
+#include <map>
+
 namespace graze {
 
 class ShootingEquations {
@@ -36,10 +38,10 @@ class ShootingEquations {
   /// Phase condition of an autonomous orbit: through x_ref, normal to the field there.
   void set_phase_reference(const Vector& x_ref);
 
-  /// Leaves a contact of stretch j out (see LeftOutContact); j = -1: none.
+  /// Leaves a contact of stretch j out (see LeftOutContact), one on each at most; j = -1: none is left out any more.
   void leave_out(int j, const LeftOutContact& contact = {}) {
-    left_out_stretch_ = j;
-    left_out_ = contact;
+    if (j < 0) return left_out_.clear();
+    left_out_[j] = contact;
   }
 
   double duration(const Vector& u) const;
@@ -77,8 +79,7 @@ class ShootingEquations {
   Vector phase_reference_, phase_normal_;
   std::vector<Transition> stretches_;
   std::vector<Vector> start_fields_, end_fields_;
-  int left_out_stretch_ = -1;
-  LeftOutContact left_out_;
+  std::map<int, LeftOutContact> left_out_;  ///< by stretch
   Termination failure_ = Termination::failed;
 };
 

@@ -65,8 +65,9 @@ void check_graph(const Case& c) {
   for (const Branch& branch : c.found.graph.branches) {
     INFO("branch " << branch.id);
     CHECK(check_branch(c.system, branch) == std::vector<std::string>{});
-    CHECK(
-        (branch.stop == BranchStop::reached_bound || branch.stop == BranchStop::grazing || branch.stop == BranchStop::returned));
+    const bool not_told = branch.message.find("cannot be told apart") != std::string::npos;
+    CHECK((not_told || branch.stop == BranchStop::reached_bound || branch.stop == BranchStop::grazing ||
+           branch.stop == BranchStop::returned));
     for (const SpecialPoint& point : branch.special_points) CHECK(labels.insert(point.label).second);
     if (!branch.parent) continue;
     REQUIRE(branch.parent->branch >= 1);
@@ -167,19 +168,29 @@ TEST_CASE("skeleton of Newton: every hard grazing shared by the families on both
   const Case c = skeleton_of("newton", 0.0, 1);
   check_graph(c);
   CHECK(has(c.found, PointType::GR, std::sqrt((1.99 - std::sqrt(1.99 * 1.99 - 3.0)) / 2.0), 1e-13));
-  std::set<std::string> not_followed;
   for (const SpecialPoint* point : of_type(c.found, PointType::GR)) {
     const std::string scenario = text_detail(*point, "scenario");
-    // Next to the impactless grazing an orbit of long period has several maxima within 1e-9 of the barrier: what begins where one
-    // of them touches ends within the tracer's smallest step. Then the list of what was not followed says so.
-    const auto listed = [&](const CutOff& entry) { return entry.label == point->label; };
-    const auto& cut_off = c.found.graph.cut_off;
-    const bool not_told = std::any_of(cut_off.begin(), cut_off.end(), listed) && point->orbit.period > 8;
-    CHECK((scenario == "persistence" || scenario == "nonsmooth-fold" || not_told));
-    not_followed.insert(not_told ? point->label : "");
+    INFO(point->label << " at " << point->value);
+    CHECK((scenario == "persistence" || scenario == "nonsmooth-fold"));
     CHECK(point->precision < 1e-12);
   }
-  CHECK(not_followed.size() <= 2);  // with the empty one
+  // Next to the impactless grazing an orbit of long period has several maxima within 1e-10 of the barrier, and where its branch
+  // ends cannot be told in doubles. In 60 digits it begins at 0.71068636786025 (one impact gained) and has another maximum touch
+  // at 0.7106873690926(2), with another one 3e-11 below the barrier and an impact of speed 8.9e-9. It is kept, and listed.
+  const auto& cut_off = c.found.graph.cut_off;
+  int broken_off = 0;
+  for (const Branch& branch : c.found.graph.branches) {
+    if (branch.stop != BranchStop::step_too_small) continue;
+    ++broken_off;
+    CHECK(branch.message.find("cannot be told apart") != std::string::npos);
+    CHECK(branch.points.front().value > 0.71068636786025);
+    CHECK(branch.points.back().value < 0.710687369093);
+    const std::string label = branch.special_points.back().label;
+    CHECK(std::any_of(cut_off.begin(), cut_off.end(), [&](const CutOff& entry) { return entry.label == label; }));
+  }
+  CHECK(broken_off <= 1);
+  // Orbits with the weak impact in some of their turns are not followed, and counted.
+  CHECK(std::any_of(cut_off.begin(), cut_off.end(), [](const CutOff& entry) { return entry.families > 0; }));
   // Families that only the multiples lead to: 1/6 ... 1/16 and their like, born on the grazing of the 1/2 orbit.
   CHECK(std::count_if(c.found.graph.branches.begin(), c.found.graph.branches.end(),
                       [](const Branch& branch) { return branch.period % 2 == 0 && branch.period > 4; }) > 40);
@@ -187,7 +198,6 @@ TEST_CASE("skeleton of Newton: every hard grazing shared by the families on both
   for (const Branch& branch : c.found.graph.branches) {
     if (branch.stop != BranchStop::grazing) continue;
     const SpecialPoint& end = branch.special_points.back();
-    if (not_followed.contains(end.label)) continue;
     const auto beyond = std::count_if(c.found.graph.branches.begin(), c.found.graph.branches.end(), [&](const Branch& other) {
       return other.id != branch.id &&
              ((other.parent && other.parent->label == end.label) || (branch.parent && other.id == branch.parent->branch) ||

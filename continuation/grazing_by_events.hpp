@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Grazings of hard contacts located from an orbit in the coordinates of its events, in which neither other weak impacts nor
+// several that graze together make anything steep: first the speed goes to zero there, then the extended system (locate_grazing)
+// gives the precision.
+#pragma once
+
+#include <graze/continuation/grazing.hpp>
+#include <graze/continuation/signature_problem.hpp>
+
+namespace graze {
+
+/// The grazing of a hard contact that Newton finds from a guess at u, if it lies right there.
+std::optional<LocatedGrazing> hard_grazing_near(OrbitProblem& problem, const Vector& u, const GrazingGuess& guess,
+                                                const std::vector<GrazingGuess>& together = {});
+
+/// The grazing right beyond u, the last motion before `beyond`, in the states at fixed phases: empty where these are too steep.
+std::optional<LocatedGrazing> grazing_by_states(SignatureProblem& problem, const Vector& u,
+                                                const SignatureEquations::Violation& beyond);
+
+/// The same by the speed of the event that is lost or gained. Where other speeds go to zero with it, the contacts touch together
+/// (an orbit symmetric between two barriers): all of them are left out, and counted (LocatedGrazing::touches). Free maxima that
+/// touch too are left out as well.
+std::optional<LocatedGrazing> grazing_by_events(SignatureProblem& problem, const Vector& u, std::size_t parameter,
+                                                const SignatureEquations::Violation& beyond);
+
+}  // namespace graze

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Which families of several turns begin on a hard grazing, to first order in the speeds; and that one of them always does.
+#include <graze/continuation/grazing_turns.hpp>
+
+#include "support/grazing_families.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <random>
+
+using namespace graze;
+
+namespace {
+
+struct Oscillator {
+  TurnResponse response;
+  Eigen::Matrix2d turn;
+  double k_r;
+};
+
+/// A random map of deviations over one turn, and the kick of an impact with restitution k_r.
+Oscillator random_oscillator(std::mt19937& random) {
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  Oscillator out;
+  out.k_r = 0.5 * (1.0 + uniform(random));
+  out.turn << 2.0 * uniform(random), 2.0 * uniform(random), 2.0 * uniform(random), 2.0 * uniform(random);
+  out.response = {out.turn, Vector{{1.0, 0.0}}, Vector{{0.0, -(1.0 + out.k_r)}}};
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("beyond a grazing with one touch there is exactly one orbit of the same period, and it is always there") {
+  // h_top = -R_1 v: whichever sign R_1 has, one side has v > 0. The linear oscillator: R_1 has that of -sin(w T).
+  std::mt19937 random(1);
+  for (int i = 0; i < 2000; ++i) {
+    const Oscillator oscillator = random_oscillator(random);
+    const int side = side_of_family(oscillator.response, 1, {0});
+    REQUIRE(side != 0);
+    CHECK(side == support::side_of_family(oscillator.turn, oscillator.k_r, 1, 1));
+  }
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  for (int i = 0; i < 2000; ++i) {
+    const double damping = 0.3 * uniform(random), w = std::sqrt(1.0 - damping * damping), T = 0.1 + 20.0 * uniform(random);
+    const double decay = std::exp(-damping * T), c = std::cos(w * T), s = std::sin(w * T) / w;
+    Oscillator oscillator = random_oscillator(random);
+    oscillator.response.turn << decay * (c + damping * s), decay * s, -decay * s, decay * (c - damping * s);
+    CHECK(side_of_family(oscillator.response, 1, {0}) == (s > 0.0 ? 1 : -1));
+  }
+}
+
+TEST_CASE("the families with the weak impact in some of the turns are counted, each once") {
+  std::mt19937 random(2);
+  int met = 0;
+  for (int i = 0; i < 60; ++i) {
+    const Oscillator oscillator = random_oscillator(random);
+    for (int turns = 4; turns <= 7; ++turns) {
+      // All choices of turns, whole orbits of them under rotation counted once, by another way than the least rotation.
+      int expected = 0;
+      std::vector<bool> seen(std::size_t{1} << turns);
+      for (unsigned set = 1; set < (1u << turns); ++set) {
+        if (seen[set]) continue;
+        int rotations = 0;
+        unsigned turned = set;
+        do {
+          seen[turned] = true;
+          turned = ((turned << 1) | (turned >> (turns - 1))) & ((1u << turns) - 1);
+          ++rotations;
+        } while (turned != set);
+        std::vector<int> struck;
+        for (int k = 0; k < turns; ++k)
+          if (set >> k & 1u) struck.push_back(k);
+        const int count = static_cast<int>(struck.size());
+        if (rotations < turns || count < 2 || count > turns - 2) continue;
+        expected += support::side_of_family(oscillator.turn, oscillator.k_r, turns, struck) != 0 ? 1 : 0;
+      }
+      CHECK(families_in_some_turns(oscillator.response, turns) == expected);
+      met += expected;
+    }
+  }
+  CHECK(met > 100);
+}
