@@ -33,6 +33,7 @@ double loss_function(double w) {
 void attach_limit(HybridSystem& system) {
   contact_law("newton").attach(system);
   Event& impact = system.events.front();
+  impact.reset = {};
   impact.reset.map = [](double, const Vector& x, const Vector& p, Vector& out) {
     out[0] = p[r];
     out[1] = -limit_restitution(p[limit_b_H] * std::max(0.0, x[1])) * x[1];

@@ -79,7 +79,7 @@ struct Reset {
   MatrixFunction dx;
   MatrixFunction dp;  ///< empty: zero
   VectorFunction dt;  ///< empty: zero
-  std::optional<Rebound> rebound;
+  std::optional<Rebound> rebound;  ///< who replaces `map` takes this away
 };
 
 Reset make_rebound(const Rebound& rebound);

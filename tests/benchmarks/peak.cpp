@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What is the machine's peak? Independent chains of a multiplication and an addition each, rounded separately (as graze is
+// compiled, without fused multiply-add), in registers alone: nanoseconds for a thousand operations, one at a time (double), two
+// (SSE2, what every x86-64 has), four (AVX2) and eight (AVX-512). The floor in period.cpp is counted in these.
+#include <benchmark/benchmark.h>
+
+namespace {
+
+constexpr int chains = 12, rounds = 500;
+
+template <class Number> [[gnu::always_inline]] inline void multiply_and_add(benchmark::State& state, int lanes) {
+  Number sum[chains], factor[chains];
+  for (int i = 0; i < chains; ++i) {
+    sum[i] = Number{} + 1.0 + i;
+    factor[i] = Number{} + 0.999 + 1e-5 * i;
+  }
+  for (auto _ : state) {
+    for (int round = 0; round < rounds; ++round) {
+#pragma GCC unroll 16
+      for (int i = 0; i < chains; ++i) {
+        sum[i] = sum[i] * factor[i] + factor[i];
+        asm volatile("" : "+x"(sum[i]));  // stays in its register, is not computed ahead
+      }
+    }
+  }
+  const double operations = 2.0 * chains * rounds * lanes;
+  state.counters["seconds"] = benchmark::Counter(operations / 1000.0, benchmark::Counter::kIsIterationInvariantRate |
+                                                                          benchmark::Counter::kInvert);
+}
+
+using Two [[gnu::vector_size(16)]] = double;
+void scalar(benchmark::State& state) { multiply_and_add<double>(state, 1); }
+void sse2(benchmark::State& state) { multiply_and_add<Two>(state, 2); }
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+using Four [[gnu::vector_size(32)]] = double;
+using Eight [[gnu::vector_size(64)]] = double;
+[[gnu::target("avx2"), gnu::optimize("fp-contract=off")]] void avx2(benchmark::State& state) {
+  multiply_and_add<Four>(state, 4);
+}
+[[gnu::target("avx512f"), gnu::optimize("fp-contract=off")]] void avx512(benchmark::State& state) {
+  multiply_and_add<Eight>(state, 8);
+}
+#endif
+
+const bool registered = [] {
+  benchmark::RegisterBenchmark("peak/lanes=1/graze", scalar);
+  benchmark::RegisterBenchmark("peak/lanes=2/graze", sse2);
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+  if (__builtin_cpu_supports("avx2")) benchmark::RegisterBenchmark("peak/lanes=4/graze", avx2);
+  if (__builtin_cpu_supports("avx512f")) benchmark::RegisterBenchmark("peak/lanes=8/graze", avx512);
+#endif
+  return true;
+}();
+
+}  // namespace

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Attractors of many points side by side against those of each point alone.
+#include "support/checks.hpp"
+
+#include <graze/floquet/attractor.hpp>
+#include <graze/lib/oscillator.hpp>
+
+#include <catch2/catch.hpp>
+
+using namespace graze;
+using namespace graze::support;
+
+namespace {
+
+AttractorOptions quick() {
+  AttractorOptions options;
+  options.recurrence = 1e-4;
+  options.periods_on_orbit = 0;
+  options.lyapunov.standard_error = 3e-3;
+  options.lyapunov.max_periods = 5000;
+  options.lyapunov.min_periods = 200;
+  return options;
+}
+
+std::vector<AverageStart> points(const HybridSystem& system) {
+  std::vector<AverageStart> starts;
+  for (const double eta : {0.68, 0.7, 0.711, 0.73, 0.745, 0.78, 0.82, 0.9, 0.93, 0.95})
+    for (const double r : {1.3, 2.0}) {
+      Vector p = default_parameters(system.parameters);
+      p[oscillator_parameter::eta] = eta;
+      p[oscillator_parameter::r] = r;
+      starts.push_back({p, vector({0.0, 0.0})});
+    }
+  return starts;
+}
+
+}  // namespace
+
+TEST_CASE("attractors side by side are those of the motions alone") {
+  const char* law = GENERATE("newton", "hertz");
+  const HybridSystem system = make_oscillator("linear", law);
+  const std::vector<AverageStart> starts = points(system);
+  const std::vector<Attractor> each = find_each_attractor(system, starts, quick());
+  REQUIRE(each.size() == starts.size());
+  int chaotic = 0, periodic = 0;
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    const Attractor alone = find_attractor(system, starts[i].p, starts[i].state, quick());
+    INFO("eta = " << starts[i].p[oscillator_parameter::eta] << ", r = " << starts[i].p[oscillator_parameter::r]);
+    CHECK(each[i].type == alone.type);
+    if (alone.type == AttractorType::periodic) {
+      ++periodic;
+      CHECK(each[i].period == alone.period);
+      CHECK(each[i].impacts == alone.impacts);
+      for (std::size_t k = 0; k < 2; ++k) CHECK(each[i].exponents[k] == Approx(alone.exponents[k]).margin(1e-9));
+    } else if (alone.type == AttractorType::chaotic) {
+      ++chaotic;
+      CHECK(std::abs(each[i].exponents[0] - alone.exponents[0]) <
+            5.0 * std::hypot(each[i].standard_errors[0], alone.standard_errors[0]));
+      CHECK(each[i].time_average.liouville_residual < 1e-10);
+    }
+  }
+  CHECK(periodic > 8);
+  CHECK(chaotic > 1);
+}
+
+TEST_CASE("attractors that the lanes do not know are found one by one") {
+  const HybridSystem system = make_oscillator("cantilever", "newton");
+  Vector p = default_parameters(system.parameters);
+  for (const auto& [name, value] : {std::pair{"b", 0.026}, {"r", 0.079}, {"xi", 0.08}, {"eta", 0.40}})
+    p[static_cast<Eigen::Index>(parameter_index(system.parameters, name))] = value;
+  const std::vector<Attractor> each = find_each_attractor(system, {{p, vector({0.0, 0.0})}}, quick());
+  REQUIRE(each.size() == 1);
+  const Attractor alone = find_attractor(system, p, vector({0.0, 0.0}), quick());
+  CHECK(each[0].type == alone.type);
+  CHECK(each[0].state == alone.state);
+}
+
+TEST_CASE("attractors side by side can be cancelled, and refuse a start inside the barrier") {
+  const HybridSystem system = make_oscillator("linear", "newton");
+  AttractorOptions options = quick();
+  options.lyapunov.cancelled = [] { return true; };
+  for (const Attractor& attractor : find_each_attractor(system, points(system), options)) {
+    CHECK(attractor.termination == Termination::interrupted);
+    CHECK(attractor.type == AttractorType::undecided);
+  }
+  std::vector<AverageStart> starts = points(system);
+  starts[3].state = vector({2.5, 0.0});
+  CHECK_THROWS_AS(find_each_attractor(system, starts, quick()), std::invalid_argument);
+  CHECK(find_each_attractor(system, {}, quick()).empty());
+}
