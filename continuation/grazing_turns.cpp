@@ -92,7 +92,9 @@ int families_not_followed(const LocatedGrazing& grazing, int nodes, int longest)
 }
 
 std::string others_text(int families, int longest) {
-  return fmt::format("{} with the weak impact in some of {} turns (neither one nor all but one)",
+  return fmt::format("{} with the weak impact in some of {} turns (neither one nor all but one) begin here, to first order: none "
+                     "is started from "
+                     "here, some may have been met elsewhere",
                      families == 1 ? "1" : std::to_string(families),
                      longest > 4 ? fmt::format("4 to {}", std::min(longest, most_turns_counted)) : "4");
 }
