@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// MapFile: the result of `graze map` as HDF5 (schema graze.map/1), which h5py, xarray and MATLAB read:
+// MapFile: the result of `graze map` as HDF5 (schema graze.map/1), which h5py and MATLAB read:
 //     <columns>, <rows>, layer, component      the axes, as dimension scales; the first two bear their parameters' names
 //     attractor (layer, rows, columns)         enumeration: undecided, periodic, chaotic, inadmissible, lost
 //     period, impacts                          n and p of z = p/n where periodic, else 0

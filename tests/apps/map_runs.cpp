@@ -25,10 +25,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Mostly chaotic points, a tenth of a second or more for each of 16 rows.
-std::string options() {
-  return fmt::format("map '{}' --param eta:0.70:0.74:8 --param r:1.95:2.1:16 --follow up --quiet --settle 3000",
-                     problem("hertz-damped"));
+/// Mostly chaotic points, some hundredths of a second or more for each of 16 rows.
+std::string options(int chunk = 1) {
+  return fmt::format(
+      "map '{}' --param eta:0.70:0.74:8 --param r:1.95:2.1:16 --follow up --quiet --settle 6000 --transient 3000 --chunk {}",
+      problem("hertz-damped"), chunk);
 }
 
 std::string program(const std::string& arguments) { return "'" GRAZE_PROGRAM "' " + arguments; }
@@ -95,7 +96,7 @@ pid_t process_of(int rank, const std::string& out) {
 TEST_CASE("map: two threads give the file of one") {
   const TemporaryFolder folder;
   const std::string out = folder.file("run");
-  check_finished(run_shell(program(options() + " --threads 2 --chunk 3 --out '" + out + "'")), out);
+  check_finished(run_shell(program(options(3) + " --threads 2 --out '" + out + "'")), out);
   CHECK(fs::exists(out + "/map-attractors.png"));
   CHECK(fs::exists(out + "/map-exponent.png"));
   // Asked to go on, it says that nothing is left, and gives the results again.
