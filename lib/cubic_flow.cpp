@@ -14,13 +14,12 @@ namespace {
 
 using C = CubicOscillator;
 
-/// Cost per step ~ order^2 and length of a step ~ tolerance^(1/order): -ln(tolerance)/2 is best, 15 at 1e-13.
-constexpr std::size_t order = 16;
-using Coefficients = std::array<double, order + 1>;
+constexpr std::size_t order = detail::cubic_order;
+using Coefficients = std::span<const double, order + 1>;
 
 /// Whether the gap stays below zero over a whole step: its Bernstein coefficients to a degree of 8, with the rest of its terms
 /// taken for the worst. Nearly all steps do, and no more needs to be known of them.
-bool stays_below(const Coefficients& x, double sign, double at_start, double at_start_slope, double length) {
+bool stays_below(Coefficients x, double sign, double at_start, double at_start_slope, double length) {
   constexpr std::size_t degree = 8;
   std::array<double, degree + 1> a;
   a[0] = at_start;
@@ -34,12 +33,12 @@ bool stays_below(const Coefficients& x, double sign, double at_start, double at_
 
 /// sign (x - level) on one step of the flight, a polynomial in the time since the step's start, with its derivatives.
 struct GapPolynomial {
-  const Coefficients& a;  // without a[0]: the gap is start + what the flight has moved
+  Coefficients a;  // without a[0]: the gap is start + what the flight has moved
   double sign;
   double start;  // sign (x - level) at the step's start
   double sixth;  // bound of |sixth derivative| / 720 over the step
 
-  GapPolynomial(const Coefficients& x, double direction, double at_start, double length)
+  GapPolynomial(Coefficients x, double direction, double at_start, double length)
       : a(x), sign(direction), start(at_start), sixth(0.0) {
     double power = 1.0, binomial = 1.0;  // (i over 6)
     for (std::size_t i = 6; i <= order; ++i) {
@@ -207,7 +206,8 @@ template <std::size_t Pairs> void CubicFlow::carry_with(const FlowTask& task, co
 
   // The last two terms of a step are within a quarter of the tolerance: what is left out is below a twentieth of it.
   const double allowed = 0.25 * options_.tolerance;
-  detail::CubicSeries<order, Pairs> series(oscillator_, sources_, x0[0]);
+  using Series = std::conditional_t<Pairs == 1, detail::CubicTangentSeries, detail::CubicSeries<order, Pairs>>;
+  Series series(oscillator_, sources_, x0[0]);
   double s = 0.0;
   for (std::size_t step = 0; step < options_.max_steps; ++step) {
     const double left = duration - s;

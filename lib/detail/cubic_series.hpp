@@ -8,6 +8,7 @@
 // Two quantities at a time lie in one SSE2 register; the recurrence is unrolled; nothing is allocated.
 #pragma once
 
+#include <graze/lib/detail/cubic_tangent.hpp>
 #include <graze/lib/detail/hertz_series.hpp>
 #include <graze/lib/mode_structure.hpp>
 
@@ -28,10 +29,13 @@ template <std::size_t Order, std::size_t Pairs> class CubicSeries {
   /// `sources`: the coefficients that columns 2, 3, ... of the tangent are derivatives in; x0: where State::moved is 0.
   CubicSeries(const C& oscillator, const std::vector<std::size_t>& sources, double x0)
       : q_(oscillator.value), sources_(sources), x0_(x0) {
-    double turn = 1.0;
+    double turn = 1.0, force = q_[C::amplitude];
     for (std::size_t n = 0; n <= Order; ++n) {
       turns_[n] = turn;
-      turn *= q_[C::frequency] * inverse[n];
+      force_[n] = force;
+      const double next = q_[C::frequency] / static_cast<double>(n + 1);
+      turn *= next;
+      force *= next;
     }
   }
 
@@ -43,8 +47,7 @@ template <std::size_t Order, std::size_t Pairs> class CubicSeries {
     sin_ = std::sin(phase);
     x_[0] = x0_ + z.moved;
     xv_[0] = Pair{z.moved, z.v};
-    xx_[0] = Pair{x_[0], x_[0]};
-    squares_[0] = x_[0] * xx_[0];
+    square_[0] = x_[0] * x_[0];
     for (std::size_t j = 0; j < Pairs; ++j) {
       dx_[j][0] = z.dx[j];
       dv_[j][0] = z.dv[j];
@@ -73,7 +76,7 @@ template <std::size_t Order, std::size_t Pairs> class CubicSeries {
     Pair sum = xv;
     for (std::size_t j = 0; j < Pairs; ++j)
       sum += magnitude(dx_[j][k]) / (1.0 + magnitude(dx_[j][0])) + magnitude(dv_[j][k]) / (1.0 + magnitude(dv_[j][0]));
-    return sum[0] + sum[1] + std::abs(q_[C::amplitude]) * turns_[k];
+    return sum[0] + sum[1] + std::abs(force_[k]);
   }
 
  private:
@@ -96,14 +99,16 @@ template <std::size_t Order, std::size_t Pairs> class CubicSeries {
   }
   static Pair magnitude(Pair a) { return a < 0.0 ? -a : a; }
 
-  /// Coefficient n of a product of two series. From the middle outwards: what was found last enters last.
-  template <std::size_t n> static Pair product(const Coefficients& a, const Coefficients& b) {
-    Pair one{}, two{};
-    if constexpr (n % 2 == 0) one = a[n / 2] * b[n / 2];
-    for (std::size_t i = n / 2 + 1; i <= n; ++i) {
-      one += a[i] * b[n - i];
-      two += a[n - i] * b[i];
+  /// Coefficient n of the product of the square with a series, but for what its newest coefficient has in it. From the middle
+  /// outwards: what was found last enters last.
+  template <std::size_t n, class Number> static Number product(const Series& square, const std::array<Number, Order + 1>& a) {
+    Number one{}, two{};
+    if constexpr (n % 2 == 0 && n > 0) one = square[n / 2] * a[n / 2];
+    for (std::size_t i = n / 2 + 1; i < n; ++i) {
+      one += square[i] * a[n - i];
+      two += square[n - i] * a[i];
     }
+    if constexpr (n > 0) two += square[0] * a[n];
     return one + two;
   }
   template <std::size_t... n> void expand(std::index_sequence<n...>) { (next<n>(), ...); }
@@ -121,40 +126,36 @@ template <std::size_t Order, std::size_t Pairs> class CubicSeries {
   const std::array<double, C::count>& q_;
   const std::vector<std::size_t>& sources_;
   double x0_, t_ = 0.0, cos_ = 1.0, sin_ = 0.0;
-  Series x_, cube_, turns_;
-  Coefficients xv_;            // (x - x0, v)
-  Coefficients xx_, squares_;  // (x, x), (X, X)
-  Coefficients ahead_;         // (x_n, X_{n-1})
+  Series x_, square_, cube_;
+  Series turns_, force_;  // w^n/n!, and A times it
+  Coefficients xv_;       // (x - x0, v)
   std::array<Coefficients, Pairs> dx_, dv_;
 };
 
 /// Coefficients n + 1 of everything from those up to n.
 template <std::size_t Order, std::size_t Pairs> template <std::size_t n> inline void CubicSeries<Order, Pairs>::next() {
-  const double part = inverse[n], drag = -2.0 * q_[C::damping] * part;
-  const double stiffness = -q_[C::stiffness] * part, cubic = -q_[C::cubic] * part;
-  const double v_n = xv_[n][1], x = part * v_n;
-  double force = q_[C::amplitude] * cosine(n);
+  // To the last bit as in cubic_tangent.hpp.
+  constexpr std::size_t m = n + 1;
+  const double part = inverse[n], drag = part * (-2.0 * q_[C::damping]), stiffness = -q_[C::stiffness], cubic = -q_[C::cubic];
+  const double x_n = x_[n], v_n = xv_[n][1], x = part * v_n;
+  double square = m % 2 == 0 ? 0.5 * x_[m / 2] * x_[m / 2] : 0.0;
+  for (std::size_t i = m / 2 + 1; i < m; ++i) square += x_[i] * x_[m - i];
+  square = 2.0 * square + (2.0 * x_[0]) * x;
+  double force = force_[n] * (n % 2 == 0 ? cos_ : sin_);
+  if constexpr ((n + 1) % 4 >= 2) force = -force;
   if constexpr (n == 0) force += q_[C::constant];
-  // The square one coefficient ahead of the cube: one product of pairs finds both.
-  ahead_[n + 1] = Pair{x, squares_[n][0]};
-  Pair one{x_[0] * x, 0.0}, two{};
-  if constexpr (n % 2 == 0) two = xx_[n / 2] * ahead_[n / 2 + 1];
-  for (std::size_t i = n / 2 + 1; i <= n; ++i) {
-    two += xx_[i] * ahead_[n + 1 - i];
-    one += xx_[n - i] * ahead_[i + 1];
-  }
-  const Pair both = one + two;
-  const double v = drag * v_n + ((part * force + stiffness * x_[n]) + cubic * both[1]);
-  x_[n + 1] = x;
-  xv_[n + 1] = Pair{x, v};
-  xx_[n + 1] = Pair{x, x};
-  squares_[n + 1] = Pair{both[0], both[0]};
-  cube_[n] = both[1];
-#pragma GCC unroll 1
+  const double rest = product<n>(square_, x_);
+  const double known = drag * v_n + (part * (force + stiffness * x_n) + (part * cubic) * rest);
+  const double v = known + square_[n] * (part * (cubic * x_[0]));
+  x_[m] = x;
+  xv_[m] = Pair{x, v};
+  cube_[n] = rest + square_[n] * x_[0];
+  square_[m] = square;
   for (std::size_t j = 0; j < Pairs; ++j) {
-    const Pair bend = product<n>(squares_, dx_[j]);
-    dx_[j][n + 1] = part * dv_[j][n];
-    dv_[j][n + 1] = drag * dv_[j][n] + (stiffness * dx_[j][n] + (3.0 * cubic) * bend);
+    const Pair bend = product<n>(square_, dx_[j]);
+    dx_[j][m] = part * dv_[j][n];
+    dv_[j][m] = (drag * dv_[j][n] + (part * (stiffness * dx_[j][n]) + (part * (3.0 * cubic)) * bend)) +
+                square_[n] * (part * ((3.0 * cubic) * dx_[j][0]));
   }
   if constexpr (Pairs > 1)
     for (std::size_t i = 0; i < sources_.size(); ++i) dv_[1 + i / 2][n + 1][i % 2] += part * source(sources_[i], n);
@@ -178,5 +179,49 @@ double CubicSeries<Order, Pairs>::source(std::size_t coefficient, std::size_t n)
     return n == 0 ? 1.0 : 0.0;
   }
 }
+
+/// The same, of order 16, with the two columns of Phi and no others (cubic_tangent.hpp).
+class CubicTangentSeries {
+ public:
+  using C = CubicOscillator;
+  using State = CubicState<1>;
+  using Series = double[cubic_order + 1];
+
+  CubicTangentSeries(const C& oscillator, const std::vector<std::size_t>&, double x0, const CubicKernel& kernel = cubic_kernel())
+      : kernel_(kernel), x0_(x0), frequency_(oscillator.value[C::frequency]) {
+    terms_.damping = oscillator.value[C::damping];
+    terms_.stiffness = oscillator.value[C::stiffness];
+    terms_.cubic = oscillator.value[C::cubic];
+    terms_.constant = oscillator.value[C::constant];
+    double force = oscillator.value[C::amplitude];
+    for (std::size_t n = 0; n <= cubic_order; ++n) {
+      terms_.force[n] = force;
+      force *= frequency_ / static_cast<double>(n + 1);
+    }
+  }
+  void expand(double t, const State& z) {
+    terms_.cosine = std::cos(frequency_ * t);
+    terms_.sine = std::sin(frequency_ * t);
+    const double start[4] = {z.moved, z.dx[0][0], z.dx[0][1], 0.0};
+    for (std::size_t i = 0; i < 4; ++i) terms_.start[i] = terms_.P[0][i] = start[i];
+    terms_.P[0][0] += x0_;
+    terms_.V[0][0] = z.v;
+    terms_.V[0][1] = z.dv[0][0];
+    terms_.V[0][2] = z.dv[0][1];
+    kernel_.expand(terms_);
+  }
+  State at(double h) const {
+    alignas(32) double z[8];
+    kernel_.at(terms_, h, z);
+    return {z[0], z[4], {Pair{z[1], z[2]}}, {Pair{z[5], z[6]}}};
+  }
+  const Series& position() const { return terms_.x; }
+  double size(std::size_t k) const { return k == cubic_order ? terms_.last : terms_.before; }
+
+ private:
+  CubicKernel kernel_;
+  double x0_, frequency_;
+  CubicTerms terms_;
+};
 
 }  // namespace graze::detail
