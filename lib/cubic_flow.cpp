@@ -174,12 +174,10 @@ void CubicFlow::carry(const FlowTask& task, const Vector& x0, Segment& out) cons
 
 template <std::size_t Pairs> void CubicFlow::carry_with(const FlowTask& task, const Vector& x0, Segment& out) const {
   const double duration = task.t_end - task.t0;
-  detail::CubicState<Pairs> z;
+  using Series = std::conditional_t<Pairs == 1, detail::CubicTangentSeries, detail::CubicSeries<order, Pairs>>;
+  typename Series::State z;
   z.v = x0[1];
-  if constexpr (Pairs > 0) {
-    z.dx[0] = detail::Pair{1.0, 0.0};
-    z.dv[0] = detail::Pair{0.0, 1.0};
-  }
+  if constexpr (Pairs > 0) z.dx[0][0] = z.dv[0][1] = 1.0;
   out.t0 = task.t0;
   out.x0 = x0;
   out.end = FlowEnd::failed;
@@ -206,7 +204,6 @@ template <std::size_t Pairs> void CubicFlow::carry_with(const FlowTask& task, co
 
   // The last two terms of a step are within a quarter of the tolerance: what is left out is below a twentieth of it.
   const double allowed = 0.25 * options_.tolerance;
-  using Series = std::conditional_t<Pairs == 1, detail::CubicTangentSeries, detail::CubicSeries<order, Pairs>>;
   Series series(oscillator_, sources_, x0[0]);
   double s = 0.0;
   for (std::size_t step = 0; step < options_.max_steps; ++step) {

@@ -11,6 +11,7 @@ struct Avx2 {
   static void store(double* to, const Quad& a) { *reinterpret_cast<Quad*>(to) = a; }
   static Quad all(double a) { return Quad{a, a, a, a}; }
   static Quad twice_both(const double* from) { return all(*from); }
+  static Quad three(double a, double b, double c) { return Quad{a, b, c, 0.0}; }
   static Quad first(double a) { return Quad{a, 0.0, 0.0, 0.0}; }
   static Quad magnitude(const Quad& a) { return a < 0.0 ? -a : a; }
   static double front(const Quad& a) { return a[0]; }

@@ -28,6 +28,7 @@ struct Generic {
     const Pair both = *reinterpret_cast<const Pair*>(from);
     return {both, both};
   }
+  static Quad three(double a, double b, double c) { return {Pair{a, b}, Pair{c, 0.0}}; }
   static Quad first(double a) { return {Pair{a, 0.0}, Pair{}}; }
   static Quad magnitude(const Quad& a) { return {a.low < 0.0 ? -a.low : a.low, a.high < 0.0 ? -a.high : a.high}; }
   static double front(const Quad& a) { return a.low[0]; }

@@ -184,11 +184,16 @@ double CubicSeries<Order, Pairs>::source(std::size_t coefficient, std::size_t n)
 class CubicTangentSeries {
  public:
   using C = CubicOscillator;
-  using State = CubicState<1>;
+  /// As CubicState<1>, number by number.
+  struct State {
+    double moved = 0.0, v = 0.0;
+    std::array<std::array<double, 2>, 1> dx{}, dv{};
+  };
   using Series = double[cubic_order + 1];
 
   CubicTangentSeries(const C& oscillator, const std::vector<std::size_t>&, double x0, const CubicKernel& kernel = cubic_kernel())
-      : kernel_(kernel), x0_(x0), frequency_(oscillator.value[C::frequency]) {
+      : kernel_(kernel), frequency_(oscillator.value[C::frequency]) {
+    terms_.x0 = x0;
     terms_.damping = oscillator.value[C::damping];
     terms_.stiffness = oscillator.value[C::stiffness];
     terms_.cubic = oscillator.value[C::cubic];
@@ -202,25 +207,25 @@ class CubicTangentSeries {
   void expand(double t, const State& z) {
     terms_.cosine = std::cos(frequency_ * t);
     terms_.sine = std::sin(frequency_ * t);
-    const double start[4] = {z.moved, z.dx[0][0], z.dx[0][1], 0.0};
-    for (std::size_t i = 0; i < 4; ++i) terms_.start[i] = terms_.P[0][i] = start[i];
-    terms_.P[0][0] += x0_;
-    terms_.V[0][0] = z.v;
-    terms_.V[0][1] = z.dv[0][0];
-    terms_.V[0][2] = z.dv[0][1];
+    terms_.moved = z.moved;
+    terms_.v = z.v;
+    for (std::size_t i = 0; i < 2; ++i) {
+      terms_.dx[i] = z.dx[0][i];
+      terms_.dv[i] = z.dv[0][i];
+    }
     kernel_.expand(terms_);
   }
   State at(double h) const {
     alignas(32) double z[8];
     kernel_.at(terms_, h, z);
-    return {z[0], z[4], {Pair{z[1], z[2]}}, {Pair{z[5], z[6]}}};
+    return {z[0], z[4], {{{z[1], z[2]}}}, {{{z[5], z[6]}}}};
   }
   const Series& position() const { return terms_.x; }
   double size(std::size_t k) const { return k == cubic_order ? terms_.last : terms_.before; }
 
  private:
   CubicKernel kernel_;
-  double x0_, frequency_;
+  double frequency_;
   CubicTerms terms_;
 };
 

@@ -18,17 +18,18 @@ inline constexpr std::size_t cubic_order = 16;
 
 struct CubicTerms {
   double damping = 0.0, stiffness = 0.0, cubic = 0.0, constant = 0.0;
-  double force[cubic_order + 1] = {};                  ///< A w^n/n!
-  double cosine = 1.0, sine = 0.0;                     ///< of the forcing's phase
-  alignas(32) double start[4] = {};                    ///< P at the step's start, with the displacement for x
-  alignas(32) double P[cubic_order + 1][4] = {};       ///< coefficients, of order 0 from the caller
-  alignas(32) double V[cubic_order + 1][4] = {};       ///< the same
-  alignas(16) double square[cubic_order + 1][2] = {};  ///< X, twice
-  double x[cubic_order + 1] = {};                      ///< coefficients of x once more
-  double last = 0.0, before = 0.0;                     ///< CubicSeries::size of the last two orders
+  double force[cubic_order + 1];                        ///< A w^n/n!
+  double x0 = 0.0;                                      ///< where `moved` is 0
+  double cosine = 1.0, sine = 0.0;                      ///< of the forcing's phase
+  double moved = 0.0, v = 0.0, dx[2] = {}, dv[2] = {};  ///< the motion at the step's start
+  double x[cubic_order + 1];                            ///< coefficients of x, and of what follows
+  alignas(32) double P[cubic_order + 1][4], V[cubic_order + 1][4];
+  alignas(16) double square[cubic_order + 1][2];  ///< X, twice
+  double last = 0.0, before = 0.0;                ///< CubicSeries::size of the last two orders
 };
 
-/// All coefficients from those of order 0; start and (P, V) at h into `to` (8 numbers).
+/// expand: all coefficients from the motion at the step's start; at: (P, V) h later into `to` (8 numbers), for x what it has
+/// moved.
 struct CubicKernel {
   void (*expand)(CubicTerms& terms);
   void (*at)(const CubicTerms& terms, double h, double* to);
@@ -37,14 +38,16 @@ extern const CubicKernel cubic_generic, cubic_avx2;
 /// The fastest that this processor has.
 const CubicKernel& cubic_kernel();
 
-/// `Machine`: four numbers in registers, with load, store, all (four times one number), twice_both (of two equal ones in memory),
-/// first (a number and three zeros), magnitude and sum.
+/// `Machine`: four numbers in registers, with load, store, all (four times one number), three (and a zero), twice_both (of two
+/// equal ones in memory), first (a number and three zeros), magnitude and sum.
 template <class Machine> struct CubicRecurrence {
   using Quad = typename Machine::Quad;
 
   static void expand(CubicTerms& s) {
-    const Quad P = Machine::load(s.P[0]), V = Machine::load(s.V[0]);
-    s.x[0] = s.P[0][0];
+    s.x[0] = s.x0 + s.moved;
+    const Quad P = Machine::three(s.x[0], s.dx[0], s.dx[1]), V = Machine::three(s.v, s.dv[0], s.dv[1]);
+    Machine::store(s.P[0], P);
+    Machine::store(s.V[0], V);
     s.square[0][0] = s.square[0][1] = s.x[0] * s.x[0];
     expand(s, P, V, std::make_index_sequence<cubic_order>());
     const Quad one = Machine::all(1.0);
@@ -70,7 +73,7 @@ template <class Machine> struct CubicRecurrence {
       even_V = Machine::load(s.V[k - 2]) + square * even_V;
       odd_V = Machine::load(s.V[k - 3]) + square * odd_V;
     }
-    Machine::store(to, Machine::load(s.start) + step * (odd_P + step * even_P));
+    Machine::store(to, Machine::three(s.moved, s.dx[0], s.dx[1]) + step * (odd_P + step * even_P));
     Machine::store(to + 4, Machine::load(s.V[0]) + step * (odd_V + step * even_V));
   }
 
@@ -84,7 +87,7 @@ template <class Machine> struct CubicRecurrence {
     const double beta = -s.cubic;
     alignas(32) const double tangent[4] = {beta, 3.0 * beta, 3.0 * beta, 0.0};
     const Quad cubic = Machine::load(tangent);
-    Newest newest{P, V, s.V[0][0], s.square[0][0]};
+    Newest newest{P, V, s.v, s.square[0][0]};
     (next<n>(s, newest, cubic, cubic * P), ...);
   }
 
