@@ -33,7 +33,7 @@ template <std::size_t Order, std::size_t Pairs> class CubicSeries {
     for (std::size_t n = 0; n <= Order; ++n) {
       turns_[n] = turn;
       force_[n] = force;
-      const double next = q_[C::frequency] / static_cast<double>(n + 1);
+      const double next = q_[C::frequency] * inverse[n];
       turn *= next;
       force *= next;
     }
@@ -199,9 +199,10 @@ class CubicTangentSeries {
     terms_.cubic = oscillator.value[C::cubic];
     terms_.constant = oscillator.value[C::constant];
     double force = oscillator.value[C::amplitude];
+#pragma GCC unroll 32
     for (std::size_t n = 0; n <= cubic_order; ++n) {
       terms_.force[n] = force;
-      force *= frequency_ / static_cast<double>(n + 1);
+      force *= frequency_ * (1.0 / static_cast<double>(n + 1));
     }
   }
   void expand(double t, const State& z) {
