@@ -3,6 +3,7 @@
 
 #include <graze/lib/detail/bernstein.hpp>
 #include <graze/lib/detail/cubic_series.hpp>
+#include <graze/lib/detail/hertz_step.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -13,18 +14,32 @@ namespace {
 
 using C = CubicOscillator;
 
-/// Cost per step ~ order^2 and length of a step ~ tolerance^(1/order): -ln(tolerance)/2 is best, 15 at 1e-13.
-constexpr std::size_t order = 16;
-using Coefficients = std::array<double, order + 1>;
+constexpr std::size_t order = detail::cubic_order;
+using Coefficients = std::span<const double, order + 1>;
+
+/// Whether the gap stays below zero over a whole step: its Bernstein coefficients to a degree of 8, with the rest of its terms
+/// taken for the worst. Nearly all steps do, and no more needs to be known of them.
+bool stays_below(Coefficients x, double sign, double at_start, double at_start_slope, double length) {
+  constexpr std::size_t degree = 8;
+  std::array<double, degree + 1> a;
+  a[0] = at_start;
+  a[1] = at_start_slope * length;
+  double power = length * length, rest = 0.0;
+  for (std::size_t k = 2; k <= degree; ++k, power *= length) a[k] = sign * x[k] * power;
+  for (std::size_t k = degree + 1; k <= order; ++k, power *= length) rest += std::abs(x[k]) * power;
+  a[degree] += rest;  // sum_{k > 8} |a_k| u^k <= u^8 sum |a_k|, u = t/length in [0, 1]
+  return detail::stays_below_zero<degree>(a, 1.0);
+}
 
 /// sign (x - level) on one step of the flight, a polynomial in the time since the step's start, with its derivatives.
 struct GapPolynomial {
   Coefficients a;  // without a[0]: the gap is start + what the flight has moved
-  double start;    // sign (x - level) at the step's start
-  double sixth;    // bound of |sixth derivative| / 720 over the step
+  double sign;
+  double start;  // sign (x - level) at the step's start
+  double sixth;  // bound of |sixth derivative| / 720 over the step
 
-  GapPolynomial(const Coefficients& x, double sign, double at_start, double length) : a(x), start(at_start), sixth(0.0) {
-    for (double& coefficient : a) coefficient *= sign;
+  GapPolynomial(Coefficients x, double direction, double at_start, double length)
+      : a(x), sign(direction), start(at_start), sixth(0.0) {
     double power = 1.0, binomial = 1.0;  // (i over 6)
     for (std::size_t i = 6; i <= order; ++i) {
       sixth += binomial * std::abs(a[i]) * power;
@@ -32,24 +47,39 @@ struct GapPolynomial {
       binomial *= static_cast<double>(i + 1) / static_cast<double>(i - 5);
     }
   }
-  /// gap, then derivatives over factorials up to the fifth.
-  std::array<double, 6> at(double h) const {
-    std::array<double, 6> z{};
+  std::array<double, 6> at_start() const { return {start, sign * a[1], sign * a[2], sign * a[3], sign * a[4], sign * a[5]}; }
+  /// gap, then its derivatives over factorials up to the last asked for.
+  template <std::size_t Last> std::array<double, Last + 1> at(double h) const {
+    std::array<double, Last + 1> z{};
     for (std::size_t k = order; k > 0; --k) {  // Horner's scheme for all derivatives together
-      for (std::size_t m = 5; m > 0; --m) z[m] = z[m - 1] + h * z[m];
+      for (std::size_t m = Last; m > 0; --m) z[m] = z[m - 1] + h * z[m];
       z[0] = a[k] + h * z[0];
     }
-    for (std::size_t m = 5; m > 0; --m) z[m] = z[m - 1] + h * z[m];
-    z[0] = start + h * z[0];
+    for (std::size_t m = Last; m > 0; --m) z[m] = sign * (z[m - 1] + h * z[m]);
+    z[0] = start + sign * (h * z[0]);
     return z;
   }
 };
+
+/// Root in [0, H] of the polynomial of degree 5 with coefficients z, roughly: where the search begins.
+double near_root(const std::array<double, 6>& z, double H) {
+  double root = 0.0;
+  for (int i = 0; i < 8; ++i) {
+    const double value = z[0] + root * (z[1] + root * (z[2] + root * (z[3] + root * (z[4] + root * z[5]))));
+    const double slope = z[1] + root * (2.0 * z[2] + root * (3.0 * z[3] + root * (4.0 * z[4] + root * (5.0 * z[5]))));
+    const double move = value / slope;
+    root -= move;
+    if (!(root > 0.0 && root < H)) return i == 0 ? std::clamp(root, 0.0, H) : 0.5 * H;
+    if (std::abs(move) < 1e-6 * H) break;
+  }
+  return root;
+}
 
 /// First h in [0, length] where the gap rises through 0. `leaving`: the flight's start lies on the barrier and leaves it (it is
 /// not an active guard, Propagator has seen to that): rounding must not undo this.
 std::optional<double> first_crossing(const GapPolynomial& gap, double length, double t, double scale, bool leaving) {
   double s = 0.0, H = length;
-  std::array<double, 6> z = gap.at(0.0);
+  std::array<double, 6> z = gap.at_start();
   const bool resting = leaving && std::abs(z[1]) <= rest_tolerance * (1.0 + 2.0 * std::abs(z[2]));
   while (s < length) {
     // Once a maximum at rounding distance has been looked at, the motion is taken to leave it.
@@ -68,10 +98,10 @@ std::optional<double> first_crossing(const GapPolynomial& gap, double length, do
       if (detail::stays_below_zero<6>({g, v, z[2], z[3], z[4], z[5], gap.sixth}, H)) break;  // no crossing on [s, s + H]
       if (detail::stays_below_zero<5>({-v, -a, -3.0 * z[3], -4.0 * z[4], -5.0 * z[5], 6.0 * gap.sixth}, H)) {
         // The speed stays positive on it: at most one crossing.
-        if (gap.at(s + H)[0] < 0.0) break;
-        double lo = s, hi = s + H, root = std::clamp(s - g / v, lo, hi);
+        if (gap.at<0>(s + H)[0] < 0.0) break;
+        double lo = s, hi = s + H, root = s + near_root(z, H);
         for (int i = 0; i < 60; ++i) {
-          const std::array<double, 6> here = gap.at(root);
+          const std::array<double, 4> here = gap.at<3>(root);
           (here[0] < 0.0 ? lo : hi) = root;
           const double newton = here[0] / here[1], bend = 2.0 * newton * here[2] / here[1];
           const double move = newton / (1.0 - 0.5 * std::clamp(bend, -1.0, 1.0));
@@ -86,7 +116,7 @@ std::optional<double> first_crossing(const GapPolynomial& gap, double length, do
       if (H < too_short || (!from_barrier && a < 0.0 && std::abs(g) < 4e-16 * scale && v * v < -a * 1e-14 * scale)) {
         // At rounding distance below a maximum: look at the maximum itself, once, and go on beyond it.
         const double to_top = a < 0.0 ? std::max(0.0, -v / a) : 0.0;
-        const std::array<double, 6> top = gap.at(s + to_top);
+        const std::array<double, 6> top = gap.at<5>(s + to_top);
         if (top[0] > 0.0 || !(top[2] < 0.0)) return std::min(s + to_top, length);
         s += to_top;
         z = top;
@@ -99,7 +129,7 @@ std::optional<double> first_crossing(const GapPolynomial& gap, double length, do
       continue;
     }
     s += H;
-    if (s < length) z = gap.at(s);
+    if (s < length) z = gap.at<5>(s);
   }
   return std::nullopt;
 }
@@ -144,12 +174,10 @@ void CubicFlow::carry(const FlowTask& task, const Vector& x0, Segment& out) cons
 
 template <std::size_t Pairs> void CubicFlow::carry_with(const FlowTask& task, const Vector& x0, Segment& out) const {
   const double duration = task.t_end - task.t0;
-  detail::CubicState<Pairs> z;
+  using Series = std::conditional_t<Pairs == 1, detail::CubicTangentSeries, detail::CubicSeries<order, Pairs>>;
+  typename Series::State z;
   z.v = x0[1];
-  if constexpr (Pairs > 0) {
-    z.dx[0] = detail::Pair{1.0, 0.0};
-    z.dv[0] = detail::Pair{0.0, 1.0};
-  }
+  if constexpr (Pairs > 0) z.dx[0][0] = z.dv[0][1] = 1.0;
   out.t0 = task.t0;
   out.x0 = x0;
   out.end = FlowEnd::failed;
@@ -176,7 +204,7 @@ template <std::size_t Pairs> void CubicFlow::carry_with(const FlowTask& task, co
 
   // The last two terms of a step are within a quarter of the tolerance: what is left out is below a twentieth of it.
   const double allowed = 0.25 * options_.tolerance;
-  detail::CubicSeries<order, Pairs> series(oscillator_, sources_, x0[0]);
+  Series series(oscillator_, sources_, x0[0]);
   double s = 0.0;
   for (std::size_t step = 0; step < options_.max_steps; ++step) {
     const double left = duration - s;
@@ -185,7 +213,7 @@ template <std::size_t Pairs> void CubicFlow::carry_with(const FlowTask& task, co
     out.evaluations += order;
     const double last = series.size(order), before = series.size(order - 1);
     if (!std::isfinite(last + before)) break;
-    double h = std::min(std::pow(allowed / last, 1.0 / order), std::pow(allowed / before, 1.0 / (order - 1)));
+    double h = std::min(detail::rough_root(allowed / last, order), detail::rough_root(allowed / before, order - 1));
     if (!(h > 0.0)) break;
     const bool to_end = h >= left * (1.0 - 1e-12);
     if (to_end) h = left;
@@ -196,8 +224,13 @@ template <std::size_t Pairs> void CubicFlow::carry_with(const FlowTask& task, co
       double start = x0[0] - barrier.level;
       const bool on_barrier = std::abs(start) <= guard_tolerance * scale;
       if (on_barrier) start = 0.0;
-      const GapPolynomial gap(series.position(), barrier.sign, barrier.sign * (start + z.moved), h);
-      const std::optional<double> root = first_crossing(gap, h, task.t0 + s, scale, on_barrier && step == 0);
+      const double gap_start = barrier.sign * (start + z.moved), slope = barrier.sign * series.position()[1];
+      const bool leaves = on_barrier && step == 0;
+      if ((leaves || gap_start < 0.0) &&
+          stays_below(series.position(), barrier.sign, gap_start, leaves ? std::min(slope, 0.0) : slope, h))
+        continue;
+      const GapPolynomial gap(series.position(), barrier.sign, gap_start, h);
+      const std::optional<double> root = first_crossing(gap, h, task.t0 + s, scale, leaves);
       if (root && (!crossing || *root < *crossing)) {
         crossing = root;
         out.event = barrier.event;

@@ -61,7 +61,9 @@ double Propagator::guard_acceleration(const Guard& guard, std::size_t mode, doub
 
 bool Propagator::active_at_start(const HybridState& state, std::size_t index) {
   const Guard& guard = system_->events[index].guard;
-  const double h = guard.value(state.t, state.x, p_);
+  const double h = guard.level ? guard.level->sign * (state.x[static_cast<Eigen::Index>(guard.level->coordinate)] -
+                                                      p_[static_cast<Eigen::Index>(guard.level->level)])
+                               : guard.value(state.t, state.x, p_);
   const double tolerance = guard_tolerance * (1.0 + state.x.lpNorm<Eigen::Infinity>());
   if (h < -tolerance) return false;
   if (h > tolerance) return true;
@@ -139,7 +141,12 @@ void Propagator::cross(HybridState& state, std::size_t index, double t_end, Sens
   record_.t = state.t;
   record_.x_minus = state.x;
   flows_[event.from].field(state.t, state.x, f_minus_);
-  if (event.reset.map) event.reset.map(state.t, record_.x_minus, p_, state.x);
+  if (const auto& rebound = event.reset.rebound) {
+    state.x[0] = p_[static_cast<Eigen::Index>(rebound->level)];
+    state.x[1] = -p_[static_cast<Eigen::Index>(rebound->coefficient)] * record_.x_minus[1];
+  } else if (event.reset.map) {
+    event.reset.map(state.t, record_.x_minus, p_, state.x);
+  }
   state.mode = event.to;
   record_.x_plus = state.x;
   record_.mode_plus = event.to;

@@ -37,6 +37,18 @@ void saltation(const Event& event, const Crossing& crossing, const Vector& p, st
     result.Sp.setConstant(n, m, std::numeric_limits<double>::quiet_NaN());
     return;
   }
+  if (event.guard.level && event.reset.rebound && m == 0) {  // the same, where it is known what it comes to
+    const auto coordinate = static_cast<Eigen::Index>(event.guard.level->coordinate);
+    const double restitution = p[static_cast<Eigen::Index>(event.reset.rebound->coefficient)];
+    const double rate = event.guard.level->sign / c;
+    result.regular = true;
+    result.S.setZero(n, n);
+    result.S(1, 1) = -restitution;
+    result.S(0, coordinate) += crossing.f_plus[0] * rate;
+    result.S(1, coordinate) += (crossing.f_plus[1] + restitution * crossing.f_minus[1]) * rate;
+    result.Sp.setZero(n, 0);
+    return;
+  }
   Matrix& reset_dx = result.S;
   reset_dx.setIdentity(n, n);
   Vector jump = crossing.f_plus;

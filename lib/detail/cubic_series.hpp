@@ -2,12 +2,15 @@
 // CubicSeries: Taylor series in time of x'' = A cos(w t) + c - 2 b v - k x - beta x^3, of its tangent and of its derivatives in
 // the coefficients. With X = x^2 and x^3 = x X by Cauchy products,
 //     (n+1) x_{n+1} = v_n,   (n+1) v_{n+1} = A cos_n + c [n = 0] - 2 b v_n - k x_n - beta (x X)_n,
-//     (n+1) (cos, sin)_{n+1} = w (-sin, cos)_n,
+//     cos_n = w^n/n! (cos, -sin, -cos, sin, ...),
 //     (n+1) dx_{n+1} = dv_n,   (n+1) dv_{n+1} = -2 b dv_n - k dx_n - 3 beta (X dx)_n + (f_p)_n.
 // The displacement from the start of the flight is kept beside x, lest a short flight off a barrier drown in the rounding of x.
+// Two quantities at a time lie in one SSE2 register; the recurrence is unrolled; nothing is allocated.
 #pragma once
 
+#include <graze/lib/detail/cubic_tangent.hpp>
 #include <graze/lib/detail/hertz_series.hpp>
+#include <graze/lib/mode_structure.hpp>
 
 namespace graze::detail {
 
@@ -25,105 +28,206 @@ template <std::size_t Order, std::size_t Pairs> class CubicSeries {
 
   /// `sources`: the coefficients that columns 2, 3, ... of the tangent are derivatives in; x0: where State::moved is 0.
   CubicSeries(const C& oscillator, const std::vector<std::size_t>& sources, double x0)
-      : q_(oscillator.value), sources_(sources), x0_(x0) {}
+      : q_(oscillator.value), sources_(sources), x0_(x0) {
+    double turn = 1.0, force = q_[C::amplitude];
+    for (std::size_t n = 0; n <= Order; ++n) {
+      turns_[n] = turn;
+      force_[n] = force;
+      const double next = q_[C::frequency] * inverse[n];
+      turn *= next;
+      force *= next;
+    }
+  }
 
   /// The series of the motion through z at time t.
   void expand(double t, const State& z) {
-    const double w = q_[C::frequency], drag = 2.0 * q_[C::damping], cubic = q_[C::cubic];
-    moved_ = z.moved;
+    const double phase = q_[C::frequency] * t;
+    t_ = t;
+    cos_ = std::cos(phase);
+    sin_ = std::sin(phase);
     x_[0] = x0_ + z.moved;
-    v_[0] = z.v;
-    cos_[0] = std::cos(w * t);
-    sin_[0] = std::sin(w * t);
+    xv_[0] = Pair{z.moved, z.v};
+    square_[0] = x_[0] * x_[0];
     for (std::size_t j = 0; j < Pairs; ++j) {
       dx_[j][0] = z.dx[j];
       dv_[j][0] = z.dv[j];
     }
-    for (std::size_t n = 0; n < Order; ++n) {
-      const double inverse = 1.0 / static_cast<double>(n + 1);
-      double square = n % 2 == 0 ? 0.5 * x_[n / 2] * x_[n / 2] : 0.0, cube = 0.0;
-      for (std::size_t i = n / 2 + 1; i <= n; ++i) square += x_[i] * x_[n - i];
-      square_[n] = 2.0 * square;
-      for (std::size_t i = 0; i <= n; ++i) cube += x_[i] * square_[n - i];
-      cube_[n] = cube;
-      x_[n + 1] = inverse * v_[n];
-      v_[n + 1] = inverse * (q_[C::amplitude] * cos_[n] + (n == 0 ? q_[C::constant] : 0.0) - drag * v_[n] -
-                             q_[C::stiffness] * x_[n] - cubic * cube);
-      cos_[n + 1] = -inverse * w * sin_[n];
-      sin_[n + 1] = inverse * w * cos_[n];
-      for (std::size_t j = 0; j < Pairs; ++j) {
-        Pair bend{};
-        for (std::size_t i = 0; i <= n; ++i) bend += square_[i] * dx_[j][n - i];
-        dx_[j][n + 1] = inverse * dv_[j][n];
-        dv_[j][n + 1] = -inverse * (drag * dv_[j][n] + q_[C::stiffness] * dx_[j][n] + 3.0 * cubic * bend);
-      }
-      if constexpr (Pairs > 1)
-        for (std::size_t i = 0; i < sources_.size(); ++i) dv_[1 + i / 2][n + 1][i % 2] += inverse * source(sources_[i], t, n);
-    }
+    expand(std::make_index_sequence<Order>());
   }
 
   /// Its sum h later.
   State at(double h) const {
     State z;
-    z.moved = moved_at(h);
-    z.v = horner(v_, h);
+    const Pair xv = horner(xv_, h);
+    z.moved = xv[0];
+    z.v = xv[1];
     for (std::size_t j = 0; j < Pairs; ++j) {
       z.dx[j] = horner(dx_[j], h);
       z.dv[j] = horner(dv_[j], h);
     }
     return z;
   }
-  double moved_at(double h) const {
-    double sum = 0.0;
-    for (std::size_t k = Order; k > 0; --k) sum = h * (x_[k] + sum);
-    return moved_ + sum;
-  }
   /// Coefficients of x.
   const Series& position() const { return x_; }
 
-  /// Largest coefficient of order k, each relative to 1 + |what it belongs to|; not finite if one of them is not.
+  /// Sum of the coefficients of order k, each relative to 1 + |what it belongs to|; not finite if one of them is not.
   double size(std::size_t k) const {
-    double largest = relative(x_, k) + relative(v_, k) + std::abs(cos_[k]) + std::abs(sin_[k]);
-    for (std::size_t j = 0; j < Pairs; ++j) {
-      for (std::size_t i = 0; i < 2; ++i) {
-        largest = std::max(largest, std::abs(dx_[j][k][i]) / (1.0 + std::abs(dx_[j][0][i])));
-        largest = std::max(largest, std::abs(dv_[j][k][i]) / (1.0 + std::abs(dv_[j][0][i])));
-      }
-    }
-    return largest;
+    const Pair start{x_[0], xv_[0][1]}, xv = magnitude(xv_[k]) / (1.0 + magnitude(start));
+    Pair sum = xv;
+    for (std::size_t j = 0; j < Pairs; ++j)
+      sum += magnitude(dx_[j][k]) / (1.0 + magnitude(dx_[j][0])) + magnitude(dv_[j][k]) / (1.0 + magnitude(dv_[j][0]));
+    return sum[0] + sum[1] + std::abs(force_[k]);
   }
 
  private:
-  template <class Number> static Number horner(const std::array<Number, Order + 1>& a, double h) {
-    Number sum = a[Order];
-    for (std::size_t k = Order; k-- > 0;) sum = a[k] + h * sum;
-    return sum;
-  }
-  static double relative(const Series& a, std::size_t k) { return std::abs(a[k]) / (1.0 + std::abs(a[0])); }
-
-  /// Coefficient n of the derivative of the acceleration in a coefficient of the oscillator, at fixed (t, x, v).
-  double source(std::size_t coefficient, double t, std::size_t n) const {
-    switch (coefficient) {
-    case C::damping:
-      return -2.0 * v_[n];
-    case C::stiffness:
-      return -x_[n];
-    case C::cubic:
-      return -cube_[n];
-    case C::amplitude:
-      return cos_[n];
-    case C::frequency:
-      return -q_[C::amplitude] * (t * sin_[n] + (n > 0 ? sin_[n - 1] : 0.0));
-    default:
-      return n == 0 ? 1.0 : 0.0;
+  using Coefficients = std::array<Pair, Order + 1>;
+  static constexpr Series inverse = [] {
+    Series all{};
+    for (std::size_t n = 0; n <= Order; ++n) all[n] = 1.0 / static_cast<double>(n + 1);
+    return all;
+  }();
+  /// Even and odd powers side by side: half as long a chain.
+  static Pair horner(const Coefficients& a, double h) {
+    static_assert(Order % 2 == 0);
+    const double square = h * h;
+    Pair even = a[Order], odd = a[Order - 1];
+    for (std::size_t k = Order; k > 2; k -= 2) {
+      even = a[k - 2] + square * even;
+      odd = a[k - 3] + square * odd;
     }
+    return a[0] + h * (odd + h * even);
+  }
+  static Pair magnitude(Pair a) { return a < 0.0 ? -a : a; }
+
+  /// Coefficient n of the product of the square with a series, but for what its newest coefficient has in it. From the middle
+  /// outwards: what was found last enters last.
+  template <std::size_t n, class Number> static Number product(const Series& square, const std::array<Number, Order + 1>& a) {
+    Number one{}, two{};
+    if constexpr (n % 2 == 0 && n > 0) one = square[n / 2] * a[n / 2];
+    for (std::size_t i = n / 2 + 1; i < n; ++i) {
+      one += square[i] * a[n - i];
+      two += square[n - i] * a[i];
+    }
+    if constexpr (n > 0) two += square[0] * a[n];
+    return one + two;
+  }
+  template <std::size_t... n> void expand(std::index_sequence<n...>) { (next<n>(), ...); }
+  template <std::size_t n> [[gnu::always_inline]] void next();
+  double source(std::size_t coefficient, std::size_t n) const;
+  double cosine(std::size_t n) const {
+    const double turned = n % 2 == 0 ? cos_ : sin_;
+    return (n + 1) % 4 < 2 ? turns_[n] * turned : -turns_[n] * turned;
+  }
+  double sine(std::size_t n) const {
+    const double turned = n % 2 == 0 ? sin_ : cos_;
+    return n % 4 < 2 ? turns_[n] * turned : -turns_[n] * turned;
   }
 
   const std::array<double, C::count>& q_;
   const std::vector<std::size_t>& sources_;
-  double x0_, moved_ = 0.0;
-  Series x_{}, v_{}, square_{}, cube_{}, cos_{}, sin_{};
-  std::array<std::array<Pair, Order + 1>, Pairs> dx_{}, dv_{};
+  double x0_, t_ = 0.0, cos_ = 1.0, sin_ = 0.0;
+  Series x_, square_, cube_;
+  Series turns_, force_;  // w^n/n!, and A times it
+  Coefficients xv_;       // (x - x0, v)
+  std::array<Coefficients, Pairs> dx_, dv_;
+};
+
+/// Coefficients n + 1 of everything from those up to n.
+template <std::size_t Order, std::size_t Pairs> template <std::size_t n> inline void CubicSeries<Order, Pairs>::next() {
+  // To the last bit as in cubic_tangent.hpp.
+  constexpr std::size_t m = n + 1;
+  const double part = inverse[n], drag = part * (-2.0 * q_[C::damping]), stiffness = -q_[C::stiffness], cubic = -q_[C::cubic];
+  const double x_n = x_[n], v_n = xv_[n][1], x = part * v_n;
+  double square = m % 2 == 0 ? 0.5 * x_[m / 2] * x_[m / 2] : 0.0;
+  for (std::size_t i = m / 2 + 1; i < m; ++i) square += x_[i] * x_[m - i];
+  square = 2.0 * square + (2.0 * x_[0]) * x;
+  double force = force_[n] * (n % 2 == 0 ? cos_ : sin_);
+  if constexpr ((n + 1) % 4 >= 2) force = -force;
+  if constexpr (n == 0) force += q_[C::constant];
+  const double rest = product<n>(square_, x_);
+  const double known = drag * v_n + (part * (force + stiffness * x_n) + (part * cubic) * rest);
+  const double v = known + square_[n] * (part * (cubic * x_[0]));
+  x_[m] = x;
+  xv_[m] = Pair{x, v};
+  cube_[n] = rest + square_[n] * x_[0];
+  square_[m] = square;
+  for (std::size_t j = 0; j < Pairs; ++j) {
+    const Pair bend = product<n>(square_, dx_[j]);
+    dx_[j][m] = part * dv_[j][n];
+    dv_[j][m] = (drag * dv_[j][n] + (part * (stiffness * dx_[j][n]) + (part * (3.0 * cubic)) * bend)) +
+                square_[n] * (part * ((3.0 * cubic) * dx_[j][0]));
+  }
+  if constexpr (Pairs > 1)
+    for (std::size_t i = 0; i < sources_.size(); ++i) dv_[1 + i / 2][n + 1][i % 2] += part * source(sources_[i], n);
+}
+
+/// Coefficient n of the derivative of the acceleration in a coefficient of the oscillator, at fixed (t, x, v).
+template <std::size_t Order, std::size_t Pairs>
+double CubicSeries<Order, Pairs>::source(std::size_t coefficient, std::size_t n) const {
+  switch (coefficient) {
+  case C::damping:
+    return -2.0 * xv_[n][1];
+  case C::stiffness:
+    return -x_[n];
+  case C::cubic:
+    return -cube_[n];
+  case C::amplitude:
+    return cosine(n);
+  case C::frequency:
+    return -q_[C::amplitude] * (t_ * sine(n) + (n > 0 ? sine(n - 1) : 0.0));
+  default:
+    return n == 0 ? 1.0 : 0.0;
+  }
+}
+
+/// The same, of order 16, with the two columns of Phi and no others (cubic_tangent.hpp).
+class CubicTangentSeries {
+ public:
+  using C = CubicOscillator;
+  /// As CubicState<1>, number by number.
+  struct State {
+    double moved = 0.0, v = 0.0;
+    std::array<std::array<double, 2>, 1> dx{}, dv{};
+  };
+  using Series = double[cubic_order + 1];
+
+  CubicTangentSeries(const C& oscillator, const std::vector<std::size_t>&, double x0, const CubicKernel& kernel = cubic_kernel())
+      : kernel_(kernel), frequency_(oscillator.value[C::frequency]) {
+    terms_.x0 = x0;
+    terms_.damping = oscillator.value[C::damping];
+    terms_.stiffness = oscillator.value[C::stiffness];
+    terms_.cubic = oscillator.value[C::cubic];
+    terms_.constant = oscillator.value[C::constant];
+    double force = oscillator.value[C::amplitude];
+#pragma GCC unroll 32
+    for (std::size_t n = 0; n <= cubic_order; ++n) {
+      terms_.force[n] = force;
+      force *= frequency_ * (1.0 / static_cast<double>(n + 1));
+    }
+  }
+  void expand(double t, const State& z) {
+    terms_.cosine = std::cos(frequency_ * t);
+    terms_.sine = std::sin(frequency_ * t);
+    terms_.moved = z.moved;
+    terms_.v = z.v;
+    for (std::size_t i = 0; i < 2; ++i) {
+      terms_.dx[i] = z.dx[0][i];
+      terms_.dv[i] = z.dv[0][i];
+    }
+    kernel_.expand(terms_);
+  }
+  State at(double h) const {
+    alignas(32) double z[8];
+    kernel_.at(terms_, h, z);
+    return {z[0], z[4], {{{z[1], z[2]}}}, {{{z[5], z[6]}}}};
+  }
+  const Series& position() const { return terms_.x; }
+  double size(std::size_t k) const { return k == cubic_order ? terms_.last : terms_.before; }
+
+ private:
+  CubicKernel kernel_;
+  double frequency_;
+  CubicTerms terms_;
 };
 
 }  // namespace graze::detail

@@ -54,6 +54,8 @@ template <std::size_t Order, std::size_t Pairs> class HertzSeries {
     u4_[0] = Pair{u0, u0 * u0};
     p35_[0] = y0 * u4_[0];
     y7_[0] = u0 * p35_[0][1];
+    u5_[0] = Pair{u0, p35_[0][1]};
+    p52_[0] = Pair{p35_[0][1], u0};
     weight_ = Pair{b2_ + 2.0 * loss5_ * y0 * u0, loss5_ * y0};
     weight_y_ = 2.0 * (b2_ * y0 + loss_ * u0 * u0);
     for (std::size_t j = 0; j < Pairs; ++j) {
@@ -131,6 +133,7 @@ template <std::size_t Order, std::size_t Pairs> class HertzSeries {
   double weight_y_;
   Coefficients yv_, phase_, time_;
   Coefficients yy_, yu_, twice_yu_, u4_, p35_;  // (y, y), (y, y^2), (y^2, y^4), (y^3, y^5)
+  Coefficients u5_, p52_;                       // (y^2, y^5), (y^5, y^2)
   Coefficients forcing_;                        // y times phase
   Coefficients f_, g_;                          // twice each: what multiplies dx in -dq/ds, and in -d(dx)/ds
   std::array<double, Order + 1> y7_, yx3_;
@@ -159,9 +162,13 @@ template <std::size_t Order, std::size_t Pairs> template <std::size_t k> inline 
   twice_yu_[k + 1] = 2.0 * yu_[k + 1];
   u4_[k + 1] = Pair{u, square[1] + 2.0 * u0 * u};
   p35_[k + 1] = odd + y * u4_[0] + y0 * u4_[k + 1];
-  if (cubic_) {
-    y7_[k + 1] = 0.0;
-    for (std::size_t i = 0; i <= k + 1; ++i) y7_[k + 1] += u4_[i][0] * p35_[k + 1 - i][1];
+  if (cubic_) {  // y^7 = y^2 y^5, two terms at a time
+    u5_[k + 1] = Pair{u, p35_[k + 1][1]};
+    p52_[k + 1] = Pair{p35_[k + 1][1], u};
+    Pair sum{};
+    if constexpr (k % 2 == 1) sum = Pair{u5_[(k + 1) / 2][0] * u5_[(k + 1) / 2][1], 0.0};
+    for (std::size_t i = k / 2 + 1; i > 0; --i) sum += u5_[i - 1] * p52_[k + 2 - i];
+    y7_[k + 1] = sum[0] + sum[1];
   }
   forcing_[k] = forcing;
   phase_[k + 1] = inverse * turn_ * Pair{forcing[1], forcing[0]};
