@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <mutex>
 #include <numeric>
 #include <stdexcept>
@@ -22,6 +23,7 @@ constexpr std::size_t most_attractors = 200;  // more are a parameter at which n
 constexpr double return_distance = 1e-3;      // relative to 1 + |x|: so near a return, an orbit is looked for
 constexpr int first_look = 64;                // periods
 constexpr std::size_t side_by_side = 32;      // motions of one thread
+constexpr std::int64_t usual_periods = 100;   // until a motion is recognised: says whether a table of contacts pays
 
 struct Run {
   enum class End { cancelled, reached, new_orbit, unrecognised, inadmissible, lost };
@@ -43,6 +45,7 @@ class Search {
 
   Basins search() {
     const std::vector<std::size_t> order = spread_order(starts_.size());
+    prepare_table(order);
     oneapi::tbb::task_arena arena(std::max(1, options_.threads));
     std::size_t begin = 0;
     for (std::size_t round = 0; begin < order.size(); ++round) {
@@ -59,6 +62,22 @@ class Search {
   }
 
  private:
+  /// A table of contacts for all threads, of the speeds met from the first starts: the same whatever was done before.
+  void prepare_table(const std::vector<std::size_t>& order) {
+    const auto expected = usual_periods * static_cast<std::int64_t>(starts_.size());
+    if (expected < ManyMotions::periods_for_table || !ManyMotions::applies(system_, p_, options_.flow)) return;
+    constexpr std::size_t few = 64, periods = 256;
+    scout_ = std::make_unique<ManyMotions>(system_, options_.flow);
+    const std::size_t set = scout_->add_parameters(p_);
+    scout_->expect(set, expected);
+    std::vector<MotionStart> motions;
+    for (std::size_t i = 0; i < std::min(few, order.size()); ++i)
+      motions.push_back({set, starts_[order[i]][0], starts_[order[i]][1]});
+    std::vector<PeriodResult> results;
+    scout_->carry(motions, periods, false, results);
+    table_ = scout_->table(set);
+  }
+
   static std::size_t round_size(std::size_t round) { return round < 3 ? std::size_t{16} << (2 * round) : 512; }
 
   /// False: interrupted, and nothing of the round is kept.
@@ -192,6 +211,7 @@ class Search {
     constexpr std::size_t stretch = 8;
     ManyMotions many(system_, options_.flow);
     const std::size_t set = many.add_parameters(p_);
+    if (table_) many.use(set, *table_);
     std::vector<MotionStart> motions;
     std::vector<PeriodResult> results;
     while (!cancelled()) {
@@ -364,6 +384,8 @@ class Search {
   double T_;
   Basins out_;
   KnownAttractors known_;
+  std::unique_ptr<ManyMotions> scout_;  // keeps the table
+  const ContactTable* table_ = nullptr;
   std::mutex telling_;
   std::size_t told_ = 0;
 };

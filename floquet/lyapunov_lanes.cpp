@@ -11,6 +11,8 @@ namespace graze {
 
 namespace {
 
+/// An average that may stop early is expected to last when it has gone on for so many periods.
+constexpr std::int64_t lasting = ManyMotions::periods_for_table / 4;
 constexpr std::size_t stretch = 32;  // forcing periods between two looks at what has been reached
 
 /// One motion with its first tangent vector.
@@ -38,6 +40,14 @@ class Average {
 
   bool open() const { return open_; }
   const std::vector<Strand>& strands() const { return strands_; }
+
+  /// Tells `many` what is still to come, once that is known.
+  void announce(ManyMotions& many) {
+    const bool to_the_end = options_.standard_error == 0.0 && options_.change == 0.0;
+    if (announced_ || (!to_the_end && out_.periods < lasting)) return;
+    announced_ = true;
+    many.expect(strands_.front().at.parameters, options_.max_periods - out_.periods);
+  }
 
   /// What `periods` more did to its motions, one after the other.
   void add(const PeriodResult* results, std::size_t periods) {
@@ -149,7 +159,7 @@ class Average {
   std::int64_t uncounted_ = 0;
   std::array<bool, 2> lost_{};
   std::array<double, 2> last_{};
-  bool open_ = true, failed_ = false;
+  bool open_ = true, failed_ = false, announced_ = false;
   LyapunovSpectrum out_;
 };
 
@@ -173,6 +183,7 @@ std::vector<LyapunovSpectrum> lane_spectra(const HybridSystem& system, const std
     std::int64_t periods = 0;
     for (Average& average : averages) {
       if (cancelled) average.stop(LyapunovStop::interrupted);
+      if (average.open()) average.announce(many);
       if (average.open())
         for (const Strand& strand : average.strands()) motions.push_back(strand.at);
       periods += average.periods();

@@ -3,36 +3,35 @@
 
 #include <graze/lib/lanes/oscillator.hpp>
 
-#include <xsimd/config/xsimd_cpuid.hpp>
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 
 namespace graze {
 
 namespace {
 
-void (*kernel(LaneWidth width))(const lanes::Job&) {
-  switch (width) {
-  case LaneWidth::one:
-    return lanes::carry_one;
-  case LaneWidth::generic:
-    return lanes::carry_generic;
-#ifdef GRAZE_X86_LANES
-  case LaneWidth::avx2:
-    return lanes::carry_avx2;
-  case LaneWidth::avx512:
-    return lanes::carry_avx512;
-#endif
-  default:
-    break;
-  }
-  for (const LaneWidth wide : {LaneWidth::avx512, LaneWidth::avx2})
-    if (available(wide)) return kernel(wide);
-  return lanes::carry_generic;
+/// A table is made after so many contacts, of the speeds met in them but for the slowest and fastest few.
+constexpr std::int64_t contacts_before_table = 2000;
+constexpr double too_few = 0.001;
+/// Forcing periods between two looks at whether a table can be made.
+constexpr std::size_t periods_between_looks = 64;
+/// The series of the lanes are as good as the table at this tolerance; whoever wants a smaller one wants more.
+constexpr double finest_tolerance = 1e-13;
+
+SpeedRange speeds_of(const lanes::SpeedsMet& met) {
+  const auto& n = met.of_band;
+  const auto all = static_cast<double>(std::accumulate(n.begin(), n.end(), std::int64_t{0}));
+  std::size_t first = 0, last = n.size() - 1;
+  for (double slower = 0.0; first < last; ++first)
+    if ((slower += static_cast<double>(n[first])) > too_few * all) break;
+  for (double faster = 0.0; last > first; --last)
+    if ((faster += static_cast<double>(n[last])) > too_few * all) break;
+  const auto speed = [](std::size_t band) { return std::ldexp(1.0, static_cast<int>(band) + lanes::SpeedsMet::lowest); };
+  return {speed(first), speed(last)};
 }
 
 }  // namespace
@@ -41,25 +40,20 @@ struct ManyMotions::Set {
   Vector p;
   lanes::Oscillator oscillator;
   double period;
-  std::unique_ptr<Propagator> propagator;  ///< for what the lanes leave over; made when it is wanted
+  std::unique_ptr<Propagator> propagator = nullptr;  ///< for what the lanes leave over; made when it is wanted
+  bool awaits_table = false;
+  lanes::SpeedsMet met = {};  ///< while it does
+  std::unique_ptr<ContactTable> own_table = nullptr;
+  const ContactTable* table = nullptr;
+  lanes::ContactPieces pieces = {};  ///< of the table
 };
-
-bool available(LaneWidth width) {
-#ifdef GRAZE_X86_LANES
-  const auto has = xsimd::available_architectures();
-  if (width == LaneWidth::avx2) return has.avx2;
-  if (width == LaneWidth::avx512) return has.avx512f;
-#endif
-  return width != LaneWidth::avx2 && width != LaneWidth::avx512;
-}
 
 bool ManyMotions::applies(const HybridSystem& system, const Vector& p, const FlowOptions& options) {
   return options.kind == FlowKind::automatic && lanes::lane_oscillator(system, p).has_value();
 }
 
 ManyMotions::ManyMotions(const HybridSystem& system, const FlowOptions& options, LaneWidth width)
-    : system_(&system), options_(options), kernel_(kernel(width)) {
-  if (!available(width)) throw std::invalid_argument("this processor does not have the lanes asked for");
+    : system_(&system), options_(options), width_(width), kernel_(lane_kernels(width).carry) {
   validate(options);
 }
 
@@ -73,8 +67,42 @@ std::size_t ManyMotions::add_parameters(const Vector& p) {
         fmt::format("{} at these parameters is not an oscillator that the lanes know (linear, underdamped, one barrier with "
                     "restitution or of Hertz's law); carry its motions one by one",
                     system_->name));
-  sets_.push_back(std::make_unique<Set>(Set{p, *oscillator, forcing_period(*system_, p), nullptr}));
+  sets_.push_back(std::make_unique<Set>(Set{p, *oscillator, forcing_period(*system_, p)}));
   return sets_.size() - 1;
+}
+
+ManyMotions::Set& ManyMotions::set_of(std::size_t parameters) const {
+  if (parameters >= sets_.size())
+    throw std::invalid_argument(
+        fmt::format("a motion has parameter set {}; {} were added (counted from 0)", parameters, sets_.size()));
+  return *sets_[parameters];
+}
+
+void ManyMotions::expect(std::size_t parameters, std::int64_t periods) {
+  Set& set = set_of(parameters);
+  if (set.oscillator.law == lanes::Law::hertz && !set.table && periods >= periods_for_table &&
+      options_.tolerance >= finest_tolerance)
+    set.awaits_table = true;
+}
+
+void ManyMotions::use(std::size_t parameters, const ContactTable& table) {
+  Set& set = set_of(parameters);
+  if (!table.made_for(set.oscillator.coefficients))
+    throw std::invalid_argument(fmt::format("the table of contacts is not one of parameter set {}", parameters));
+  set.awaits_table = false;
+  set.table = &table;
+  set.pieces = table.pieces();
+}
+
+const ContactTable* ManyMotions::table(std::size_t parameters) const { return set_of(parameters).table; }
+
+void ManyMotions::make_table(Set& set) {
+  const auto& met = set.met.of_band;
+  if (std::accumulate(met.begin(), met.end(), std::int64_t{0}) < contacts_before_table) return;
+  set.awaits_table = false;
+  set.own_table = std::make_unique<ContactTable>(*system_, set.p, speeds_of(set.met), width_);
+  set.table = set.own_table.get();
+  set.pieces = set.table->pieces();
 }
 
 void ManyMotions::carry_one_period(Set& set, double x, double v, bool tangent, PeriodResult& out) {
@@ -94,10 +122,7 @@ void ManyMotions::carry_one_period(Set& set, double x, double v, bool tangent, P
 
 void ManyMotions::carry(const std::vector<MotionStart>& starts, std::size_t periods, bool tangent,
                         std::vector<PeriodResult>& results) {
-  for (const MotionStart& start : starts)
-    if (start.parameters >= sets_.size())
-      throw std::invalid_argument(
-          fmt::format("a motion has parameter set {}; {} were added (counted from 0)", start.parameters, sets_.size()));
+  for (const MotionStart& start : starts) set_of(start.parameters);
   results.assign(starts.size() * periods, {});
   if (results.empty()) return;
   // Motions that go on: by index, with the periods that are behind them. Each round of the lanes takes them through one stretch;
@@ -115,8 +140,13 @@ void ManyMotions::carry(const std::vector<MotionStart>& starts, std::size_t peri
     std::size_t stretch = 0;
     for (const Going& one : going) stretch = std::max(stretch, periods - one.done);
     motions.clear();
-    for (const Going& one : going)
-      motions.push_back({one.x, one.v, &sets_[starts[one.motion].parameters]->oscillator.coefficients});
+    for (const Going& one : going) {
+      Set& set = *sets_[starts[one.motion].parameters];
+      if (set.awaits_table) make_table(set);
+      if (set.awaits_table) stretch = std::min(stretch, periods_between_looks);
+      motions.push_back(
+          {one.x, one.v, &set.oscillator.coefficients, set.table ? &set.pieces : nullptr, set.awaits_table ? &set.met : nullptr});
+    }
     carried.assign(going.size() * stretch, {});
     kernel_(
         {sets_.front()->oscillator.law, options_.tolerance, tangent, motions.data(), motions.size(), stretch, carried.data()});

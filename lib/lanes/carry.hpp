@@ -5,6 +5,7 @@
 
 #include <graze/lib/lanes/flight.hpp>
 #include <graze/lib/lanes/passage.hpp>
+#include <graze/lib/lanes/whole_contact.hpp>
 
 #include <cmath>
 
@@ -17,11 +18,21 @@ template <class Real, bool Tangent> class Carrier {
       for (double& one : row) one = 1.0;  // idle lanes compute along
     for (auto& row : memory_.field)
       for (double& one : row) one = 0.0;
-    for (std::size_t lane = 0; lane < W; ++lane) next_motion(lane);
+    for (std::size_t i = 0; i < job.count; ++i) {
+      tables_ = tables_ || job.motions[i].table;
+      met_ = met_ || job.motions[i].met;
+    }
+    for (std::size_t lane = 0; lane < W; ++lane) {
+      memory_.table[lane] = nullptr;
+      memory_.met[lane] = nullptr;
+      next_motion(lane);
+    }
   }
 
   void run() {
-    constexpr int half = static_cast<int>((W + 1) / 2), most = static_cast<int>((3 * W + 3) / 4);
+    // With a table steps of contact are rare: few lanes wait for them to be worth it.
+    constexpr int half = static_cast<int>((W + 1) / 2);
+    const int most = static_cast<int>(tables_ ? (W + 3) / 4 : (3 * W + 3) / 4);
     for (;;) {
       const int contacts = count(memory_.is(Task::contact)), crossings = count(memory_.is(Task::crossing)),
                 flights = count(memory_.is(Task::flight));
@@ -52,14 +63,38 @@ template <class Real, bool Tangent> class Carrier {
     alignas(64) double where[W];
     put(where, Real(select(landing.at_barrier, Real(1.0), Real(0.0))));
     for (std::size_t lane = 0; lane < W; ++lane) memory_.impacts[lane] += where[lane] > 0.5 ? 1 : 0;
-    if (job_.law == Law::restitution)
-      rebound<Real, Tangent>(memory_, landing);
-    else
-      touch(memory_, landing.at_barrier, Real(0.0), landing.v, landing.c, landing.s);
+    if (job_.law == Law::restitution) return rebound<Real, Tangent>(memory_, landing);
+    if (met_) note_speeds(where, landing.v);
+    Mask<Real> touching = landing.at_barrier;
+    if (tables_) touching = touching & !pass_known(landing);
+    if (any(touching)) touch(memory_, touching, Real(0.0), landing.v, landing.c, landing.s);
   }
 
-  /// Writes down what the period did, and begins the next; y < 0: not in contact.
-  void end_period(const Mask<Real>& where, const Real& x, const Real& v, const Real& y) {
+  /// Contacts that the table knows.
+  Mask<Real> pass_known(const Landing<Real>& landing) {
+    const KnownContact<Real> contact = known_contact<Real, Tangent>(memory_, landing.at_barrier, landing);
+    if (any(contact.ends)) leave_known<Real, Tangent>(memory_, contact);
+    if (any(contact.spans)) {
+      const Real before = memory_[rest];
+      begin_spanning<Real, Tangent>(memory_, contact);
+      const Mask<Real> goes_on = end_period(contact.spans, Real(memory_[barrier] + contact.y * contact.y), contact.v, contact.y);
+      if (any(goes_on)) end_spanning<Real, Tangent>(memory_, goes_on, contact, before);
+    }
+    return contact.ends | contact.spans;
+  }
+
+  void note_speeds(const double (&where)[W], const Real& v) {
+    alignas(64) double speed[W];
+    put(speed, v);
+    for (std::size_t lane = 0; lane < W; ++lane) {
+      if (where[lane] < 0.5 || !memory_.met[lane]) continue;
+      const std::int64_t band = band_of<Real>(speed[lane]) - SpeedsMet::lowest, last = SpeedsMet::count - 1;
+      ++memory_.met[lane]->of_band[static_cast<std::size_t>(band < 0 ? 0 : band > last ? last : band)];
+    }
+  }
+
+  /// Writes down what the period did, and begins the next; y < 0: not in contact. Says which motions go on.
+  Mask<Real> end_period(const Mask<Real>& where, const Real& x, const Real& v, const Real& y) {
     alignas(64) double ends[W], x1[W], v1[W], depth1[W];
     put(ends, Real(select(where, Real(1.0), Real(0.0))));
     put(x1, x);
@@ -83,7 +118,9 @@ template <class Real, bool Tangent> class Carrier {
         next_motion(lane);
       }
     }
-    begin_period(take<Real>(ends) > Real(0.5), x, v, y);
+    const Mask<Real> goes_on = take<Real>(ends) > Real(0.5);
+    begin_period(goes_on, x, v, y);
+    return goes_on;
   }
 
   void begin_period(const Mask<Real>& where, const Real& x, const Real& v, const Real& y) {
@@ -100,6 +137,8 @@ template <class Real, bool Tangent> class Carrier {
     const Motion& motion = job_.motions[taken_];
     memory_.motion[lane] = taken_++;
     memory_.period[lane] = 0;
+    memory_.table[lane] = motion.table;
+    memory_.met[lane] = motion.met;
     memory_.impacts[lane] = 0;
     for (std::size_t i = 0; i < coefficients; ++i) memory_.coefficient[i][lane] = (*motion.coefficients)[i];
     const double into = motion.x - memory_.coefficient[barrier][lane];
@@ -117,6 +156,7 @@ template <class Real, bool Tangent> class Carrier {
   const Job& job_;
   double ratio_;
   std::size_t taken_ = 0;
+  bool tables_ = false, met_ = false;
   Memory<Real> memory_;
 };
 

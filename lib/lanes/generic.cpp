@@ -2,3 +2,4 @@
 #include <graze/lib/lanes/carry.hpp>
 
 void graze::lanes::carry_generic(const Job& job) { carry<xsimd::batch<double>>(job); }
+void graze::lanes::contacts_generic(const ContactJob& job) { pass_contacts<xsimd::batch<double>>(job); }

@@ -40,9 +40,19 @@ enum Coefficient : std::size_t {
 };
 using Coefficients = std::array<double, coefficients>;
 
+struct ContactPieces;
+
+/// How many impacts and contacts began at speeds from 2^k up to twice that, k from `lowest` on (those beyond: at the ends).
+struct SpeedsMet {
+  static constexpr std::int64_t lowest = -12, count = 20;
+  std::array<std::int64_t, count> of_band{};
+};
+
 struct Motion {
   double x = 0.0, v = 0.0;
   const Coefficients* coefficients = nullptr;
+  const ContactPieces* table = nullptr;  ///< of contacts; may be null
+  SpeedsMet* met = nullptr;              ///< what to write the speeds of entry down in; may be null
 };
 
 /// What one forcing period did to one motion.
@@ -67,9 +77,30 @@ struct Job {
   Period* results = nullptr;  ///< period n of motion m at m * periods + n; behind one that was not carried nothing is written
 };
 
+/// A Hertz contact: forcing's phase (c, s) and speed at entry, and how long to follow it; and how it stands then.
+struct ContactEntry {
+  double c = 1.0, s = 0.0, v = 0.0, longest = 0.0;
+};
+struct ContactExit {
+  double duration = 0.0, y = 0.0, v = 0.0, divergence = 0.0;
+  std::array<double, 4> Phi{};  ///< at fixed times, row by row
+  bool ended = false;           ///< false: not within ContactEntry::longest, or not carried (NaN)
+};
+struct ContactJob {
+  const Coefficients* coefficients = nullptr;
+  double tolerance = 1e-13;
+  const ContactEntry* entries = nullptr;
+  std::size_t count = 0;
+  ContactExit* exits = nullptr;
+};
+
 void carry_one(const Job& job);      ///< one lane
 void carry_generic(const Job& job);  ///< what every processor of the kind has
 void carry_avx2(const Job& job);
 void carry_avx512(const Job& job);
+void contacts_one(const ContactJob& job);
+void contacts_generic(const ContactJob& job);
+void contacts_avx2(const ContactJob& job);
+void contacts_avx512(const ContactJob& job);
 
 }  // namespace graze::lanes

@@ -51,6 +51,8 @@ template <class Real> struct Memory {
   alignas(64) double field[fields][W];
   alignas(64) double task[W];
   std::size_t motion[W], period[W];
+  const ContactPieces* table[W];
+  SpeedsMet* met[W];
   int impacts[W];
 
   Real operator[](Field f) const { return take<Real>(field[f]); }

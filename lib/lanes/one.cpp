@@ -2,3 +2,4 @@
 #include <graze/lib/lanes/carry.hpp>
 
 void graze::lanes::carry_one(const Job& job) { carry<double>(job); }
+void graze::lanes::contacts_one(const ContactJob& job) { pass_contacts<double>(job); }

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Contacts from a table against the same contacts carried in steps, and motions in lanes with it against motions without.
+#include "support/checks.hpp"
+
+#include <graze/lib/flow.hpp>
+#include <graze/lib/many_motions.hpp>
+#include <graze/lib/oscillator.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <random>
+
+using namespace graze;
+using namespace graze::support;
+
+namespace {
+
+Vector hertz_parameters(double eta, double b_H) {
+  const HybridSystem system = make_oscillator("linear", "hertz");
+  Vector p = default_parameters(system.parameters);
+  p[static_cast<Eigen::Index>(parameter_index(system.parameters, "eta"))] = eta;
+  p[static_cast<Eigen::Index>(parameter_index(system.parameters, "b_H"))] = b_H;
+  return p;
+}
+
+std::vector<MotionStart> random_starts(std::size_t count, double r) {
+  std::mt19937_64 generator(11);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  std::vector<MotionStart> starts;
+  for (std::size_t i = 0; i < count; ++i) starts.push_back({0, r - 3.0 * unit(generator), 3.0 * unit(generator) - 1.5});
+  return starts;
+}
+
+}  // namespace
+
+TEST_CASE("a table of contacts agrees with contacts carried in steps") {
+  const HybridSystem system = make_oscillator("linear", "hertz");
+  const auto [eta, b_H] = GENERATE(table<double, double>({{0.711, 0.1}, {0.93, 0.0}}));
+  const Vector p = hertz_parameters(eta, b_H);
+  const double r = p[oscillator_parameter::r], T = forcing_period(system, p);
+  const ContactTable contacts(system, p, {0.13, 0.9});
+  CHECK(contacts.report().covered == 1.0);
+  CHECK(contacts.report().covered_begun > 0.95);
+  const Event& entry = system.events[0];
+  Flow flow = make_flow(system, entry.to, p, {}, {.tolerance = 1e-14});
+  std::mt19937_64 generator(5);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  Segment exact;
+  double value = 0.0, tangent = 0.0, volume = 0.0;
+  for (int k = 0; k < 300; ++k) {
+    const double t = T * unit(generator), v = 0.125 + 0.875 * unit(generator);
+    const auto contact = contacts.at(t, v);
+    REQUIRE(contact);
+    flow.carry({.t0 = t, .t_end = t + T, .sensitivity = Sensitivity::state}, vector({r, v}), exact);
+    REQUIRE(exact.end == FlowEnd::event);
+    value = std::max({value, std::abs(contact->duration - (exact.t1 - t)), std::abs(contact->v - exact.x1[1]),
+                      std::abs(contact->divergence - exact.divergence)});
+    for (std::size_t i = 0; i < 4; ++i)
+      tangent = std::max(
+          tangent, std::abs(contact->Phi[i] - exact.Phi(static_cast<Eigen::Index>(i) / 2, static_cast<Eigen::Index>(i) % 2)) /
+                       (1.0 + exact.Phi.norm()));
+    const auto& Phi = contact->Phi;
+    volume = std::max(volume, std::abs(std::log(Phi[0] * Phi[3] - Phi[1] * Phi[2]) - contact->divergence));
+  }
+  // What is promised of the table, 1e-13 and 1e-11, and that of the steps.
+  CHECK(value < 3e-13);
+  CHECK(tangent < 2e-11);
+  // The determinant is a difference of products of the size of |Phi|^2 ~ 100.
+  CHECK(volume < 1e-9);
+}
+
+TEST_CASE("motions in lanes with a table agree with motions without") {
+  const HybridSystem system = make_oscillator("linear", "hertz");
+  const auto [eta, b_H] = GENERATE(table<double, double>({{0.711, 0.1}, {0.7114, 0.0}, {0.93, 0.1}}));
+  const Vector p = hertz_parameters(eta, b_H);
+  const ContactTable contacts(system, p, {0.04, 1.9});
+  constexpr std::size_t periods = 40;
+  ManyMotions with(system), without(system);
+  with.use(with.add_parameters(p), contacts);
+  without.add_parameters(p);
+  const auto starts = random_starts(60, p[oscillator_parameter::r]);
+  std::vector<PeriodResult> results, single;
+  with.carry(starts, periods, true, results);
+  double state = 0.0, tangent = 0.0, volume = 0.0;
+  int impacts = 0, compared = 0;
+  for (std::size_t k = 0; k < periods; ++k) {
+    // The same period from the same states.
+    std::vector<MotionStart> again = starts;
+    for (std::size_t m = 0; k > 0 && m < starts.size(); ++m)
+      again[m] = {0, results[m * periods + k - 1].x, results[m * periods + k - 1].v};
+    without.carry(again, 1, true, single);
+    for (std::size_t m = 0; m < starts.size(); ++m) {
+      const PeriodResult &a = results[m * periods + k], &b = single[m];
+      REQUIRE(a.termination == b.termination);
+      double size = 1.0;
+      for (const double one : b.Phi) size = std::max(size, 1.0 + std::abs(one));
+      state = std::max(state, std::hypot(a.x - b.x, a.v - b.v) / size);
+      for (std::size_t i = 0; i < 4; ++i) tangent = std::max(tangent, std::abs(a.Phi[i] - b.Phi[i]) / (size * size));
+      volume = std::max(volume, std::abs(a.liouville - b.liouville));
+      // A contact that has just begun at the end of a period or not: impacts may count for the next.
+      impacts += a.impacts != b.impacts ? 1 : 0;
+      compared += b.impacts;
+    }
+  }
+  CHECK(state < 1e-12);
+  CHECK(tangent < 1e-11);
+  CHECK(volume < 1e-12);
+  CHECK(impacts == 0);
+  CHECK(compared > 500);
+}
+
+TEST_CASE("lanes of any width give the same with a table to the last bit") {
+  const HybridSystem system = make_oscillator("linear", "hertz");
+  const Vector p = hertz_parameters(0.711, 0.1);
+  std::vector<PeriodResult> reference;
+  for (const LaneWidth width : {LaneWidth::one, LaneWidth::generic, LaneWidth::avx2, LaneWidth::avx512}) {
+    if (!available(width)) continue;
+    const ContactTable contacts(system, p, {0.25, 1.9}, width);
+    ManyMotions many(system, {}, width);
+    many.use(many.add_parameters(p), contacts);
+    std::vector<PeriodResult> results;
+    many.carry(random_starts(61, 2.0), 20, true, results);
+    if (reference.empty()) reference = results;
+    bool same = results.size() == reference.size();
+    for (std::size_t i = 0; i < results.size(); ++i)
+      same = same && results[i].x == reference[i].x && results[i].v == reference[i].v && results[i].Phi == reference[i].Phi &&
+             results[i].impacts == reference[i].impacts && results[i].liouville == reference[i].liouville;
+    CHECK(same);
+  }
+}
+
+TEST_CASE("a table of contacts is made for many periods only") {
+  const HybridSystem system = make_oscillator("linear", "hertz"), hard = make_oscillator("linear", "newton");
+  const Vector p = hertz_parameters(0.711, 0.1);
+  const auto starts = random_starts(64, 2.0);
+  std::vector<PeriodResult> results;
+  const auto table_after = [&](std::int64_t periods, double tolerance) {
+    ManyMotions many(system, {.tolerance = tolerance});
+    many.add_parameters(p);
+    many.expect(0, periods);
+    many.carry(starts, 200, false, results);
+    return many.table(0) != nullptr;
+  };
+  CHECK(table_after(ManyMotions::periods_for_table, 1e-13));
+  CHECK_FALSE(table_after(ManyMotions::periods_for_table - 1, 1e-13));
+  CHECK_FALSE(table_after(ManyMotions::periods_for_table, 1e-14));
+  ManyMotions many(hard);
+  many.add_parameters(default_parameters(hard.parameters));
+  many.expect(0, 10 * ManyMotions::periods_for_table);
+  many.carry({{0, 0.0, 0.5}}, 10, false, results);
+  CHECK(many.table(0) == nullptr);
+}
+
+TEST_CASE("what a table of contacts is not made for is told") {
+  const HybridSystem system = make_oscillator("linear", "hertz"), hard = make_oscillator("linear", "newton");
+  const Vector p = hertz_parameters(0.711, 0.1);
+  CHECK(ContactTable::applies(system, p));
+  CHECK_FALSE(ContactTable::applies(hard, default_parameters(hard.parameters)));
+  CHECK_THROWS_WITH(ContactTable(hard, default_parameters(hard.parameters), {0.5, 1.0}),
+                    Catch::Contains("linear oscillator with a Hertz stop"));
+  for (const SpeedRange wrong : {SpeedRange{0.0, 1.0}, SpeedRange{1.0, 0.5}, SpeedRange{1.0, 1e9}, SpeedRange{NAN, 1.0}})
+    CHECK_THROWS_WITH(ContactTable(system, p, wrong), Catch::Contains("are allowed"));
+  const ContactTable contacts(system, p, {0.6, 0.7});
+  CHECK(contacts.at(0.0, 0.5));
+  CHECK_FALSE(contacts.at(0.0, 0.499));
+  CHECK_FALSE(contacts.at(0.0, 1.0));
+  CHECK_FALSE(contacts.at(-1e-9, 0.6));
+  CHECK_FALSE(contacts.at(forcing_period(system, p), 0.6));
+  CHECK_FALSE(contacts.at(0.0, NAN));
+  CHECK_FALSE(contacts.at(0.0, -0.6));
+  ManyMotions many(system);
+  many.add_parameters(hertz_parameters(0.72, 0.1));
+  CHECK_THROWS_WITH(many.use(0, contacts), Catch::Contains("not one of parameter set 0"));
+  CHECK_THROWS_WITH(many.expect(1, 10), Catch::Contains("1 were added"));
+}
