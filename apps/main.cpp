@@ -3,7 +3,9 @@
 #include <graze/apps/program.hpp>
 #include <graze/apps/ranks.hpp>
 
+#include <chrono>
 #include <iostream>
+#include <thread>
 
 namespace {
 
@@ -22,5 +24,8 @@ int main(int argc, char** argv) {
   // Of several processes under mpirun, one speaks.
   Nowhere nowhere;
   std::ostream silent(&nowhere);
-  return graze::apps::run_program(arguments, silent, silent);
+  const int code = graze::apps::run_program(arguments, silent, silent);
+  // What stops this one stops the one that speaks, too. The launcher would end it with this one's failure: let it speak first.
+  if (code != 0) std::this_thread::sleep_for(std::chrono::seconds(2));
+  return code;
 }
