@@ -36,8 +36,8 @@ struct BranchPoint {
   FloquetMultipliers multipliers;
   Signature signature;
   int impacts = 0, isolated_impacts = 0;  ///< see PeriodicOrbit
-  /// Normal speed of its weakest impact, where it was followed by its impacts. Below 1e-5 a free run does not reproduce the orbit,
-  /// for its arc beyond the barrier is no deeper than what an impact is located to.
+  /// Normal speed of its weakest impact, where it was followed by its impacts. Below 1e-5 a free run does not reproduce the
+  /// orbit, for its arc beyond the barrier is no deeper than what an impact is located to.
   double weakest_speed = std::numeric_limits<double>::infinity();
   bool stable = false;
   Admissibility admissible = Admissibility::not_checked;

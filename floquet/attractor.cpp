@@ -2,7 +2,7 @@
 #include <graze/floquet/attractor.hpp>
 #include <graze/floquet/lyapunov_lanes.hpp>
 #include <graze/floquet/settle.hpp>
-#include <graze/lib/many_motions.hpp>
+#include <graze/floquet/side_by_side.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -115,7 +115,6 @@ Attractor approach_with_looks(const HybridSystem& system, const Vector& p, const
 /// All transients side by side.
 std::vector<Attractor> approach_each(const HybridSystem& system, const std::vector<AverageStart>& starts,
                                      const AttractorOptions& options) {
-  constexpr std::size_t stretch = 16;
   ManyMotions many(system, options.lyapunov.flow);
   std::vector<Approach> approaches;
   std::vector<std::size_t> sets;
@@ -123,25 +122,10 @@ std::vector<Attractor> approach_each(const HybridSystem& system, const std::vect
     approaches.emplace_back(system, start.p, start.state, options);
     sets.push_back(many.add_parameters(start.p));
   }
-  std::vector<MotionStart> motions;
-  std::vector<PeriodResult> results;
-  for (;;) {
-    const bool cancelled = options.lyapunov.cancelled && options.lyapunov.cancelled();
-    motions.clear();
-    for (std::size_t i = 0; i < approaches.size(); ++i) {
-      if (cancelled && approaches[i].open()) approaches[i].stop(Termination::interrupted);
-      if (approaches[i].open()) motions.push_back({sets[i], approaches[i].state()[0], approaches[i].state()[1]});
-    }
-    if (motions.empty()) break;
-    many.carry(motions, stretch, false, results);
-    const PeriodResult* next = results.data();
-    for (Approach& approach : approaches) {
-      if (!approach.open()) continue;
-      for (std::size_t k = 0; k < stretch && approach.open(); ++k)
-        approach.see(next[k].termination, Vector{{next[k].x, next[k].v}});
-      next += stretch;
-    }
-  }
+  const auto cancelled = [&] { return options.lyapunov.cancelled && options.lyapunov.cancelled(); };
+  if (!carry_side_by_side(many, sets, approaches, cancelled))
+    for (Approach& approach : approaches)
+      if (approach.open()) approach.stop(Termination::interrupted);
   std::vector<Attractor> out;
   for (Approach& approach : approaches) out.push_back(std::move(approach).result());
   return out;

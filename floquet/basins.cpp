@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/basins.hpp>
 #include <graze/floquet/known_attractors.hpp>
+#include <graze/floquet/side_by_side.hpp>
 #include <graze/floquet/spread_order.hpp>
-#include <graze/lib/many_motions.hpp>
 
-#include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
@@ -13,7 +12,6 @@
 #include <memory>
 #include <mutex>
 #include <numeric>
-#include <stdexcept>
 
 namespace graze {
 
@@ -23,7 +21,7 @@ constexpr std::size_t most_attractors = 200;  // more are a parameter at which n
 constexpr double return_distance = 1e-3;      // relative to 1 + |x|: so near a return, an orbit is looked for
 constexpr int first_look = 64;                // periods
 constexpr std::size_t side_by_side = 32;      // motions of one thread
-constexpr std::int64_t usual_periods = 100;   // until a motion is recognised: says whether a table of contacts pays
+constexpr std::int64_t usual_periods = 40;    // until a motion is recognised: says whether a table of contacts pays
 
 struct Run {
   enum class End { cancelled, reached, new_orbit, unrecognised, inadmissible, lost };
@@ -64,18 +62,13 @@ class Search {
  private:
   /// A table of contacts for all threads, of the speeds met from the first starts: the same whatever was done before.
   void prepare_table(const std::vector<std::size_t>& order) {
-    const auto expected = usual_periods * static_cast<std::int64_t>(starts_.size());
-    if (expected < ManyMotions::periods_for_table || !ManyMotions::applies(system_, p_, options_.flow)) return;
-    constexpr std::size_t few = 64, periods = 256;
+    if (!ManyMotions::applies(system_, p_, options_.flow)) return;
     scout_ = std::make_unique<ManyMotions>(system_, options_.flow);
-    const std::size_t set = scout_->add_parameters(p_);
-    scout_->expect(set, expected);
     std::vector<MotionStart> motions;
-    for (std::size_t i = 0; i < std::min(few, order.size()); ++i)
+    const std::size_t set = scout_->add_parameters(p_);
+    for (std::size_t i = 0; i < std::min<std::size_t>(64, order.size()); ++i)
       motions.push_back({set, starts_[order[i]][0], starts_[order[i]][1]});
-    std::vector<PeriodResult> results;
-    scout_->carry(motions, periods, false, results);
-    table_ = scout_->table(set);
+    table_ = scouted_table(*scout_, motions, usual_periods * static_cast<std::int64_t>(starts_.size()));
   }
 
   static std::size_t round_size(std::size_t round) { return round < 3 ? std::size_t{16} << (2 * round) : 512; }
@@ -153,11 +146,7 @@ class Search {
       }
       run_.state = state;
       ++run_.periods;
-      if (const auto known = search_.known_.reached(run_.state, strands_)) {
-        run_.attractor = *known;
-        return close(Run::End::reached);
-      }
-      if (returned_to_orbit()) return close(run_.end);
+      if (reached_known() || returned_to_orbit()) return close(run_.end);
       if (++k_ < budget_) return;
       const bool found = search_.near_orbit(run_.state, false) && search_.look_for_orbit(run_, search_.options_.max_period);
       close(found ? run_.end : Run::End::unrecognised);
@@ -168,6 +157,13 @@ class Search {
       run_.end = end;
       open_ = false;
       if (end != Run::End::cancelled && end != Run::End::unrecognised) search_.tell();
+    }
+
+    bool reached_known() {
+      const auto known = search_.known_.reached(run_.state, strands_);
+      if (known) run_.end = Run::End::reached;
+      run_.attractor = known.value_or(0);
+      return known.has_value();
     }
 
     bool returned_to_orbit() {
@@ -208,25 +204,10 @@ class Search {
         }
       return;
     }
-    constexpr std::size_t stretch = 8;
     ManyMotions many(system_, options_.flow);
     const std::size_t set = many.add_parameters(p_);
     if (table_) many.use(set, *table_);
-    std::vector<MotionStart> motions;
-    std::vector<PeriodResult> results;
-    while (!cancelled()) {
-      motions.clear();
-      for (const Watch& watch : watches)
-        if (watch.open()) motions.push_back({set, watch.state()[0], watch.state()[1]});
-      if (motions.empty()) return;
-      many.carry(motions, stretch, false, results);
-      const PeriodResult* next = results.data();
-      for (Watch& watch : watches) {
-        if (!watch.open()) continue;
-        for (std::size_t k = 0; k < stretch && watch.open(); ++k) watch.see(next[k].termination, Vector{{next[k].x, next[k].v}});
-        next += stretch;
-      }
-    }
+    carry_side_by_side(many, std::vector(watches.size(), set), watches, cancelled);
   }
 
   /// Whether a known orbit is so near that it may be the one.
@@ -390,30 +371,11 @@ class Search {
   std::size_t told_ = 0;
 };
 
-void check(const HybridSystem& system, const std::vector<Vector>& starts, const BasinOptions& options, const Basins& so_far) {
-  if (starts.empty()) throw std::invalid_argument("there are no starts; at least one is needed");
-  for (const Vector& start : starts)
-    if (static_cast<std::size_t>(start.size()) != system.states)
-      throw std::invalid_argument(
-          fmt::format("a start has {} entries; system {} has {}", start.size(), system.name, system.states));
-  for (const auto& [name, value] : {std::pair{"transient", options.transient},
-                                    {"max_period", options.max_period},
-                                    {"periods", options.periods},
-                                    {"kept_states", options.kept_states}})
-    if (value < 1) throw std::invalid_argument(fmt::format("{} is {}; allowed is a whole number >= 1", name, value));
-  if (!so_far.outcomes.empty() && so_far.outcomes.size() != starts.size())
-    throw std::invalid_argument(
-        fmt::format("the result to go on from has {} starts; here are {}", so_far.outcomes.size(), starts.size()));
-  for (const StartOutcome& outcome : so_far.outcomes)
-    if (outcome.fate == Fate::reached && outcome.attractor >= so_far.attractors.size())
-      throw std::invalid_argument("the result to go on from names an attractor that it does not have");
-}
-
 }  // namespace
 
 Basins find_attractors(const HybridSystem& system, const Vector& p, const std::vector<Vector>& starts,
                        const BasinOptions& options, const Basins& so_far) {
-  check(system, starts, options, so_far);
+  check_basins(system, starts, options, so_far);
   Basins out = so_far;
   out.outcomes.resize(starts.size());
   return Search(system, p, starts, options, std::move(out)).search();

@@ -71,4 +71,8 @@ struct Basins {
 Basins find_attractors(const HybridSystem& system, const Vector& p, const std::vector<Vector>& starts,
                        const BasinOptions& options = {}, const Basins& so_far = {});
 
+/// Checks what find_attractors throws for, without computing anything.
+void check_basins(const HybridSystem& system, const std::vector<Vector>& starts, const BasinOptions& options,
+                  const Basins& so_far = {});
+
 }  // namespace graze

@@ -3,6 +3,7 @@
 
 #include <graze/lib/detail/bernstein.hpp>
 #include <graze/lib/detail/cubic_series.hpp>
+#include <graze/lib/detail/cubic_tangent_series.hpp>
 #include <graze/lib/detail/hertz_step.hpp>
 
 #include <algorithm>

@@ -75,8 +75,7 @@ double HertzFlow::speed_coefficient(double y) const {
   return 2.0 * p[C::damping] + p[C::stiffness] * p[C::contact_damping] * y * y * y;
 }
 
-template <std::size_t Pairs>
-void HertzFlow::leave_rest(const FlowTask& task, double dt, detail::HertzState<Pairs>& z) const {
+template <std::size_t Pairs> void HertzFlow::leave_rest(const FlowTask& task, double dt, detail::HertzState<Pairs>& z) const {
   const auto& p = contact_.value;
   const double r = p[C::barrier], v = z.yv[1], w = p[C::frequency], c = z.phase[0], s = z.phase[1];
   const double a = p[C::amplitude] * c - 2.0 * p[C::damping] * v - r - p[C::beta] * r * r * r;

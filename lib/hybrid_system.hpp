@@ -77,8 +77,8 @@ struct Rebound {
 struct Reset {
   VectorFunction map;
   MatrixFunction dx;
-  MatrixFunction dp;  ///< empty: zero
-  VectorFunction dt;  ///< empty: zero
+  MatrixFunction dp;               ///< empty: zero
+  VectorFunction dt;               ///< empty: zero
   std::optional<Rebound> rebound;  ///< who replaces `map` takes this away
 };
 

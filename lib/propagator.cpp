@@ -28,7 +28,7 @@ Propagator::Propagator(const HybridSystem& system, const Vector& p, std::vector<
 void Propagator::set_parameters(const Vector& p) {
   check_parameters(system_->parameters, p);
   p_ = p;
-  lane_known_ = false;
+  lane_known_ = plus_known_ = false;
   flows_.clear();
   for (std::size_t mode = 0; mode < system_->modes.size(); ++mode)
     flows_.push_back(make_flow(*system_, mode, p_, active_, options_));
@@ -68,7 +68,12 @@ bool Propagator::active_at_start(const HybridState& state, std::size_t index) {
   if (h < -tolerance) return false;
   if (h > tolerance) return true;
   const Flow& flow = flows_[state.mode];
-  flow.field(state.t, state.x, f_minus_);
+  const bool just_crossed = plus_known_ && state.t == record_.t && state.mode == record_.mode_plus && state.x == record_.x_plus;
+  if (just_crossed) {
+    f_minus_ = f_plus_;
+  } else {
+    flow.field(state.t, state.x, f_minus_);
+  }
   const double speed = transversality(guard, state.t, state.x, f_minus_, p_);
   if (std::abs(speed) > rest_tolerance * (1.0 + f_minus_.lpNorm<Eigen::Infinity>())) return speed > 0.0;
   // At rest on the guard: by its speed a glance later, from a midpoint step.
@@ -152,6 +157,7 @@ void Propagator::cross(HybridState& state, std::size_t index, double t_end, Sens
   record_.mode_plus = event.to;
   record_.normal_speed = transversality(event.guard, state.t, record_.x_minus, f_minus_, p_);
   flows_[event.to].field(state.t, state.x, f_plus_);
+  plus_known_ = true;
   record_.exit_speed = -transversality(event.guard, state.t, state.x, f_plus_, p_);
   if (event.accumulation && accumulate(state, event, t_end, sensitivity)) return;
   if (sensitivity == Sensitivity::none) return;
@@ -163,7 +169,10 @@ void Propagator::cross(HybridState& state, std::size_t index, double t_end, Sens
 bool Propagator::accumulate(HybridState& state, const Event& event, double t_end, Sensitivity sensitivity) {
   const double before = record_.normal_speed;
   const double after = std::max(0.0, record_.exit_speed);
-  const double pressing = guard_acceleration(event.guard, event.to, state.t, state.x, f_plus_);
+  // A Rebound is that of states (x, v) at a level of x: the acceleration is the field's second entry.
+  const double pressing = event.reset.rebound && event.guard.level
+                              ? event.guard.level->sign * f_plus_[1]
+                              : guard_acceleration(event.guard, event.to, state.t, state.x, f_plus_);
   const double instant = 1e-12 * (1.0 + std::abs(state.t));  // a flight this short is taken for none
   double remaining = 0.0;
   if (before > rest_tolerance * (1.0 + f_minus_.lpNorm<Eigen::Infinity>())) {
@@ -196,6 +205,7 @@ bool Propagator::accumulate(HybridState& state, const Event& event, double t_end
       return false;
     }
   }
+  plus_known_ = false;
   record_.kind = EventKind::stick;
   record_.t = state.t;
   record_.exit_speed = 0.0;

@@ -56,6 +56,9 @@ class Propagator {
   /// The time of a period carried so counts as any other.
   void count_time(double duration) { time_carried_ += duration; }
 
+  /// A state whose memory is kept from one run to the next.
+  HybridState& run() { return run_; }
+
   const Segment& segment() const { return segment_; }
   const EventRecord& record() const { return record_; }
   /// f(t, x) of a mode.
@@ -74,9 +77,11 @@ class Propagator {
   FlowOptions options_;
   std::vector<Flow> flows_;
   std::vector<std::vector<std::size_t>> events_of_mode_;
+  HybridState run_;
   Segment segment_;
   EventRecord record_;
   double time_carried_ = 0.0;
+  bool plus_known_ = false;  // whether f_plus_ is the field right after record_
   bool lane_known_ = false;  // whether one_lane_ is what there is
   std::optional<lanes::Oscillator> one_lane_;
   Vector f_minus_, f_plus_, gradient_, f_dt_, glance_;

@@ -58,7 +58,9 @@ class Composer {
     if (static_cast<std::size_t>(x0.size()) != propagator_.system().states)
       throw std::invalid_argument(fmt::format("the state has {} entries; system {} has {}", x0.size(), propagator_.system().name,
                                               propagator_.system().states));
-    state_ = {t0, x0, 0};
+    state_.t = t0;
+    state_.x = x0;
+    state_.mode = 0;
     const auto& choose = propagator_.system().initial_mode;
     const std::optional<std::size_t> mode = !x0.allFinite() ? std::nullopt
                                             : choose        ? choose(t0, x0, propagator_.parameters())
@@ -144,7 +146,7 @@ class Composer {
   Transition& out_;
   bool tangent_;
   Eigen::Index parameters_;
-  HybridState state_;
+  HybridState& state_ = propagator_.run();
 };
 
 /// The same by a single lane; false: it is not for the lanes.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/lib/detail/cubic_tangent.hpp>
-#include <graze/lib/detail/hertz_series.hpp>
+#include <graze/lib/detail/pair.hpp>
 
 namespace graze::detail {
 

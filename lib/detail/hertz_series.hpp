@@ -9,6 +9,7 @@
 // Two quantities at a time lie in one SSE2 register; the recurrence is unrolled; nothing is allocated.
 #pragma once
 
+#include <graze/lib/detail/pair.hpp>
 #include <graze/lib/hertz_contact.hpp>
 
 #include <algorithm>
@@ -18,9 +19,6 @@
 #include <vector>
 
 namespace graze::detail {
-
-/// Two doubles side by side, + - * entry by entry, also with one double (a vector type of g++ and clang).
-using Pair [[gnu::vector_size(16)]] = double;
 
 /// A contact at an instant. Columns of the tangent go two by two: dx[j] holds those of columns 2 j and 2 j + 1.
 template <std::size_t Pairs> struct HertzState {
@@ -103,18 +101,7 @@ template <std::size_t Order, std::size_t Pairs> class HertzSeries {
   static double relative(const Coefficients& a, std::size_t k) {
     return std::max(std::abs(a[k][0]) / (1.0 + std::abs(a[0][0])), std::abs(a[k][1]) / (1.0 + std::abs(a[0][1])));
   }
-  /// Coefficient n of a product of two series without its first and last `skip` terms. From the middle outwards: what was found
-  /// last enters last, and no sum waits for it.
-  template <std::size_t n, std::size_t skip = 0> static Pair product(const Coefficients& a, const Coefficients& b) {
-    Pair one{}, two{};
-    if constexpr (n % 2 == 0 && n / 2 >= skip) one = a[n / 2] * b[n / 2];
-    for (std::size_t i = n / 2 + 1; i + skip <= n; ++i) {
-      one += a[i] * b[n - i];
-      two += a[n - i] * b[i];
-    }
-    return one + two;
-  }
-  /// The same of the square of (y, y^2), skip = 1.
+  /// product<n, 1> of the square of (y, y^2).
   template <std::size_t n> Pair inner_square() const {
     Pair sum{};
     if constexpr (n % 2 == 0) sum = yu_[n / 2] * yu_[n / 2];

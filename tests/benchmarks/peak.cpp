@@ -24,8 +24,8 @@ template <class Number> [[gnu::always_inline]] inline void multiply_and_add(benc
     }
   }
   const double operations = 2.0 * chains * rounds * lanes;
-  state.counters["seconds"] = benchmark::Counter(operations / 1000.0, benchmark::Counter::kIsIterationInvariantRate |
-                                                                          benchmark::Counter::kInvert);
+  state.counters["seconds"] =
+      benchmark::Counter(operations / 1000.0, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
 using Two [[gnu::vector_size(16)]] = double;
@@ -34,9 +34,7 @@ void sse2(benchmark::State& state) { multiply_and_add<Two>(state, 2); }
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
 using Four [[gnu::vector_size(32)]] = double;
 using Eight [[gnu::vector_size(64)]] = double;
-[[gnu::target("avx2"), gnu::optimize("fp-contract=off")]] void avx2(benchmark::State& state) {
-  multiply_and_add<Four>(state, 4);
-}
+[[gnu::target("avx2"), gnu::optimize("fp-contract=off")]] void avx2(benchmark::State& state) { multiply_and_add<Four>(state, 4); }
 [[gnu::target("avx512f"), gnu::optimize("fp-contract=off")]] void avx512(benchmark::State& state) {
   multiply_and_add<Eight>(state, 8);
 }

@@ -51,8 +51,9 @@ TEST_CASE("the tracer goes round a circle and closes, in both directions") {
 }
 
 TEST_CASE("the tracer passes both folds of a cubic without losing its direction") {
-  const Curve curve = trace(cubic(), Vector{{-1.5, -1.875}}, Vector{{1.0, 0.0}}, {},
-                            [](const CurvePoint&, CurvePoint& after) { return after.u[0] > 1.5 ? Verdict::stop : Verdict::go_on; });
+  const Curve curve = trace(cubic(), Vector{{-1.5, -1.875}}, Vector{{1.0, 0.0}}, {}, [](const CurvePoint&, CurvePoint& after) {
+    return after.u[0] > 1.5 ? Verdict::stop : Verdict::go_on;
+  });
   REQUIRE(curve.stop == TraceStop::monitor);
   int folds = 0;
   for (std::size_t k = 1; k < curve.points.size(); ++k) {
@@ -66,7 +67,9 @@ TEST_CASE("the tracer passes both folds of a cubic without losing its direction"
 TEST_CASE("where the equations end the tracer says so and keeps the first failed point") {
   ZeroProblem problem = circle();
   const auto whole = problem.evaluate;
-  problem.evaluate = [whole](const Vector& u, Vector& residual, Matrix* jacobian) { return u[1] < 0.5 && whole(u, residual, jacobian); };
+  problem.evaluate = [whole](const Vector& u, Vector& residual, Matrix* jacobian) {
+    return u[1] < 0.5 && whole(u, residual, jacobian);
+  };
   problem.failure = [] { return std::string("beyond y = 0.5"); };
   const Curve curve = trace(problem, Vector{{1.0, 0.0}}, Vector{{0.0, 1.0}});
   CHECK(curve.stop == TraceStop::min_step);

@@ -112,7 +112,8 @@ TEST_CASE("damped Hertz: labels of the cascade appear in order") {
   CHECK(labels == std::vector<std::string>{"2/2", "1/2", "2/2", "4/4", "8/8", "7/8", "14/16"});
 }
 
-TEST_CASE("undamped Hertz, Newton, linear stop and the beams give their branches by the same call, off the published values too") {
+TEST_CASE(
+    "undamped Hertz, Newton, linear stop and the beams give their branches by the same call, off the published values too") {
   const auto follow = [](const char* oscillator, const char* law, const Values& values, int period, double to) {
     ContinuationOptions options;
     options.to = to;

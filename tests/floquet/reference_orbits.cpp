@@ -17,8 +17,8 @@ namespace {
 /// The 22 digits of the reference are good to all of a double's; Newton stops at the rounding of the map, a few 1e-15, and the
 /// orbit errs by that times |(M - I)^-1|, below 100 for all of them.
 constexpr double state_tolerance = 1e-12;
-/// Multipliers change with the state: measured for the period-24 orbit at 0.7116, whose state Newton leaves off by up to 3e-13 (rounding
-/// 5e-15 of the map over the distance of its multipliers from 1), by 4e2 times that, 1.1e-10.
+/// Multipliers change with the state: measured for the period-24 orbit at 0.7116, whose state Newton leaves off by up to 3e-13
+/// (rounding 5e-15 of the map over the distance of its multipliers from 1), by 4e2 times that, 1.1e-10.
 constexpr double multiplier_tolerance = 3e-10;
 
 /// Off by 1e-5 in both entries. The windows of the long orbits are not much wider.

@@ -5,6 +5,7 @@
 #include "support/extrapolation.hpp"
 
 #include <graze/lib/detail/cubic_series.hpp>
+#include <graze/lib/detail/cubic_tangent_series.hpp>
 #include <graze/lib/flow.hpp>
 #include <graze/lib/oscillator.hpp>
 #include <graze/lib/trajectory.hpp>

@@ -11,11 +11,14 @@ using namespace graze::support;
 namespace {
 
 Vector draw(const HybridSystem& system, Random& random) {
-  Vector p = parameters(system, {{"b", random(0.02, 0.4)}, {"xi", random(0.5, 1.5)}, {"eta", random(0.4, 0.9)}, {"r", random(0.0, 0.8)}});
+  Vector p = parameters(system,
+                        {{"b", random(0.02, 0.4)}, {"xi", random(0.5, 1.5)}, {"eta", random(0.4, 0.9)}, {"r", random(0.0, 0.8)}});
   for (std::size_t i = oscillator_parameter::law; i < system.parameters.size(); ++i) {
     const std::string& name = system.parameters[i].name;
-    p[static_cast<Eigen::Index>(i)] =
-        name == "k_H" ? random(20.0, 150.0) : name == "b_H" ? random(0.02, 0.3) : name == "k_S" ? random(2.0, 50.0) : random(0.4, 0.95);
+    p[static_cast<Eigen::Index>(i)] = name == "k_H"   ? random(20.0, 150.0)
+                                      : name == "b_H" ? random(0.02, 0.3)
+                                      : name == "k_S" ? random(2.0, 50.0)
+                                                      : random(0.4, 0.95);
   }
   return p;
 }
@@ -105,7 +108,8 @@ TEST_CASE("Liouville: the sum of ln det of the factors is that of the divergence
         if (law.name == "linear") REQUIRE(std::abs(transition.liouville - damping) < 1e-12);
         if (law.name == "newton")
           REQUIRE(std::abs(transition.liouville - damping -
-                           2.0 * static_cast<double>(transition.events.size()) * std::log(run.p[oscillator_parameter::law])) < 1e-12);
+                           2.0 * static_cast<double>(transition.events.size()) * std::log(run.p[oscillator_parameter::law])) <
+                  1e-12);
         Matrix product = Matrix::Identity(2, 2);
         for (const Matrix& factor : transition.factors) product = factor * product;
         REQUIRE((product - transition.Phi).norm() < 1e-14 * (1.0 + product.norm()));

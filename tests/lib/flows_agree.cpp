@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where two flows apply they agree to 1e-11 over a forcing period: the closed form, the series and the regularised contact against the
-// general integrator, in the state, in Phi and in Psi (every parameter both can differentiate in), from many random starts with other
-// than published parameter values, undamped, critical and overdamped too.
+// Where two flows apply they agree to 1e-11 over a forcing period: the closed form, the series and the regularised contact
+// against the general integrator, in the state, in Phi and in Psi (every parameter both can differentiate in), from many random
+// starts with other than published parameter values, undamped, critical and overdamped too.
 #include "support/checks.hpp"
 
 #include <graze/lib/oscillator.hpp>
@@ -18,8 +18,10 @@ Vector draw(const HybridSystem& system, double b, Random& random) {
   Vector p = parameters(system, {{"b", b}, {"xi", random(0.4, 1.6)}, {"eta", random(0.3, 0.9)}, {"r", random(-0.3, 0.9)}});
   for (std::size_t i = oscillator_parameter::law; i < system.parameters.size(); ++i) {
     const std::string& name = system.parameters[i].name;
-    p[static_cast<Eigen::Index>(i)] =
-        name == "k_H" ? random(20.0, 200.0) : name == "b_H" ? random(0.0, 0.3) : name == "k_S" ? random(2.0, 60.0) : random(0.3, 1.0);
+    p[static_cast<Eigen::Index>(i)] = name == "k_H"   ? random(20.0, 200.0)
+                                      : name == "b_H" ? random(0.0, 0.3)
+                                      : name == "k_S" ? random(2.0, 60.0)
+                                                      : random(0.3, 1.0);
   }
   return p;
 }

@@ -146,9 +146,11 @@ TEST_CASE("the instant of a crossing is that of the closed form to rounding") {
 }
 
 TEST_CASE("make_flow takes the closed form or the series where they hold and says so") {
-  const HybridSystem linear = elastic(), hertz = make_oscillator("linear", "hertz"), beam = make_oscillator("cantilever", "linear");
-  const auto kind = [](const HybridSystem& system, std::size_t mode, std::initializer_list<std::pair<const char*, double>> set = {},
-                       std::vector<std::size_t> active = {}, FlowKind wanted = FlowKind::automatic) {
+  const HybridSystem linear = elastic(), hertz = make_oscillator("linear", "hertz"),
+                     beam = make_oscillator("cantilever", "linear");
+  const auto kind = [](const HybridSystem& system, std::size_t mode,
+                       std::initializer_list<std::pair<const char*, double>> set = {}, std::vector<std::size_t> active = {},
+                       FlowKind wanted = FlowKind::automatic) {
     return std::string(make_flow(system, mode, parameters(system, set), active, {.kind = wanted}).kind());
   };
   REQUIRE(kind(linear, 0) == "closed form");

@@ -132,8 +132,8 @@ struct Tally {
     ++starts;
     crossings += c.crosses ? 1 : 0;
     if (!failure.empty() && first_failure.empty())
-      first_failure = fmt::format("{}: t0 = {:.17g}, x0 = ({:.17g}, {:.17g}), t_end = {:.17g}, p = ({:.17g})", failure, c.t0, c.x0[0],
-                                  c.x0[1], c.t_end, fmt::join(p, ", "));
+      first_failure = fmt::format("{}: t0 = {:.17g}, x0 = ({:.17g}, {:.17g}), t_end = {:.17g}, p = ({:.17g})", failure, c.t0,
+                                  c.x0[0], c.x0[1], c.t_end, fmt::join(p, ", "));
   }
   void require(int wanted) const {
     REQUIRE(first_failure == "");

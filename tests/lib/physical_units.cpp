@@ -34,8 +34,9 @@ struct PhysicalMotion {
 }  // namespace
 
 TEST_CASE("kinematic excitation is converted by the formulas of the source") {
-  const Dimensionless d = to_dimensionless(KinematicExcitation{.m = 2.0, .k = 300.0, .k_e = 500.0, .c = 4.0, .a = 0.01, .omega = 18.0, .rho = 0.02, .k_3 = 1e5},
-                                           {.k_h = 1e6, .b_h = 0.5, .k_s = 2e4});
+  const Dimensionless d = to_dimensionless(
+      KinematicExcitation{.m = 2.0, .k = 300.0, .k_e = 500.0, .c = 4.0, .a = 0.01, .omega = 18.0, .rho = 0.02, .k_3 = 1e5},
+      {.k_h = 1e6, .b_h = 0.5, .k_s = 2e4});
   REQUIRE(d.alpha == Approx(20.0));
   REQUIRE(d.length == 0.01);
   REQUIRE(d.stiffness == 800.0);
@@ -65,8 +66,9 @@ TEST_CASE("force excitation is converted by the formulas of the source") {
 }
 
 TEST_CASE("a beam on two leaf springs is converted by the formulas of the source") {
-  const Dimensionless d = to_dimensionless(BeamExcitation{.M = 1.5, .L = 0.4, .EI = 0.8, .c = 0.7, .F0 = 3.0, .omega = 5.0, .rho = 0.05},
-                                           {.k_h = 1e4, .b_h = 0.2, .k_s = 500.0});
+  const Dimensionless d =
+      to_dimensionless(BeamExcitation{.M = 1.5, .L = 0.4, .EI = 0.8, .c = 0.7, .F0 = 3.0, .omega = 5.0, .rho = 0.05},
+                       {.k_h = 1e4, .b_h = 0.2, .k_s = 500.0});
   const double k_1 = 12.0 * 0.8 / 0.064, alpha = std::sqrt(k_1 / 1.5);
   REQUIRE(d.alpha == Approx(alpha));
   REQUIRE(d.xi == Approx(3.0 / (alpha * alpha * 1.5 * 0.4)));
@@ -90,18 +92,23 @@ TEST_CASE("the dimensionless motion is the physical one in its own units") {
     REQUIRE(run.x[0] * d.length == Approx(static_cast<double>(end[0])).epsilon(1e-11));
     REQUIRE(run.x[1] * d.length * d.alpha == Approx(static_cast<double>(end[1])).epsilon(1e-11));
   };
-  same(to_dimensionless(KinematicExcitation{.m = 2.0, .k = 300.0, .k_e = 500.0, .c = 4.0, .a = 0.01, .omega = 18.0, .rho = 0.5, .k_3 = 1e5}, {.k_h = 1e6}),
+  same(to_dimensionless(
+           KinematicExcitation{.m = 2.0, .k = 300.0, .k_e = 500.0, .c = 4.0, .a = 0.01, .omega = 18.0, .rho = 0.5, .k_3 = 1e5},
+           {.k_h = 1e6}),
        {2.0, 4.0, 800.0, 1e5, 500.0 * 0.01, 18.0}, 0.004, -0.1, 0.7);
-  same(to_dimensionless(ForceExcitation{.m = 0.5, .k = 50.0, .c = 0.3, .F0 = 4.0, .omega = 9.0, .rho = 5.0, .k_3 = 100.0}, {.k_h = 1e4}),
+  same(to_dimensionless(ForceExcitation{.m = 0.5, .k = 50.0, .c = 0.3, .F0 = 4.0, .omega = 9.0, .rho = 5.0, .k_3 = 100.0},
+                        {.k_h = 1e4}),
        {0.5, 0.3, 50.0, 100.0, 4.0, 9.0}, 0.1, 0.4, 1.1);
   const double k_1 = 12.0 * 0.8 / 0.064;
-  same(to_dimensionless(BeamExcitation{.M = 1.5, .L = 0.4, .EI = 0.8, .c = 0.7, .F0 = 3.0, .omega = 5.0, .rho = 5.0}, {.k_h = 1e4}),
+  same(to_dimensionless(BeamExcitation{.M = 1.5, .L = 0.4, .EI = 0.8, .c = 0.7, .F0 = 3.0, .omega = 5.0, .rho = 5.0},
+                        {.k_h = 1e4}),
        {1.5, 0.7, k_1, 36.0 / 35.0 * k_1 / 0.16, 3.0, 5.0}, 0.05, 0.1, 0.9);
 }
 
 TEST_CASE("conversions by name give what the structs give, and cover every parameter of every law but k_r") {
   const ExcitationKind& kind = excitation_kind("kinematic");
-  const Dimensionless d = kind.convert({{"m", 2.0}, {"k", 300.0}, {"k_e", 500.0}, {"c", 4.0}, {"a", 0.01}, {"omega", 18.0}, {"rho", 0.02}, {"k_s", 2e4}});
+  const Dimensionless d = kind.convert(
+      {{"m", 2.0}, {"k", 300.0}, {"k_e", 500.0}, {"c", 4.0}, {"a", 0.01}, {"omega", 18.0}, {"rho", 0.02}, {"k_s", 2e4}});
   REQUIRE(d.eta == Approx(0.9));
   REQUIRE(d.k_S == Approx(25.0));
   REQUIRE(d.k_H == 0.0);
@@ -121,6 +128,7 @@ TEST_CASE("conversions by name give what the structs give, and cover every param
       REQUIRE((find_value(d, parameter.name) != nullptr) == (parameter.name != "k_r"));
   for (const ParameterInfo& parameter : oscillator_parameters()) REQUIRE(find_value(d, parameter.name) != nullptr);
   for (const ContactQuantity& quantity : contact_quantities()) REQUIRE(find_value(d, quantity.parameter) != nullptr);
-  REQUIRE_THROWS_WITH(excitation_kind("kinematik"), "there is no excitation \"kinematik\" (did you mean \"kinematic\"?); choose one of "
-                                                    "kinematic, force, beam");
+  REQUIRE_THROWS_WITH(excitation_kind("kinematik"),
+                      "there is no excitation \"kinematik\" (did you mean \"kinematic\"?); choose one of "
+                      "kinematic, force, beam");
 }

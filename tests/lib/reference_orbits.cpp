@@ -24,7 +24,8 @@ void check_orbit(const toml::table& entry, FlowKind kind) {
   const bool cubic = *values["beta"].value<double>() != 0.0;
   const HybridSystem system = make_oscillator(cubic ? "cantilever" : "linear", *entry["contact"].value<std::string>());
   Vector p = default_parameters(system.parameters);
-  for (const auto& [name, value] : values) p[static_cast<Eigen::Index>(parameter_index(system.parameters, name.str()))] = *value.value<double>();
+  for (const auto& [name, value] : values)
+    p[static_cast<Eigen::Index>(parameter_index(system.parameters, name.str()))] = *value.value<double>();
   if (const auto digits = entry["eta_digits"].value<std::string>()) p[oscillator_parameter::eta] = std::stod(*digits);
   const auto period = *entry["period"].value<int>();
   const std::vector<double> state = numbers(*entry["state"].as_array()), times = numbers(*entry["impact_times"].as_array()),

@@ -70,17 +70,20 @@ inline void compare_all(Violations& list, const std::string& what, const VectorF
   dx(t, x, p, J);
   if (dp) dp(t, x, p, Jp);
   if (dt) dt(t, x, p, ft);
-  compare(list, what + " in x", [&](const Vector& z) { return at(t, z, p); }, x, J);
-  compare(list, what + " in p", [&](const Vector& z) { return at(t, x, z); }, p, Jp);
-  compare(list, what + " in t", [&](const Vector& z) { return at(z[0], x, p); }, Vector::Constant(1, t), ft);
+  compare(
+      list, what + " in x", [&](const Vector& z) { return at(t, z, p); }, x, J);
+  compare(
+      list, what + " in p", [&](const Vector& z) { return at(t, x, z); }, p, Jp);
+  compare(
+      list, what + " in t", [&](const Vector& z) { return at(z[0], x, p); }, Vector::Constant(1, t), ft);
 }
 
 /// The field of a mode at a point inside it.
 inline Violations check_mode(const HybridSystem& system, std::size_t mode, double t, const Vector& x, const Vector& p) {
   Violations list;
   const Mode& m = system.modes[mode];
-  compare_all(list, fmt::format("{}: field of mode {}", system.name, m.name), m.field, m.field_dx, m.field_dp, m.field_dt, x.size(),
-              t, x, p);
+  compare_all(list, fmt::format("{}: field of mode {}", system.name, m.name), m.field, m.field_dx, m.field_dp, m.field_dt,
+              x.size(), t, x, p);
   if (!m.structure) return list;
   const ModeStructure structure = m.structure(p);
   if (const auto* linear = std::get_if<LinearOscillator>(&structure)) {
@@ -145,7 +148,8 @@ inline Violations check_event(const HybridSystem& system, std::size_t index, dou
                 x.size(), t, x, p);
   if (event.accumulation) {
     const Reset& rest = event.accumulation->reset;
-    compare_all(list, fmt::format(fmt::runtime(name), "accumulation point"), rest.map, rest.dx, rest.dp, rest.dt, x.size(), t, x, p);
+    compare_all(list, fmt::format(fmt::runtime(name), "accumulation point"), rest.map, rest.dx, rest.dp, rest.dt, x.size(), t, x,
+                p);
   }
   return list;
 }

@@ -24,8 +24,8 @@ struct TwoSidedOrbit {
 };
 
 /// `branch`: +1 for the larger speed, -1 for the smaller; nullopt where there is none with v > 0.
-inline std::optional<TwoSidedOrbit> two_sided_orbit(long double b, long double xi, long double eta, long double r, long double k_r,
-                                                    int branch = 1) {
+inline std::optional<TwoSidedOrbit> two_sided_orbit(long double b, long double xi, long double eta, long double r,
+                                                    long double k_r, int branch = 1) {
   using Long = long double;
   const Long half = std::numbers::pi_v<Long> / eta, q = std::sqrt(1 - b * b);
   const auto flight = [&](Long t, Long& p11, Long& p12, Long& p21, Long& p22) {
@@ -43,7 +43,8 @@ inline std::optional<TwoSidedOrbit> two_sided_orbit(long double b, long double x
   Long x0, y0, x1, y1;
   solve(r + p11 * r, p21 * r, x0, y0);
   solve(-k_r * p12, 1 - k_r * p22, x1, y1);
-  const Long D = (1 - eta * eta) * (1 - eta * eta) + 4 * b * b * eta * eta, C = xi * (1 - eta * eta) / D, S = xi * 2 * b * eta / D;
+  const Long D = (1 - eta * eta) * (1 - eta * eta) + 4 * b * b * eta * eta, C = xi * (1 - eta * eta) / D,
+             S = xi * 2 * b * eta / D;
   const Long alpha = x1 * x1 + y1 * y1 / (eta * eta), beta = x0 * x1 + y0 * y1 / (eta * eta),
              gamma = x0 * x0 + y0 * y0 / (eta * eta) - (C * C + S * S), root = beta * beta - alpha * gamma;
   if (root < 0) return std::nullopt;
