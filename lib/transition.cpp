@@ -165,6 +165,10 @@ bool carry_in_lane(Propagator& propagator, double t0, double t1, const Vector& x
   if (!period.carried || static_cast<std::size_t>(period.impacts) > options.max_events || (cancelled && cancelled()))
     return false;
   propagator.count_time(t1);
+  out.factors.clear();
+  out.factor_log_dets.clear();
+  out.events.clear();
+  out.log_det = out.liouville = 0.0;
   out.termination = Termination::time;
   out.x1.resize(2);
   out.x1 << period.x, period.v;
@@ -172,6 +176,7 @@ bool carry_in_lane(Propagator& propagator, double t0, double t1, const Vector& x
   out.event_sequence.assign(static_cast<std::size_t>(period.impacts), lane->hit);
   if (!tangent) return true;
   out.Phi.resize(2, 2);
+  out.Psi.resize(2, 0);
   out.Phi << period.Phi[0], period.Phi[1], period.Phi[2], period.Phi[3];
   out.log_det = std::log(std::abs(period.det));
   out.liouville = lane->liouville(period);
@@ -182,8 +187,8 @@ bool carry_in_lane(Propagator& propagator, double t0, double t1, const Vector& x
 
 void carry(Propagator& propagator, double t0, double t1, const Vector& x0, const TransitionOptions& options, Transition& out) {
   constexpr auto all = std::numeric_limits<std::size_t>::max();
-  Composer composer(propagator, options, out);
   if (carry_in_lane(propagator, t0, t1, x0, options, out)) return;
+  Composer composer(propagator, options, out);
   if (!composer.start(t0, x0)) return;
   if (options.left_out) {
     const LeftOutContact& gap = *options.left_out;

@@ -14,10 +14,12 @@ namespace graze::lanes {
 template <class Real, bool Tangent> class Carrier {
  public:
   explicit Carrier(const Job& job) : job_(job), ratio_(std::pow(job.tolerance, 1.0 / static_cast<double>(detail::hertz_order))) {
-    for (auto& row : memory_.coefficient)
-      for (double& one : row) one = 1.0;  // idle lanes compute along
-    for (auto& row : memory_.field)
-      for (double& one : row) one = 0.0;
+    if constexpr (W > 1) {  // idle lanes compute along
+      for (auto& row : memory_.coefficient)
+        for (double& one : row) one = 1.0;
+      for (auto& row : memory_.field)
+        for (double& one : row) one = 0.0;
+    }
     for (std::size_t i = 0; i < job.count; ++i) {
       tables_ = tables_ || job.motions[i].table;
       met_ = met_ || job.motions[i].met;

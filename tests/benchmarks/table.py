@@ -33,7 +33,7 @@ def duration(seconds):
 
 SOLVERS = ("graze", "graze-lanes", "graze-general", "by-hand", "gsl-rk8pd", "gsl-rk8pd-signs", "boost-dopri5", "boost-dopri5-signs", "cvode",
            "cvode-signs")
-QUESTIONS = ("period", "flight", "contact", "impact", "orbit", "branch-point", "sweep-row", "impacts", "states")
+QUESTIONS = ("peak", "period", "flight", "contact", "impact", "orbit", "branch-point", "sweep-row", "impacts", "states")
 
 
 def order(name):
@@ -71,6 +71,7 @@ def main():
     print("solver -signs: looks for events only by signs at the ends of a step; the others also for maxima inside a step.")
     print("graze-lanes: many motions side by side (SIMD). graze-general: the flow of systems of one's own.")
     print("error: of state and sensitivity over a period on the attractor, nine in ten are below (orbit: of its state).")
+    print("peak: a thousand multiplications and additions, on so many numbers at once; the floor in period.cpp is counted in them.")
     print("miscounted: of 200 runs next to grazing, those with a wrong number of impacts.")
     print()
     head = ("question", "problem", "solver", "time", "ratio", "growth", "tolerance", "error", "miscounted")
