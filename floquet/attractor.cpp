@@ -18,6 +18,8 @@ constexpr std::int64_t budget_for_many = 4 * motions_in_chaos * parting;
 /// Where AttractorOptions::recurrence is set: returns that are worth Newton's method, against those that give rise to a look.
 double nearness_of(const AttractorOptions& options) { return 20.0 * options.recurrence; }
 
+bool cancelled(const AttractorOptions& options) { return options.lyapunov.cancelled && options.lyapunov.cancelled(); }
+
 /// The orbit that is looked for at the end of a transient or an average.
 std::optional<PeriodicOrbit> orbit_at_the_end(const HybridSystem& system, const Vector& p, const Vector& state,
                                               const AttractorOptions& options) {
@@ -98,17 +100,8 @@ class Approach {
 
 Attractor approach_with_looks(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options) {
   Approach approach(system, p, start, options);
-  const double T = forcing_period(system, p);
   Propagator propagator(system, p, {}, options.lyapunov.flow);
-  Transition transition;
-  while (approach.open()) {
-    if (options.lyapunov.cancelled && options.lyapunov.cancelled()) {
-      approach.stop(Termination::interrupted);
-      break;
-    }
-    carry(propagator, 0.0, T, approach.state(), {.sensitivity = Sensitivity::none}, transition);
-    approach.see(transition.termination, transition.x1);
-  }
+  if (!carry_watched(propagator, approach, [&] { return cancelled(options); })) approach.stop(Termination::interrupted);
   return std::move(approach).result();
 }
 
@@ -122,8 +115,7 @@ std::vector<Attractor> approach_each(const HybridSystem& system, const std::vect
     approaches.emplace_back(system, start.p, start.state, options);
     sets.push_back(many.add_parameters(start.p));
   }
-  const auto cancelled = [&] { return options.lyapunov.cancelled && options.lyapunov.cancelled(); };
-  if (!carry_side_by_side(many, sets, approaches, cancelled))
+  if (!carry_side_by_side(many, sets, approaches, [&] { return cancelled(options); }))
     for (Approach& approach : approaches)
       if (approach.open()) approach.stop(Termination::interrupted);
   std::vector<Attractor> out;
@@ -140,7 +132,7 @@ void conclude(const HybridSystem& system, const Vector& p, LyapunovSpectrum aver
   ends.insert(ends.begin(), attractor.state);
   for (const Vector& end : ends) {  // one that has settled tells that the chaos was transient
     if (auto orbit = orbit_at_the_end(system, p, end, options)) return settle_on(attractor, std::move(*orbit));
-    if (options.lyapunov.cancelled && options.lyapunov.cancelled()) return;
+    if (cancelled(options)) return;
   }
   attractor.exponents = attractor.time_average.exponents;
   attractor.standard_errors = attractor.time_average.standard_errors;

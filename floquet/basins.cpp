@@ -196,12 +196,7 @@ class Search {
     const auto cancelled = [&] { return options_.cancelled && options_.cancelled(); };
     if (!ManyMotions::applies(system_, p_, options_.flow)) {
       Propagator propagator(system_, p_, {}, options_.flow);
-      Transition transition;
-      for (Watch& watch : watches)
-        while (watch.open() && !cancelled()) {
-          carry(propagator, 0.0, T_, watch.state(), {.sensitivity = Sensitivity::none}, transition);
-          watch.see(transition.termination, transition.x1);
-        }
+      for (Watch& watch : watches) carry_watched(propagator, watch, cancelled);
       return;
     }
     ManyMotions many(system_, options_.flow);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/batch_means.hpp>
-#include <graze/floquet/lyapunov.hpp>
+#include <graze/floquet/exponents.hpp>
 #include <graze/floquet/lyapunov_lanes.hpp>
 #include <graze/lib/many_motions.hpp>
 
@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <stdexcept>
 
 namespace graze {
@@ -114,14 +113,10 @@ LyapunovSpectrum lyapunov_spectrum(const HybridSystem& system, const Vector& p, 
   std::vector<BatchMeans> means(static_cast<std::size_t>(n));
   std::vector<bool> lost(static_cast<std::size_t>(n), false);
   std::vector<double> before(static_cast<std::size_t>(n), 0.0);
-  const auto settled = [&] {
-    if (out.periods < options.min_periods) return false;
-    if (!lost[0] && std::abs(means[0].mean()) < options.significance * means[0].standard_error()) return false;
-    return std::all_of(means.begin(), means.end(), [&](const BatchMeans& mean) {
-      return lost[static_cast<std::size_t>(&mean - means.data())] ||
-             mean.standard_error() / interval_time < options.standard_error;
-    });
+  const auto exponent = [&](std::size_t i) {
+    return lost[i] ? -std::numeric_limits<double>::infinity() : means[i].mean() / interval_time;
   };
+  const auto error = [&](std::size_t i) { return lost[i] ? 0.0 : means[i].standard_error() / interval_time; };
   out.stop = LyapunovStop::budget;
   std::int64_t aligned = 0;
   while (out.periods + options.interval <= options.max_periods) {
@@ -170,23 +165,14 @@ LyapunovSpectrum lyapunov_spectrum(const HybridSystem& system, const Vector& p, 
       out.stop = LyapunovStop::change;
       break;
     }
-    if (options.change == 0.0 && options.standard_error > 0.0 && settled()) {
+    if (options.change == 0.0 && options.standard_error > 0.0 &&
+        precise_enough(options, out.periods, means.size(), exponent, error)) {
       out.stop = LyapunovStop::standard_error;
       break;
     }
   }
-  std::vector<std::size_t> order(static_cast<std::size_t>(n));
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  const auto exponent = [&](std::size_t i) {
-    return lost[i] ? -std::numeric_limits<double>::infinity() : means[i].mean() / interval_time;
-  };
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return exponent(a) > exponent(b); });
-  for (const std::size_t i : order) {
-    out.exponents.push_back(exponent(i));
-    out.standard_errors.push_back(lost[i] ? 0.0 : means[i].standard_error() / interval_time);
-    out.correlation_times.push_back(lost[i] ? 0.0 : means[i].correlation_time() * options.interval);
-  }
-  out.kaplan_yorke = kaplan_yorke_dimension(out.exponents);
+  const auto correlation = [&](std::size_t i) { return lost[i] ? 0.0 : means[i].correlation_time() * options.interval; };
+  hand_over(means.size(), exponent, error, correlation, out);
   return out;
 }
 

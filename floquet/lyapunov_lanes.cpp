@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/batch_means.hpp>
+#include <graze/floquet/exponents.hpp>
 #include <graze/floquet/lyapunov_lanes.hpp>
 #include <graze/lib/many_motions.hpp>
 
@@ -73,16 +74,13 @@ class Average {
   std::int64_t periods() const { return out_.periods; }
 
   LyapunovSpectrum result() && {
-    const std::array<double, 2> value = {exponent(0), exponent(1)};
-    const std::size_t first = value[1] > value[0] ? 1 : 0;
-    for (const std::size_t i : {first, 1 - first}) {
-      out_.exponents.push_back(value[i]);
-      out_.standard_errors.push_back(lost_[i] ? 0.0 : standard_error(i));
+    const auto correlation = [&](std::size_t i) {
       double time = 0.0;
       for (const Strand& strand : strands_) time += strand.means[i].correlation_time();
-      out_.correlation_times.push_back(lost_[i] ? 0.0 : time / static_cast<double>(strands_.size()) * options_.interval);
-    }
-    out_.kaplan_yorke = kaplan_yorke_dimension(out_.exponents);
+      return lost_[i] ? 0.0 : time / static_cast<double>(strands_.size()) * options_.interval;
+    };
+    hand_over(
+        2, [&](std::size_t i) { return exponent(i); }, [&](std::size_t i) { return standard_error(i); }, correlation, out_);
     for (std::size_t i = 1; i < strands_.size(); ++i) out_.others.push_back(Vector{{strands_[i].at.x, strands_[i].at.v}});
     return std::move(out_);
   }
@@ -135,9 +133,8 @@ class Average {
   }
 
   bool settled() const {
-    if (out_.periods < options_.min_periods) return false;
-    if (!lost_[0] && std::abs(exponent(0)) < options_.significance * standard_error(0)) return false;
-    return (lost_[0] || standard_error(0) < options_.standard_error) && (lost_[1] || standard_error(1) < options_.standard_error);
+    return precise_enough(
+        options_, out_.periods, 2, [&](std::size_t i) { return exponent(i); }, [&](std::size_t i) { return standard_error(i); });
   }
 
   double exponent(std::size_t i) const {
@@ -148,6 +145,7 @@ class Average {
   }
   /// The motions are independent of each other.
   double standard_error(std::size_t i) const {
+    if (lost_[i]) return 0.0;
     double squares = 0.0;
     for (const Strand& strand : strands_) squares += std::pow(strand.means[i].standard_error(), 2);
     return std::sqrt(squares) / static_cast<double>(strands_.size()) / interval_time_;

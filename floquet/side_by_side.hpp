@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Motions that are watched: carried side by side in lanes, some forcing periods at a time, each until its watch is closed.
+// Motions that are watched: carried side by side in lanes, some forcing periods at a time, or one by one, each until its watch is
+// closed. A Watch has open(), state() (at forcing phase 0) and see(termination, state), which is told of every period while it is
+// open.
 #pragma once
 
 #include <graze/lib/many_motions.hpp>
@@ -8,7 +10,18 @@
 
 namespace graze {
 
-/// A Watch has open(), state() (at forcing phase 0) and see(termination, state), which is told of every period while it is open;
+/// Period by period; `cancelled` is asked before each. Ends when the watch is closed (true) or `cancelled` says so (false).
+template <class Watch, class Cancelled> bool carry_watched(Propagator& propagator, Watch& watch, const Cancelled& cancelled) {
+  const double T = forcing_period(propagator.system(), propagator.parameters());
+  Transition transition;
+  while (watch.open()) {
+    if (cancelled()) return false;
+    carry(propagator, 0.0, T, watch.state(), {.sensitivity = Sensitivity::none}, transition);
+    watch.see(transition.termination, transition.x1);
+  }
+  return true;
+}
+
 /// sets[i] are the parameters of watches[i] in `many`. Ends when none is open (true) or `cancelled` says so (false).
 template <class Watch, class Cancelled>
 bool carry_side_by_side(ManyMotions& many, const std::vector<std::size_t>& sets, std::vector<Watch>& watches,
