@@ -14,10 +14,6 @@
 
 namespace graze {
 
-namespace detail {
-template <std::size_t Order, std::size_t Pairs> class CubicSeries;
-}
-
 class CubicFlow {
  public:
   CubicFlow(const HybridSystem& system, std::size_t mode, const Vector& p, std::span<const std::size_t> active,

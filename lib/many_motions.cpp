@@ -136,28 +136,25 @@ void ManyMotions::carry(const std::vector<MotionStart>& starts, std::size_t peri
   std::vector<lanes::Motion> motions;
   std::vector<lanes::Period> carried;
   while (!going.empty()) {
-    // All motions of one call go equally far: to the end of the one that is furthest behind... the rest is cut off below.
-    std::size_t stretch = 0;
-    for (const Going& one : going) stretch = std::max(stretch, periods - one.done);
     motions.clear();
+    std::size_t stride = 0;
     for (const Going& one : going) {
       Set& set = *sets_[starts[one.motion].parameters];
       if (set.awaits_table) make_table(set);
-      if (set.awaits_table) stretch = std::min(stretch, periods_between_looks);
-      motions.push_back(
-          {one.x, one.v, &set.oscillator.coefficients, set.table ? &set.pieces : nullptr, set.awaits_table ? &set.met : nullptr});
+      const std::size_t left = periods - one.done, stretch = set.awaits_table ? std::min(left, periods_between_looks) : left;
+      stride = std::max(stride, stretch);
+      motions.push_back({one.x, one.v, &set.oscillator.coefficients, stretch, set.table ? &set.pieces : nullptr,
+                         set.awaits_table ? &set.met : nullptr});
     }
-    carried.assign(going.size() * stretch, {});
-    kernel_(
-        {sets_.front()->oscillator.law, options_.tolerance, tangent, motions.data(), motions.size(), stretch, carried.data()});
+    carried.assign(going.size() * stride, {});
+    kernel_({sets_.front()->oscillator.law, options_.tolerance, tangent, motions.data(), motions.size(), stride, carried.data()});
     next.clear();
     for (std::size_t i = 0; i < going.size(); ++i) {
       Going one = going[i];
       Set& set = *sets_[starts[one.motion].parameters];
-      const std::size_t last = std::min(periods - one.done, stretch);
       bool stopped = false;
-      for (std::size_t k = 0; k < last; ++k) {
-        const lanes::Period& period = carried[i * stretch + k];
+      for (std::size_t k = 0; k < motions[i].periods; ++k) {
+        const lanes::Period& period = carried[i * stride + k];
         PeriodResult& out = results[one.motion * periods + one.done];
         if (!period.carried) {
           carry_one_period(set, one.x, one.v, tangent, out);

@@ -158,12 +158,12 @@ bool carry_in_lane(Propagator& propagator, double t0, double t1, const Vector& x
   const lanes::Oscillator* lane = propagator.one_lane();
   if (!lane || t1 != lane->coefficients[lanes::period]) return false;
   const auto cancelled = propagator.options().cancelled;
+  if (cancelled && cancelled()) return false;
   const lanes::Motion motion{x0[0], x0[1], &lane->coefficients};
   lanes::Period period;
   const bool tangent = options.sensitivity == Sensitivity::state;
   lanes::carry_one({lane->law, propagator.options().tolerance, tangent, &motion, 1, 1, &period});
-  if (!period.carried || static_cast<std::size_t>(period.impacts) > options.max_events || (cancelled && cancelled()))
-    return false;
+  if (!period.carried || static_cast<std::size_t>(period.impacts) > options.max_events) return false;
   propagator.count_time(t1);
   out.factors.clear();
   out.factor_log_dets.clear();

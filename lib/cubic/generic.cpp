@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/lib/detail/cubic_tangent.hpp>
 #include <graze/lib/detail/pair.hpp>
+#include <graze/lib/lane_width.hpp>
 
 namespace graze::detail {
 
@@ -40,8 +41,8 @@ struct Generic {
 const CubicKernel cubic_generic = {CubicRecurrence<Generic>::expand, CubicRecurrence<Generic>::at};
 
 const CubicKernel& cubic_kernel() {
-#ifdef GRAZE_X86_CUBIC
-  static const bool has_avx2 = __builtin_cpu_supports("avx2");
+#ifdef GRAZE_X86_LANES
+  static const bool has_avx2 = available(LaneWidth::avx2);
   if (has_avx2) return cubic_avx2;
 #endif
   return cubic_generic;

@@ -23,7 +23,7 @@ inline constexpr double hertz_longest_step = 0.3 * std::numbers::pi;
 
 /// x^(1/order) to 4%, which is all that the length of a step needs: read as a whole number, a double is its logarithm to base 2
 /// up to 0.09, with 2^52 for the unit.
-inline double rough_root(double x, std::size_t order = hertz_order) {
+[[gnu::always_inline]] inline double rough_root(double x, std::size_t order = hertz_order) {
   constexpr auto one = std::bit_cast<std::int64_t>(1.0);
   return 0.97 * std::bit_cast<double>(one + (std::bit_cast<std::int64_t>(x) - one) / static_cast<std::int64_t>(order));
 }

@@ -104,7 +104,7 @@ template <class Real, bool Tangent> class Carrier {
     put(depth1, y);
     for (std::size_t lane = 0; lane < W; ++lane) {
       if (ends[lane] < 0.5) continue;
-      Period& result = job_.results[memory_.motion[lane] * job_.periods + memory_.period[lane]];
+      Period& result = job_.results[memory_.motion[lane] * job_.stride + memory_.period[lane]];
       result.x = x1[lane];
       result.v = v1[lane];
       if constexpr (Tangent) {
@@ -115,7 +115,7 @@ template <class Real, bool Tangent> class Carrier {
       result.impacts = memory_.impacts[lane];
       result.carried = true;
       memory_.impacts[lane] = 0;
-      if (++memory_.period[lane] == job_.periods) {
+      if (++memory_.period[lane] == job_.motions[memory_.motion[lane]].periods) {
         ends[lane] = 0.0;
         next_motion(lane);
       }
@@ -151,7 +151,7 @@ template <class Real, bool Tangent> class Carrier {
   }
 
   void give_up(std::size_t lane) {
-    job_.results[memory_.motion[lane] * job_.periods + memory_.period[lane]].carried = false;
+    job_.results[memory_.motion[lane] * job_.stride + memory_.period[lane]].carried = false;
     next_motion(lane);
   }
 

@@ -51,6 +51,7 @@ struct SpeedsMet {
 struct Motion {
   double x = 0.0, v = 0.0;
   const Coefficients* coefficients = nullptr;
+  std::size_t periods = 1;               ///< to be carried
   const ContactPieces* table = nullptr;  ///< of contacts; may be null
   SpeedsMet* met = nullptr;              ///< what to write the speeds of entry down in; may be null
 };
@@ -73,8 +74,8 @@ struct Job {
   bool tangent = true;
   const Motion* motions = nullptr;
   std::size_t count = 0;
-  std::size_t periods = 0;    ///< of each motion
-  Period* results = nullptr;  ///< period n of motion m at m * periods + n; behind one that was not carried nothing is written
+  std::size_t stride = 0;     ///< at least the periods of each motion
+  Period* results = nullptr;  ///< period n of motion m at m * stride + n; behind one that was not carried nothing is written
 };
 
 /// A Hertz contact: forcing's phase (c, s) and speed at entry, and how long to follow it; and how it stands then.

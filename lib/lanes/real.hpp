@@ -17,9 +17,10 @@ template <class Real> struct MaskType { using type = typename Real::batch_bool_t
 template <> struct MaskType<double> { using type = bool; };
 template <class Real> using Mask = typename MaskType<Real>::type;
 
-inline double select(bool mask, double a, double b) { return mask ? a : b; }
-inline bool any(bool mask) { return mask; }
-inline int count(bool mask) { return mask ? 1 : 0; }
+// Always inlined: a copy of them compiled for one processor must not serve another.
+[[gnu::always_inline]] inline double select(bool mask, double a, double b) { return mask ? a : b; }
+[[gnu::always_inline]] inline bool any(bool mask) { return mask; }
+[[gnu::always_inline]] inline int count(bool mask) { return mask ? 1 : 0; }
 template <class T, class A> int count(const xsimd::batch_bool<T, A>& mask) {
   using Batch = xsimd::batch<T, A>;
   return static_cast<int>(xsimd::hadd(xsimd::select(mask, Batch(1.0), Batch(0.0))));
@@ -27,8 +28,8 @@ template <class T, class A> int count(const xsimd::batch_bool<T, A>& mask) {
 using std::abs, std::sqrt, xsimd::abs, xsimd::sqrt;
 using xsimd::any;
 using xsimd::select;
-inline double least(double a, double b) { return a < b ? a : b; }
-inline double largest(double a, double b) { return a > b ? a : b; }
+[[gnu::always_inline]] inline double least(double a, double b) { return a < b ? a : b; }
+[[gnu::always_inline]] inline double largest(double a, double b) { return a > b ? a : b; }
 template <class Real> Real least(const Real& a, const Real& b) { return xsimd::min(a, b); }
 template <class Real> Real largest(const Real& a, const Real& b) { return xsimd::max(a, b); }
 
@@ -39,7 +40,7 @@ template <class Real> Real take(const double* from) {
   else
     return Real::load_aligned(from);
 }
-inline void put(double* to, double value) { *to = value; }
+[[gnu::always_inline]] inline void put(double* to, double value) { *to = value; }
 template <class Real> void put(double* to, const Real& value) { value.store_aligned(to); }
 
 /// cos and sin for 0 <= angle <= 3 to a few units in the last place: Taylor polynomials at a quarter of it (left out:
