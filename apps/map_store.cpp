@@ -100,7 +100,7 @@ std::string MapStore::file(int number) const { return fmt::format("{}/{:06}.chun
 std::vector<int> MapStore::missing() const {
   std::vector<int> numbers;
   for (int number = 0; number < plan_.chunks(); ++number)
-    if (!finished_[static_cast<std::size_t>(number)]) numbers.push_back(number);
+    if (!has(number)) numbers.push_back(number);
   return numbers;
 }
 

@@ -28,6 +28,7 @@ class MapStore {
 
   const MapPlan& plan() const { return plan_; }  ///< with the rows per chunk of the run that is resumed
   std::uint64_t fingerprint() const { return fingerprint_; }
+  bool has(int number) const { return finished_[static_cast<std::size_t>(number)]; }
   std::vector<int> missing() const;
   int finished() const;
   int damaged() const { return damaged_; }  ///< chunk files that were there and could not be used

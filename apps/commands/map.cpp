@@ -79,9 +79,7 @@ MapRows rows_of(const MapStore& store) {
     const MapPlan& plan = store.plan();
     const int wanted = row / plan.chunk_rows;
     if (wanted != number) {
-      const std::vector<int> missing = store.missing();
-      const bool there = !std::binary_search(missing.begin(), missing.end(), wanted);
-      chunk = there ? store.chunk(wanted) : MapChunk();
+      chunk = store.has(wanted) ? store.chunk(wanted) : MapChunk();
       number = wanted;
     }
     const std::size_t size = static_cast<std::size_t>(plan.layers()) * static_cast<std::size_t>(plan.grid.columns.count);

@@ -21,8 +21,7 @@ using Catch::Matchers::Contains;
 namespace {
 
 Outcome run(std::vector<std::string> more, const std::string& id = "newton-elastic") {
-  more.insert(more.begin(), {"attractors", problem(id), "--quiet"});
-  return call(more);
+  return call("attractors", id, std::move(more));
 }
 
 const std::vector<std::string> small_grid = {"--set", "eta=0.744", "--x=-1.9:2.3:22", "--v=-2:2:12"};

@@ -31,6 +31,11 @@ Outcome call(const std::vector<std::string>& arguments) {
   return outcome;
 }
 
+Outcome call(const std::string& command, const std::string& problem_id, std::vector<std::string> more) {
+  more.insert(more.begin(), {command, problem(problem_id), "--quiet"});
+  return call(more);
+}
+
 apps::Json json_of(const Outcome& outcome) {
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);

@@ -21,6 +21,9 @@ struct Outcome {
 /// run_program within this process.
 Outcome call(const std::vector<std::string>& arguments);
 
+/// A command on a problem that is shipped, without progress and notes.
+Outcome call(const std::string& command, const std::string& problem_id, std::vector<std::string> more);
+
 /// What a call that must succeed has put on stdout as JSON.
 apps::Json json_of(const Outcome& outcome);
 

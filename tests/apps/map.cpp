@@ -22,10 +22,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-Outcome run(std::vector<std::string> more, const std::string& id = "hertz-damped") {
-  more.insert(more.begin(), {"map", problem(id), "--quiet"});
-  return call(more);
-}
+Outcome run(std::vector<std::string> more, const std::string& id = "hertz-damped") { return call("map", id, std::move(more)); }
 
 const std::vector<std::string> small = {"--param", "eta:0.69:0.74:6", "--param", "r:1.9:2.1:3"};
 

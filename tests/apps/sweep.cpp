@@ -16,8 +16,7 @@ using Catch::Matchers::Contains;
 namespace {
 
 Outcome run(std::vector<std::string> more, const std::string& id = "newton-elastic") {
-  more.insert(more.begin(), {"sweep", problem(id), "--quiet"});
-  return call(more);
+  return call("sweep", id, std::move(more));
 }
 
 }  // namespace

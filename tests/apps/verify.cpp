@@ -18,10 +18,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-Outcome run(std::vector<std::string> more, const std::string& id = "hertz-damped") {
-  more.insert(more.begin(), {"verify", problem(id), "--quiet"});
-  return call(more);
-}
+Outcome run(std::vector<std::string> more, const std::string& id = "hertz-damped") { return call("verify", id, std::move(more)); }
 
 }  // namespace
 
