@@ -3,7 +3,6 @@
 
 #include <graze/lib/detail/bernstein.hpp>
 #include <graze/lib/detail/cubic_series.hpp>
-#include <graze/lib/detail/cubic_tangent_series.hpp>
 #include <graze/lib/detail/hertz_step.hpp>
 
 #include <algorithm>
@@ -22,13 +21,20 @@ using Coefficients = std::span<const double, order + 1>;
 /// taken for the worst. Nearly all steps do, and no more needs to be known of them.
 bool stays_below(Coefficients x, double sign, double at_start, double at_start_slope, double length) {
   constexpr std::size_t degree = 8;
+  std::array<double, degree + 1> power;  // of the length; by squares, lest each wait for the one before
+  power[0] = 1.0;
+  power[1] = length;
+#pragma GCC unroll 8
+  for (std::size_t k = 2; k <= degree; ++k) power[k] = power[k / 2] * power[k - k / 2];
   std::array<double, degree + 1> a;
   a[0] = at_start;
   a[1] = at_start_slope * length;
-  double power = length * length, rest = 0.0;
-  for (std::size_t k = 2; k <= degree; ++k, power *= length) a[k] = sign * x[k] * power;
-  for (std::size_t k = degree + 1; k <= order; ++k, power *= length) rest += std::abs(x[k]) * power;
-  a[degree] += rest;  // sum_{k > 8} |a_k| u^k <= u^8 sum |a_k|, u = t/length in [0, 1]
+  double rest = 0.0;
+#pragma GCC unroll 8
+  for (std::size_t k = 2; k <= degree; ++k) a[k] = sign * x[k] * power[k];
+#pragma GCC unroll 8
+  for (std::size_t k = 1; k + degree <= order; ++k) rest += std::abs(x[degree + k]) * power[k];
+  a[degree] += rest * power[degree];  // sum_{k > 8} |a_k| u^k <= u^8 sum |a_k|, u = t/length in [0, 1]
   return detail::stays_below_zero<degree>(a, 1.0);
 }
 
@@ -163,22 +169,22 @@ void CubicFlow::field(double t, const Vector& x, Vector& out) const {
 }
 
 void CubicFlow::carry(const FlowTask& task, const Vector& x0, Segment& out) const {
-  if (task.sensitivity == Sensitivity::none) return carry_with<0>(task, x0, out);
-  if (task.sensitivity == Sensitivity::state || sources_.empty()) {
+  if (task.sensitivity != Sensitivity::state_and_parameters || sources_.empty()) {
     carry_with<1>(task, x0, out);
-    out.Psi.setZero(2, task.sensitivity == Sensitivity::state ? 0 : source_dp_.cols());
+    out.Psi.setZero(2, task.sensitivity == Sensitivity::state_and_parameters ? source_dp_.cols() : 0);
     return;
   }
-  if (sources_.size() <= 2) return carry_with<2>(task, x0, out);
-  carry_with<1 + C::count / 2>(task, x0, out);
+  if (sources_.size() <= 4) return carry_with<2>(task, x0, out);
+  static_assert(C::count <= 8);
+  carry_with<3>(task, x0, out);
 }
 
-template <std::size_t Pairs> void CubicFlow::carry_with(const FlowTask& task, const Vector& x0, Segment& out) const {
+template <std::size_t Quads> void CubicFlow::carry_with(const FlowTask& task, const Vector& x0, Segment& out) const {
   const double duration = task.t_end - task.t0;
-  using Series = std::conditional_t<Pairs == 1, detail::CubicTangentSeries, detail::CubicSeries<order, Pairs>>;
-  typename Series::State z;
+  typename detail::CubicSeries<Quads>::State z;
   z.v = x0[1];
-  if constexpr (Pairs > 0) z.dx[0][0] = z.dv[0][1] = 1.0;
+  const bool tangent = task.sensitivity != Sensitivity::none;
+  if (tangent) z.dx[0] = z.dv[1] = 1.0;
   out.t0 = task.t0;
   out.x0 = x0;
   out.end = FlowEnd::failed;
@@ -190,29 +196,33 @@ template <std::size_t Pairs> void CubicFlow::carry_with(const FlowTask& task, co
     out.t1 = end == FlowEnd::time ? task.t_end : task.t0 + s;
     out.x1.resize(2);
     out.x1 << (end == FlowEnd::event ? level : x0[0] + z.moved), z.v;
-    if constexpr (Pairs > 0) {
+    if (tangent) {
       out.divergence = -2.0 * oscillator_.value[C::damping] * s;
       out.Phi.resize(2, 2);
-      out.Phi << z.dx[0][0], z.dx[0][1], z.dv[0][0], z.dv[0][1];
+      out.Phi << z.dx[0], z.dx[1], z.dv[0], z.dv[1];
     }
-    if constexpr (Pairs > 1) {
+    if constexpr (Quads > 1) {
       Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, C::count> columns(2, static_cast<Eigen::Index>(sources_.size()));
-      for (std::size_t i = 0; i < sources_.size(); ++i)
-        columns.col(static_cast<Eigen::Index>(i)) << z.dx[1 + i / 2][i % 2], z.dv[1 + i / 2][i % 2];
+      for (std::size_t i = 0; i < sources_.size(); ++i) columns.col(static_cast<Eigen::Index>(i)) << z.dx[2 + i], z.dv[2 + i];
       out.Psi.noalias() = columns * source_dp_;
     }
   };
 
   // The last two terms of a step are within a quarter of the tolerance: what is left out is below a twentieth of it.
   const double allowed = 0.25 * options_.tolerance;
-  Series series(oscillator_, sources_, x0[0]);
+  detail::CubicSeries<Quads> series(oscillator_, sources_, x0[0]);
   double s = 0.0;
   for (std::size_t step = 0; step < options_.max_steps; ++step) {
     const double left = duration - s;
     if (left <= 0.0) return finish(FlowEnd::time, duration);
+    if (step % 16 == 0) {  // lest the phase drift from the time
+      const double phase = oscillator_.value[C::frequency] * (task.t0 + s);
+      z.cosine = std::cos(phase);
+      z.sine = std::sin(phase);
+    }
     series.expand(task.t0 + s, z);
     out.evaluations += order;
-    const double last = series.size(order), before = series.size(order - 1);
+    const double last = series.last(), before = series.before();
     if (!std::isfinite(last + before)) break;
     double h = std::min(detail::rough_root(allowed / last, order), detail::rough_root(allowed / before, order - 1));
     if (!(h > 0.0)) break;

@@ -66,8 +66,9 @@ void HertzFlow::carry(const FlowTask& task, const Vector& x0, Segment& out) cons
   if (task.sensitivity == Sensitivity::none) return carry_with<0>(task, x0, out);
   const std::size_t parameters = task.sensitivity == Sensitivity::state ? 0 : coefficient_of_active_.size();
   if (parameters == 0) return carry_with<1>(task, x0, out);
-  if (parameters <= 2) return carry_with<2>(task, x0, out);
-  carry_with<1 + (C::count + 1) / 2>(task, x0, out);
+  if (parameters <= 4) return carry_with<2>(task, x0, out);
+  static_assert(C::count <= 8);
+  carry_with<3>(task, x0, out);
 }
 
 double HertzFlow::speed_coefficient(double y) const {
@@ -75,26 +76,31 @@ double HertzFlow::speed_coefficient(double y) const {
   return 2.0 * p[C::damping] + p[C::stiffness] * p[C::contact_damping] * y * y * y;
 }
 
-template <std::size_t Pairs> void HertzFlow::leave_rest(const FlowTask& task, double dt, detail::HertzState<Pairs>& z) const {
+template <std::size_t Quads> void HertzFlow::leave_rest(const FlowTask& task, double dt, detail::HertzState<Quads>& z) const {
   const auto& p = contact_.value;
-  const double r = p[C::barrier], v = z.yv[1], w = p[C::frequency], c = z.phase[0], s = z.phase[1];
+  const double r = p[C::barrier], v = z.v, w = p[C::frequency], c = z.cosine, s = z.sine;
   const double a = p[C::amplitude] * c - 2.0 * p[C::damping] * v - r - p[C::beta] * r * r * r;
   const double jerk = -p[C::amplitude] * w * s - 2.0 * p[C::damping] * a;
   const auto root_depth = [&](double t) { return std::sqrt(std::max(0.0, t * (v + t * (a / 2 + jerk * t / 6)))); };
   const double y = root_depth(dt), t = task.t0 + dt, middle = task.t0 + dt / 2;
-  z.yv = detail::Pair{y, v + dt * (a + jerk * dt / 2)};
-  z.phase = detail::Pair{std::cos(w * t), std::sin(w * t)};
-  z.time = detail::Pair{dt, -2.0 * p[C::damping] * dt};
-  if constexpr (Pairs > 0) {
+  z.y = y;
+  z.v = v + dt * (a + jerk * dt / 2);
+  z.cosine = std::cos(w * t);
+  z.sine = std::sin(w * t);
+  z.time = dt;
+  z.divergence = -2.0 * p[C::damping] * dt;
+  if constexpr (Quads > 0) {
     Eigen::Matrix2d A;
     A << 0.0, 1.0, -1.0 - 3.0 * p[C::beta] * r * r, -2.0 * p[C::damping];
     Eigen::Matrix2d Phi = Eigen::Matrix2d::Identity() + A * dt + A * A * (dt * dt / 2);
     // What the contact's own stiffness, 1.5 k_H y, adds up to.
     const double stiffness = 1.5 * p[C::stiffness] * (4.0 * root_depth(dt / 2) + y) * dt / 6;
     Phi(1, 0) -= stiffness;
-    z.dx[0] = detail::Pair{Phi(0, 0), Phi(0, 1)};
-    z.q[0] = detail::Pair{Phi(1, 0), Phi(1, 1)} + speed_coefficient(y) * z.dx[0];
-    if constexpr (Pairs > 1) {
+    for (Eigen::Index k = 0; k < 2; ++k) {
+      z.dx[k] = Phi(0, k);
+      z.q[k] = Phi(1, k) + speed_coefficient(y) * Phi(0, k);
+    }
+    if constexpr (Quads > 1) {
       for (std::size_t k = 0; k < coefficient_of_active_.size(); ++k) {
         double f_p = 0.0;  // in the middle; of what depends on the depth nothing is left
         switch (coefficient_of_active_[k]) {
@@ -115,27 +121,29 @@ template <std::size_t Pairs> void HertzFlow::leave_rest(const FlowTask& task, do
         }
         const double dx = f_p * dt * dt / 2;
         const double dv = f_p * (dt - p[C::damping] * dt * dt) + (coefficient_of_active_[k] == C::barrier ? stiffness : 0.0);
-        z.dx[1 + k / 2][k % 2] = dx;
-        z.q[1 + k / 2][k % 2] = dv + speed_coefficient(y) * dx;
+        z.dx[2 + k] = dx;
+        z.q[2 + k] = dv + speed_coefficient(y) * dx;
       }
     }
   }
 }
 
-template <std::size_t Pairs> void HertzFlow::carry_with(const FlowTask& task, const Vector& x0, Segment& out) const {
-  using State = detail::HertzState<Pairs>;
+template <std::size_t Quads> void HertzFlow::carry_with(const FlowTask& task, const Vector& x0, Segment& out) const {
+  using State = detail::HertzState<Quads>;
   const auto& p = contact_.value;
   const double r = p[C::barrier], duration = task.t_end - task.t0;
   const auto set_phase = [&](State& z) {
-    const double phase = p[C::frequency] * (task.t0 + z.time[0]);
-    z.phase = detail::Pair{std::cos(phase), std::sin(phase)};
+    const double phase = p[C::frequency] * (task.t0 + z.time);
+    z.cosine = std::cos(phase);
+    z.sine = std::sin(phase);
   };
   State z;
-  z.yv = detail::Pair{std::sqrt(std::max(0.0, x0[0] - r)), x0[1]};
+  z.y = std::sqrt(std::max(0.0, x0[0] - r));
+  z.v = x0[1];
   set_phase(z);
-  if constexpr (Pairs > 0) {
-    z.dx[0] = detail::Pair{1.0, 0.0};
-    z.q[0] = detail::Pair{speed_coefficient(z.yv[0]), 1.0};
+  if constexpr (Quads > 0) {
+    z.dx[0] = z.q[1] = 1.0;
+    z.q[0] = speed_coefficient(z.y);
   }
   out.t0 = task.t0;
   out.x0 = x0;
@@ -143,23 +151,20 @@ template <std::size_t Pairs> void HertzFlow::carry_with(const FlowTask& task, co
   out.evaluations = 0;
 
   const auto finish = [&](FlowEnd end, const State& last) {
-    const double y = last.yv[0];
+    const double y = last.y;
     out.end = end;
     out.event = leave_;
-    out.t1 = end == FlowEnd::time ? task.t_end : task.t0 + last.time[0];
+    out.t1 = end == FlowEnd::time ? task.t_end : task.t0 + last.time;
     out.x1.resize(2);
-    out.x1 << (end == FlowEnd::event ? r : r + y * y), last.yv[1];
-    if constexpr (Pairs > 0) {
-      out.divergence = last.time[1];
+    out.x1 << (end == FlowEnd::event ? r : r + y * y), last.v;
+    if constexpr (Quads > 0) {
+      out.divergence = last.divergence;
       const double q_of_dx = speed_coefficient(y);
-      const detail::Pair dx = last.dx[0], dv = last.q[0] - q_of_dx * dx;
+      const auto dv = [&](Eigen::Index column) { return last.q[column] - q_of_dx * last.dx[column]; };
       out.Phi.resize(2, 2);
-      out.Phi << dx[0], dx[1], dv[0], dv[1];
-      out.Psi.resize(2, Pairs == 1 ? 0 : static_cast<Eigen::Index>(coefficient_of_active_.size()));
-      for (Eigen::Index k = 0; k < out.Psi.cols(); ++k) {
-        const std::size_t j = 1 + static_cast<std::size_t>(k) / 2;
-        out.Psi.col(k) << last.dx[j][k % 2], last.q[j][k % 2] - q_of_dx * last.dx[j][k % 2];
-      }
+      out.Phi << last.dx[0], last.dx[1], dv(0), dv(1);
+      out.Psi.resize(2, Quads == 1 ? 0 : static_cast<Eigen::Index>(coefficient_of_active_.size()));
+      for (Eigen::Index k = 0; k < out.Psi.cols(); ++k) out.Psi.col(k) << last.dx[2 + k], dv(2 + k);
     }
   };
 
@@ -171,53 +176,44 @@ template <std::size_t Pairs> void HertzFlow::carry_with(const FlowTask& task, co
     return detail::hertz_longest_step * std::sqrt(2.0 / std::max(a, 1e-12));
   };
 
-  if (z.yv[0] == 0.0 && z.yv[1] <= rest_tolerance) {
-    const double a = p[C::amplitude] * z.phase[0] - 2.0 * p[C::damping] * z.yv[1] - r * (1.0 + p[C::beta] * r * r);
-    if (z.yv[1] < -rest_tolerance * (1.0 + std::abs(a))) return finish(FlowEnd::event, z);
+  if (z.y == 0.0 && z.v <= rest_tolerance) {
+    const double a = p[C::amplitude] * z.cosine - 2.0 * p[C::damping] * z.v - r * (1.0 + p[C::beta] * r * r);
+    if (z.v < -rest_tolerance * (1.0 + std::abs(a))) return finish(FlowEnd::event, z);
     // From rest on the barrier the motion is analytic in t, not in s: its series over a first short while (terms left out: t^4).
     leave_rest(task, std::min(1e-5, duration), z);
-    if (z.yv[0] == 0.0 && z.yv[1] <= 0.0) return finish(FlowEnd::event, z);
+    if (z.y == 0.0 && z.v <= 0.0) return finish(FlowEnd::event, z);
   }
 
   constexpr std::size_t order = detail::hertz_order;
   const double ratio = std::pow(options_.tolerance, 1.0 / order), allowed = detail::hertz_last_term * options_.tolerance;
-  detail::HertzSeries<order, Pairs> series(contact_, coefficient_of_active_, task.t0);
-  double h = longest_step(z.phase[0], z.yv[1], 0.0);
+  detail::HertzSeries<Quads> series(contact_, coefficient_of_active_, task.t0);
+  double h = longest_step(z.cosine, z.v, 0.0);
   for (std::size_t step = 1; step <= options_.max_steps; ++step) {
-    if (z.time[0] >= duration) return finish(FlowEnd::time, z);
+    if (z.time >= duration) return finish(FlowEnd::time, z);
     series.expand(z);
     out.evaluations += order;
     // Of two coefficients, lest one be small by chance.
-    const double size = std::max(series.size(order), series.size(order - 1) * ratio / h);
+    const double size = std::max(series.last(), series.before() * ratio / h);
     if (!std::isfinite(size)) break;
-    const double v = std::abs(z.yv[1]), longest = longest_step(z.phase[0], v, 0.0);
+    const double v = std::abs(z.v), longest = longest_step(z.cosine, v, 0.0);
     h = std::min(longest, detail::rough_root(allowed / size));
     State next = series.at(h);
-    const double checked = longest_step(z.phase[0], std::max(v, std::abs(next.yv[1])), std::abs(next.time[0] - z.time[0]));
+    const double checked = longest_step(z.cosine, std::max(v, std::abs(next.v)), std::abs(next.time - z.time));
     if (h > checked) {
       h = checked;
       next = series.at(h);
     }
-    if (!std::isfinite(next.yv[0] + next.yv[1] + next.time[0])) break;
-    const bool surfaced = !(next.yv[0] > 0.0), late = next.time[0] >= duration;
+    if (!std::isfinite(next.y + next.v + next.time)) break;
+    const bool surfaced = !(next.y > 0.0), late = next.time >= duration;
     if (surfaced || late) {
       double s = h;
       FlowEnd end = FlowEnd::time;
       if (surfaced) {
-        s = root_in_step(
-            [&](double trial) {
-              const detail::Pair yv = series.depth_and_speed(trial);
-              return std::pair{-yv[0], -0.5 * yv[1]};
-            },
-            h);
+        s = root_in_step([&](double trial) { return std::pair{-series.depth(trial), -0.5 * series.speed(trial)}; }, h);
         if (series.time(s) <= duration) end = FlowEnd::event;
       }
       if (end == FlowEnd::time) {
-        s = root_in_step(
-            [&](double trial) {
-              return std::pair{series.time(trial) - duration, series.depth_and_speed(trial)[0]};
-            },
-            s);
+        s = root_in_step([&](double trial) { return std::pair{series.time(trial) - duration, series.depth(trial)}; }, s);
       }
       return finish(end, series.at(s));
     }

@@ -3,8 +3,8 @@
 //     dy/ds = v/2,   dt/ds = y,   dv/ds = y (xi cos(eta t) - 2 b v - x - beta x^3 - k_H y^3 (1 + b_H v)),   x = r + y^2,
 // analytic through entry and exit, which are the simple root y = 0; grazing is the equilibrium (0, 0). The tangent is carried in
 // (x, v) at fixed time, dPhi/ds = y A Phi, dPsi/ds = y (A Psi + f_p), which is regular there. Stepped by Taylor series of order
-// 16 (detail/hertz_series.hpp), which also hold the roots, with the step capped at a fraction of the shortest possible contact,
-// pi sqrt(2/|a|) in s, so that none is stepped over.
+// 16 (detail/hertz_recurrence.hpp), which also hold the roots, with the step capped at a fraction of the shortest possible
+// contact, pi sqrt(2/|a|) in s, so that none is stepped over.
 #pragma once
 
 #include <graze/lib/flow.hpp>
@@ -12,7 +12,7 @@
 namespace graze {
 
 namespace detail {
-template <std::size_t Pairs> struct HertzState;
+template <std::size_t Quads> struct HertzState;
 }
 
 class HertzFlow {
@@ -28,9 +28,9 @@ class HertzFlow {
   void field(double t, const Vector& x, Vector& out) const;
 
  private:
-  /// With 2 * Pairs columns of the tangent.
-  template <std::size_t Pairs> void carry_with(const FlowTask& task, const Vector& x0, Segment& out) const;
-  template <std::size_t Pairs> void leave_rest(const FlowTask& task, double dt, detail::HertzState<Pairs>& z) const;
+  /// With as many columns of the tangent as detail::HertzState has.
+  template <std::size_t Quads> void carry_with(const FlowTask& task, const Vector& x0, Segment& out) const;
+  template <std::size_t Quads> void leave_rest(const FlowTask& task, double dt, detail::HertzState<Quads>& z) const;
   /// -d(acceleration)/dv at depth y^2.
   double speed_coefficient(double y) const;
 
