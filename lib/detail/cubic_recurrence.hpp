@@ -11,7 +11,8 @@
 // Compiled for more than one kind of processor (series_kernels.hpp): plain numbers only.
 #pragma once
 
-#include <cstddef>
+#include <graze/lib/detail/quad_series.hpp>
+
 #include <utility>
 
 namespace graze::detail {
@@ -44,6 +45,7 @@ template <std::size_t Quads> struct CubicTerms {
 template <class Machine, std::size_t Quads> struct CubicRecurrence {
   using Terms = CubicTerms<Quads>;
   using Quad = typename Machine::Quad;
+  using Sums = QuadSums<Machine, cubic_order>;
 
   static void expand(Terms& s) {
     s.x[0] = s.x0 + s.start.moved;
@@ -91,8 +93,8 @@ template <class Machine, std::size_t Quads> struct CubicRecurrence {
     alignas(32) double P[4], V[4];
     for (std::size_t j = 0; j < Quads; ++j) {
       const Quad from = j == 0 ? Machine::set(s.start.moved, s.P[0][0][1], s.P[0][0][2], 0.0) : Machine::load(s.P[j][0]);
-      Machine::store(P, sum(s.P[j], from, h));
-      Machine::store(V, sum(s.V[j], Machine::load(s.V[j][0]), h));
+      Machine::store(P, Sums::at(s.P[j], from, h));
+      Machine::store(V, Sums::at(s.V[j], Machine::load(s.V[j][0]), h));
       if (j == 0) {
         to.moved = P[0];
         to.v = V[0];
@@ -106,19 +108,6 @@ template <class Machine, std::size_t Quads> struct CubicRecurrence {
   }
 
  private:
-  /// Even and odd powers side by side: half as long a chain.
-  static Quad sum(const double (&a)[cubic_order + 1][4], const Quad& first, double h) {
-    static_assert(cubic_order % 2 == 0);
-    const Quad step = Machine::all(h), square = Machine::all(h * h);
-    Quad even = Machine::load(a[cubic_order]), odd = Machine::load(a[cubic_order - 1]);
-#pragma GCC unroll 8
-    for (std::size_t k = cubic_order; k > 2; k -= 2) {
-      even = Machine::fma(square, even, Machine::load(a[k - 2]));
-      odd = Machine::fma(square, odd, Machine::load(a[k - 3]));
-    }
-    return Machine::fma(step, Machine::fma(step, even, odd), first);
-  }
-
   /// What is the same for all orders: the factors of V_n, of P_n, of the products, and of X_n.
   struct Constants {
     Quad drag, pull[Quads], cubic[Quads], cubic_P0[Quads];

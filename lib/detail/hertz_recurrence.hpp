@@ -12,47 +12,17 @@
 // Compiled for more than one kind of processor (series_kernels.hpp): plain numbers only.
 #pragma once
 
-#include <graze/lib/detail/hertz_step.hpp>
-#include <graze/lib/hertz_contact.hpp>
+#include <graze/lib/detail/hertz_terms.hpp>
+#include <graze/lib/detail/quad_series.hpp>
 
 #include <utility>
 
 namespace graze::detail {
 
-/// A contact at an instant. Quads = 0: without its tangent; otherwise with the columns of Phi and then 4 (Quads - 1) of
-/// derivatives in parameters.
-template <std::size_t Quads> struct HertzState {
-  static constexpr std::size_t columns = Quads == 0 ? 2 : 2 + 4 * (Quads - 1);
-  double y = 0.0, v = 0.0;
-  double time = 0.0, divergence = 0.0;  ///< since the start of the contact; and the integral of trace(f_x) over it
-  double cosine = 1.0, sine = 0.0;      ///< of the forcing's phase
-  double dx[columns] = {}, q[columns] = {};
-};
-
-template <std::size_t Quads> struct HertzTerms {
-  using State = HertzState<Quads>;
-  using Series = double[hertz_order + 1];
-  using QuadSeries = double[hertz_order + 1][4];
-  static constexpr std::size_t more = Quads > 1 ? Quads - 1 : 0;
-
-  double q[HertzContact::count];
-  bool with_cubic;             ///< whether y x^2 and y x^3 are needed
-  const std::size_t* sources;  ///< the coefficients that columns 2, 3, ... are derivatives in (HertzContact::count: in none)
-  std::size_t source_count;
-  double t0;  ///< where State::time is 0
-  State start;
-  alignas(32) QuadSeries motion;             ///< y, v, time, divergence
-  QuadSeries odd, even, roots, twice_roots;  ///< (y^3, y^5, y^7), (y^2, y^4, y^6), (y, y^2, y^3), and twice that
-  QuadSeries forced;                         ///< cos, sin, q_1, q_2
-  QuadSeries factors, dx;                    ///< of (dx_1, dx_2) in -d(dx)/ds and in -dq/ds; dx_1, dx_2, and again
-  QuadSeries more_q[more + 1], more_dx[more + 1];
-  Series y_cos, y_sin, yx3;
-  double last, before;  ///< largest coefficients of the last two orders, each relative to 1 + |what it belongs to|
-};
-
 template <class Machine, std::size_t Quads> struct HertzRecurrence {
   using Terms = HertzTerms<Quads>;
   using Quad = typename Machine::Quad;
+  using Sums = QuadSums<Machine, hertz_order>;
   using C = HertzContact;
   using QuadSeries = typename Terms::QuadSeries;
 
@@ -79,25 +49,25 @@ template <class Machine, std::size_t Quads> struct HertzRecurrence {
   /// The contact h (in s) after the step's start.
   static void at(const Terms& s, double h, typename Terms::State& to) {
     alignas(32) double z[4];
-    Machine::store(z, sum(s.motion, h));
+    Machine::store(z, Sums::at(s.motion, h));
     to.y = z[0];
     to.v = z[1];
     to.time = z[2];
     to.divergence = z[3];
-    Machine::store(z, sum(s.forced, h));
+    Machine::store(z, Sums::at(s.forced, h));
     to.cosine = z[0];
     to.sine = z[1];
     if constexpr (Quads > 0) {
       to.q[0] = z[2];
       to.q[1] = z[3];
-      Machine::store(z, sum(s.dx, h));
+      Machine::store(z, Sums::at(s.dx, h));
       to.dx[0] = z[0];
       to.dx[1] = z[1];
     }
     for (std::size_t j = 0; j < Terms::more; ++j) {
       alignas(32) double dx[4];
-      Machine::store(z, sum(s.more_q[j], h));
-      Machine::store(dx, sum(s.more_dx[j], h));
+      Machine::store(z, Sums::at(s.more_q[j], h));
+      Machine::store(dx, Sums::at(s.more_dx[j], h));
       for (std::size_t i = 0; i < 4; ++i) {
         to.q[2 + 4 * j + i] = z[i];
         to.dx[2 + 4 * j + i] = dx[i];
@@ -110,19 +80,6 @@ template <class Machine, std::size_t Quads> struct HertzRecurrence {
     double loss, loss5;                       ///< k_H b_H, and 2/5 of it
     double b2, square_y, square_u, newest_y;  ///< 2 b; weights of the squares, and of the newest y, in the speed
   };
-
-  /// Even and odd powers side by side: half as long a chain.
-  static Quad sum(const QuadSeries& a, double h) {
-    const Quad step = Machine::all(h), square = Machine::all(h * h);
-    Quad even = Machine::load(a[hertz_order]), odd = Machine::load(a[hertz_order - 1]);
-#pragma GCC unroll 8
-    for (std::size_t k = hertz_order; k > 2; k -= 2) {
-      even = Machine::fma(square, even, Machine::load(a[k - 2]));
-      odd = Machine::fma(square, odd, Machine::load(a[k - 3]));
-    }
-    even = Machine::fma(square, even, Machine::load(a[0]));
-    return Machine::fma(step, odd, even);
-  }
 
   static void sizes(Terms& s) {
     const auto weight = [](const double* first) {
@@ -156,41 +113,6 @@ template <class Machine, std::size_t Quads> struct HertzRecurrence {
     (next<k>(s, c), ...);
   }
 
-  /// Coefficient k of the product of a series, number `lane` of a quad, with four. From the middle outwards: what was found last
-  /// enters last.
-  template <std::size_t k, std::size_t lane = 0>
-  [[gnu::always_inline]] static Quad product(const QuadSeries& a, const QuadSeries& b) {
-    Quad one = Machine::all(0.0), two = one;
-    if constexpr (k % 2 == 0) one = Machine::all(a[k / 2][lane]) * Machine::load(b[k / 2]);
-#pragma GCC unroll 8
-    for (std::size_t i = k / 2 + 1; i < k; ++i) {
-      one = Machine::fma(Machine::all(a[i][lane]), Machine::load(b[k - i]), one);
-      two = Machine::fma(Machine::all(a[k - i][lane]), Machine::load(b[i]), two);
-    }
-    one = one + two;
-    if constexpr (k > 0) {
-      one = Machine::fma(Machine::all(a[k][lane]), Machine::load(b[0]), one);
-      one = Machine::fma(Machine::all(a[0][lane]), Machine::load(b[k]), one);
-    }
-    return one;
-  }
-  /// The same of four with four.
-  template <std::size_t k> [[gnu::always_inline]] static Quad products(const QuadSeries& a, const QuadSeries& b) {
-    Quad one = Machine::all(0.0), two = one;
-    if constexpr (k % 2 == 0) one = Machine::load(a[k / 2]) * Machine::load(b[k / 2]);
-#pragma GCC unroll 8
-    for (std::size_t i = k / 2 + 1; i < k; ++i) {
-      one = Machine::fma(Machine::load(a[i]), Machine::load(b[k - i]), one);
-      two = Machine::fma(Machine::load(a[k - i]), Machine::load(b[i]), two);
-    }
-    one = one + two;
-    if constexpr (k > 0) {
-      one = Machine::fma(Machine::load(a[k]), Machine::load(b[0]), one);
-      one = Machine::fma(Machine::load(a[0]), Machine::load(b[k]), one);
-    }
-    return one;
-  }
-
   /// Coefficients k + 1 of everything from those up to k.
   template <std::size_t k> [[gnu::always_inline]] static void next(Terms& s, const Constants& c) {
     constexpr std::size_t m = k + 1;
@@ -215,7 +137,7 @@ template <class Machine, std::size_t Quads> struct HertzRecurrence {
     Machine::store(square, squares);
     Machine::store(odd, odds + more_odds);
 
-    const Quad forcing = product<k>(s.motion, s.forced);
+    const Quad forcing = Sums::template product<k, 0>(s.motion, s.forced);
     alignas(32) double forced[4];
     Machine::store(forced, forcing);
 
@@ -249,7 +171,7 @@ template <class Machine, std::size_t Quads> struct HertzRecurrence {
       Machine::store(s.forced[m], turn * Machine::swapped(forcing, Machine::all(0.0)));
     } else {
       Machine::store(s.factors[k], Machine::set(g, g, f, f));
-      const Quad held = products<k>(s.factors, s.dx);
+      const Quad held = Sums::template product<k>(s.factors, s.dx);
       Machine::store(s.forced[m], turn * Machine::swapped(forcing, held));
       Machine::store(s.dx[m], Machine::all(inverse) * Machine::high_less_low(forcing, held));
     }
@@ -257,39 +179,15 @@ template <class Machine, std::size_t Quads> struct HertzRecurrence {
       s.y_cos[k] = forced[0];
       s.y_sin[k] = forced[1];
       for (std::size_t j = 0; j < Terms::more; ++j) {
-        const Quad moved = product<k>(s.motion, s.more_q[j]) - product<k>(s.factors, s.more_dx[j]);
+        const Quad moved =
+            Sums::template product<k, 0>(s.motion, s.more_q[j]) - Sums::template product<k, 0>(s.factors, s.more_dx[j]);
         alignas(32) double source[4] = {};
-        for (std::size_t i = 4 * j; i < 4 * j + 4 && i < s.source_count; ++i) source[i % 4] = derivative<k>(s, s.sources[i]);
+        for (std::size_t i = 4 * j; i < 4 * j + 4 && i < s.source_count; ++i)
+          source[i % 4] = source_coefficient<k>(s, s.sources[i]);
         Machine::store(s.more_dx[j][m], Machine::all(inverse) * moved);
-        Machine::store(s.more_q[j][m], Machine::all(inverse) * (Machine::load(source) - product<k, 2>(s.factors, s.more_dx[j])));
+        Machine::store(s.more_q[j][m],
+                       Machine::all(inverse) * (Machine::load(source) - Sums::template product<k, 2>(s.factors, s.more_dx[j])));
       }
-    }
-  }
-
-  /// Coefficient k of y times the derivative of the acceleration in a coefficient of the contact (0 for C::count), at fixed (t,
-  /// x, v).
-  template <std::size_t k> static double derivative(const Terms& s, std::size_t coefficient) {
-    constexpr double next = k + 1.0;
-    switch (coefficient) {
-    case C::damping:
-      return -2.0 * next * s.even[k + 1][0];
-    case C::beta:
-      return -s.yx3[k];
-    case C::amplitude:
-      return s.y_cos[k];
-    case C::frequency: {
-      double turning = s.t0 * s.y_sin[k];  // t y sin
-      for (std::size_t i = 0; i <= k; ++i) turning += s.motion[i][2] * s.y_sin[k - i];
-      return -s.q[C::amplitude] * turning;
-    }
-    case C::barrier:
-      return s.q[C::stiffness] * (1.5 * s.even[k][0] + s.q[C::contact_damping] * next * s.odd[k + 1][0]);
-    case C::stiffness:
-      return -s.even[k][1] - 0.4 * s.q[C::contact_damping] * next * s.odd[k + 1][1];
-    case C::contact_damping:
-      return -0.4 * s.q[C::stiffness] * next * s.odd[k + 1][1];
-    default:
-      return 0.0;
     }
   }
 };
