@@ -13,7 +13,8 @@ namespace graze::lanes {
 
 template <class Real, bool Tangent> class Carrier {
  public:
-  explicit Carrier(const Job& job) : job_(job), ratio_(std::pow(job.tolerance, 1.0 / static_cast<double>(detail::hertz_order))) {
+  explicit Carrier(const Job& job) : job_(job) {
+    if (job.law == Law::hertz) ratio_ = std::pow(job.tolerance, 1.0 / static_cast<double>(detail::hertz_order));
     if constexpr (W > 1) {  // idle lanes compute along
       for (auto& row : memory_.coefficient)
         for (double& one : row) one = 1.0;
@@ -156,7 +157,7 @@ template <class Real, bool Tangent> class Carrier {
   }
 
   const Job& job_;
-  double ratio_;
+  double ratio_ = 1.0;
   std::size_t taken_ = 0;
   bool tables_ = false, met_ = false;
   Memory<Real> memory_;

@@ -21,10 +21,13 @@ Real polynomial_root(const Point<Real>& z, const Real& g, const Real& lowest, co
   const Real a = 0.5 * z.a, j = (1.0 / 6.0) * z.j, x4 = (1.0 / 24.0) * z.x4, x5 = (1.0 / 120.0) * z.x5;
   Real h = -2.0 * g / (z.v + sqrt(largest(Real(z.v * z.v - 4.0 * a * g), Real(0.0))));
   h = least(largest(h, lowest), highest);
-  for (int i = 0; i < times; ++i) {
+  Mask<Real> seeking = abs(h) >= Real(0.0);
+  for (int i = 0; i < times && any(seeking); ++i) {
     const Real value = g + h * (z.v + h * (a + h * (j + h * (x4 + h * x5))));
     const Real slope = z.v + h * (2.0 * a + h * (3.0 * j + h * (4.0 * x4 + h * (5.0 * x5))));
-    h = least(largest(Real(h - value / slope), lowest), highest);
+    const Real better = least(largest(Real(h - value / slope), lowest), highest), move = better - h;
+    h = select(seeking, better, h);
+    seeking = seeking & (abs(Real(move * move * z.a)) > Real(1e-17) * abs(slope));  // what the move leaves
   }
   return h;
 }
@@ -113,11 +116,11 @@ void depart(Memory<Real>& m, const Mask<Real>& where, const Real& x, const Real&
             bool from_barrier) {
   const Real w = m[frequency], k = m[stiffness], b = m[damping];
   const Real d = x - (m[cosine] * c + m[sine] * s + m[offset]), e = v - w * (m[sine] * c - m[cosine] * s);
-  // |d''| <= sqrt(d'''^2 + k d''^2)/sqrt(k): an energy, which only decays.
+  // |d''| <= sqrt(d'''^2 + k d''^2)/sqrt(k): an energy, which only decays; it is below the sum of the two.
   const Real d2 = -2.0 * b * e - k * d, d3 = -2.0 * b * d2 - k * e, h = m[march_step];
-  const Real bend = sqrt(Real(d2 * d2 + d3 * d3 / k)) + m[forced2];
+  const Real bend = abs(d2) + abs(d3) * m[inverse_root_k] + m[forced2];
   m.set(start_p, where, d);
-  m.set(start_q, where, Real((e + b * d) / m[rate]));
+  m.set(start_q, where, Real((e + b * d) * m[inverse_rate]));
   m.set(spiral_c, where, Real(1.0));
   m.set(spiral_s, where, Real(0.0));
   m.set(phase_c, where, c);
@@ -150,14 +153,14 @@ template <class Real, bool Tangent> Landing<Real> land(Memory<Real>& m) {
   const Real P = end.E * m[start_p] + end.F * m[start_q], Q = end.E * m[start_q] - end.F * m[start_p], w = m[frequency];
   const Real x = P + (m[cosine] * end.c + m[sine] * end.s) + m[offset];
   const Real v = (m[rate] * Q - m[damping] * P) + w * (m[sine] * end.c - m[cosine] * end.s);
-  const Real duration = m[flown] + end.h, b = m[damping], k = m[stiffness], q = m[rate];
+  const Real duration = m[flown] + end.h, b = m[damping], k = m[stiffness];
   const Mask<Real> short_hop = (m[at_barrier] > Real(0.5)) & (duration < Real(shortest_flight));
   const Mask<Real> good = end.at_barrier & (v > Real(slowest_impact)) & !short_hop;
   const Mask<Real> flown_out = good | end.at_end;
   m.set(rest, good, Real(m[rest] - end.h));
   m.set(divergence, flown_out, Real(m[divergence] - 2.0 * b * duration));
   if constexpr (Tangent) {
-    const Real S = end.F / q;
+    const Real S = end.F * m[inverse_rate];
     compose(m, flown_out, Real(end.E + b * S), S, Real(-k * S), Real(end.E - b * S));
   }
   m.assign(ending & !flown_out, Task::given_up);

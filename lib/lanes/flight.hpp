@@ -57,6 +57,30 @@ template <class Real> void march(Memory<Real>& m) {
   m.set(tried, went, Real(0.0));
 }
 
+/// A step: its length, and how it turns the transient and the forcing.
+template <class Real> struct FlightStep { Real h, turn_c, turn_s, force_c, force_s; };
+/// Each lane's, by its level: lengths go by halves, the turns are in a table.
+template <class Real> FlightStep<Real> step_of(const Memory<Real>& m, const Real& level) {
+  const double(*table)[Memory<Real>::W] = m.coefficient + turns;
+  Real H = m[longest];
+  if constexpr (width<Real> == 1) {
+    const auto i = static_cast<std::size_t>(level);
+    const double(*row)[1] = table + 4 * i;
+    return {H * (1.0 / static_cast<double>(std::size_t{1} << i)), *row[0], *row[1], *row[2], *row[3]};
+  } else {
+    FlightStep<Real> out{H, Real(1.0), Real(0.0), Real(1.0), Real(0.0)};
+    for (std::size_t i = 0; i < levels; ++i, table += 4, H = 0.5 * H) {
+      const auto here = level == Real(static_cast<double>(i));
+      out.h = select(here, H, out.h);
+      out.turn_c = select(here, take<Real>(table[0]), out.turn_c);
+      out.turn_s = select(here, take<Real>(table[1]), out.turn_s);
+      out.force_c = select(here, take<Real>(table[2]), out.force_c);
+      out.force_s = select(here, take<Real>(table[3]), out.force_s);
+    }
+    return out;
+  }
+}
+
 /// One step of every lane in flight.
 template <class Real> void fly(Memory<Real>& m) {
   const auto flying = m.is(Task::flight);
@@ -67,19 +91,8 @@ template <class Real> void fly(Memory<Real>& m) {
   const Real g = select(from_barrier, Real(0.0), gap), v = select(from_barrier, least(z.v, Real(0.0)), z.v);
   const auto close = (!from_barrier) & (gap > -too_close * (1.0 + abs(r)));
 
-  // Table of steps: lengths by halves, turns by level.
   const Real l = m[level];
-  Real H = m[longest], turn_c = Real(1.0), turn_s = Real(0.0), force_c = Real(1.0), force_s = Real(0.0), h = H;
-  for (std::size_t i = 0; i < levels; ++i) {
-    const auto here = l == Real(static_cast<double>(i));
-    const double(*row)[Memory<Real>::W] = m.coefficient + turns + 4 * i;
-    h = select(here, H, h);
-    turn_c = select(here, take<Real>(row[0]), turn_c);
-    turn_s = select(here, take<Real>(row[1]), turn_s);
-    force_c = select(here, take<Real>(row[2]), force_c);
-    force_s = select(here, take<Real>(row[3]), force_s);
-    H = 0.5 * H;
-  }
+  const auto [h, turn_c, turn_s, force_c, force_s] = step_of(m, l);
   const Real h2 = h * h, h3 = h2 * h, h4 = h2 * h2, h5 = h4 * h, top = z.bound6 * h5;
   Real position[] = {g,
                      (1.0 / 6.0) * v * h,

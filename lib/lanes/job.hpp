@@ -26,6 +26,9 @@ enum Coefficient : std::size_t {
   cosine,
   sine,
   offset,
+  root_k,          ///< of the stiffness
+  inverse_root_k,  ///< one over it, and one over the rate
+  inverse_rate,
   forced2,  ///< bound of the second derivative of the particular solution
   forced6,  ///< and of the sixth
   barrier,

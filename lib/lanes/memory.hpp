@@ -84,7 +84,7 @@ template <class Real>
              d5 = -b2 * d4 - k * d3, d6 = -b2 * d5 - k * d4;
   const Real f0 = m[cosine] * c + m[sine] * s, f1 = w * (m[sine] * c - m[cosine] * s), f2 = -w2 * f0, f3 = -w2 * f1,
              f4 = -w2 * f2, f5 = -w2 * f3;
-  return {d0 + f0 + m[offset], d1 + f1, d2 + f2, d3 + f3, d4 + f4, d5 + f5, sqrt(Real(d6 * d6 + k * d5 * d5)) + m[forced6]};
+  return {d0 + f0 + m[offset], d1 + f1, d2 + f2, d3 + f3, d4 + f4, d5 + f5, abs(d6) + abs(d5) * m[root_k] + m[forced6]};
 }
 
 }  // namespace graze::lanes

@@ -85,6 +85,9 @@ Coefficients coefficients_of(const Description& oscillator) {
   q[cosine] = free.amplitude == 0.0 ? 0.0 : free.amplitude * detuning / D;
   q[sine] = free.amplitude == 0.0 ? 0.0 : free.amplitude * drag / D;
   q[offset] = free.constant / k;
+  q[root_k] = std::sqrt(k);
+  q[inverse_root_k] = 1.0 / q[root_k];
+  q[inverse_rate] = 1.0 / q[rate];
   q[forced2] = std::hypot(q[cosine], q[sine]) * w * w;
   q[forced6] = std::hypot(q[cosine], q[sine]) * std::pow(w, 6);
   q[barrier] = oscillator.barrier;

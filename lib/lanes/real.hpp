@@ -43,18 +43,54 @@ template <class Real> Real take(const double* from) {
 [[gnu::always_inline]] inline void put(double* to, double value) { *to = value; }
 template <class Real> void put(double* to, const Real& value) { value.store_aligned(to); }
 
+/// a[0] + a[1] x + ...: even and odd powers side by side, half as long a chain.
+template <class Real, std::size_t N> Real polynomial(const double (&a)[N], const Real& x) {
+  constexpr std::size_t even_top = (N - 1) / 2 * 2, odd_top = N / 2 * 2 - 1;
+  const Real square = x * x;
+  Real even = Real(a[even_top]), odd = Real(a[odd_top]);
+#pragma GCC unroll 16
+  for (std::size_t k = even_top; k > 0; k -= 2) even = a[k - 2] + square * even;
+#pragma GCC unroll 16
+  for (std::size_t k = odd_top; k > 1; k -= 2) odd = a[k - 2] + square * odd;
+  return even + x * odd;
+}
+
+/// 1/(2 k)! and 1/(2 k + 1)! with alternating signs, 1/k!.
+inline constexpr double inverse_even[] = {1.0,
+                                          -0.5,
+                                          1.0 / 24.0,
+                                          -1.0 / 720.0,
+                                          1.0 / 40320.0,
+                                          -1.0 / 3628800.0,
+                                          1.0 / 479001600.0,
+                                          -1.0 / 87178291200.0,
+                                          1.0 / 20922789888000.0};
+inline constexpr double inverse_odd[] = {
+    1.0, -1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362880.0, -1.0 / 39916800.0, 1.0 / 6227020800.0, -1.0 / 1307674368000.0};
+inline constexpr double inverse_factorial[] = {1.0,
+                                               1.0,
+                                               0.5,
+                                               1.0 / 6.0,
+                                               1.0 / 24.0,
+                                               1.0 / 120.0,
+                                               1.0 / 720.0,
+                                               1.0 / 5040.0,
+                                               1.0 / 40320.0,
+                                               1.0 / 362880.0,
+                                               1.0 / 3628800.0,
+                                               1.0 / 39916800.0,
+                                               1.0 / 479001600.0,
+                                               1.0 / 6227020800.0,
+                                               1.0 / 87178291200.0,
+                                               1.0 / 1307674368000.0,
+                                               1.0 / 20922789888000.0};
+
 /// cos and sin for 0 <= angle <= 3 to a few units in the last place: Taylor polynomials at a quarter of it (left out:
 /// 0.75^17/17! = 2e-17), squared twice as a complex number.
 template <class Real> void circle(const Real& angle, Real& c, Real& s) {
   const Real x = 0.25 * angle, square = x * x;
-  c = Real(1.0 / 20922789888000.0);
-  s = Real(-1.0 / 1307674368000.0);
-  constexpr double even[] = {
-      -1.0 / 87178291200.0, 1.0 / 479001600.0, -1.0 / 3628800.0, 1.0 / 40320.0, -1.0 / 720.0, 1.0 / 24.0, -0.5, 1.0};
-  constexpr double odd[] = {1.0 / 6227020800.0, -1.0 / 39916800.0, 1.0 / 362880.0, -1.0 / 5040.0, 1.0 / 120.0, -1.0 / 6.0, 1.0};
-  for (const double term : even) c = term + square * c;
-  for (const double term : odd) s = term + square * s;
-  s = x * s;
+  c = polynomial(inverse_even, square);
+  s = x * polynomial(inverse_odd, square);
   for (int twice = 0; twice < 2; ++twice) {
     const Real both = c * s;
     c = (c - s) * (c + s);
@@ -64,10 +100,7 @@ template <class Real> void circle(const Real& angle, Real& c, Real& s) {
 
 /// e^-x for 0 <= x <= 3, in the same way.
 template <class Real> Real decay(const Real& x) {
-  const Real part = -0.25 * x;
-  Real sum = Real(1.0);
-  for (int k = 16; k > 0; --k) sum = 1.0 + ((1.0 / k) * part) * sum;
-  const Real square = sum * sum;
+  const Real sum = polynomial(inverse_factorial, Real(-0.25 * x)), square = sum * sum;
   return square * square;
 }
 
