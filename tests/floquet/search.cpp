@@ -216,6 +216,24 @@ TEST_CASE("the search box holds the motion, also where the barrier leaves no roo
   }
 }
 
+TEST_CASE("orbits that hit are found where the motion from rest stays far from the barrier") {
+  const HybridSystem rigid = make_oscillator("linear", "newton"), hertz = make_oscillator("linear", "hertz");
+  const std::vector<std::pair<const HybridSystem*, Vector>> systems = {
+      {&rigid, parameters(rigid, {{"eta", 2.56}, {"b", 0.04687}, {"k_r", 0.84487}, {"r", 0.9758}})},
+      {&rigid, parameters(rigid, {{"eta", 2.72}, {"b", 0.01475}, {"k_r", 0.97879}, {"r", 2.42999}})},
+      {&rigid, parameters(rigid, {{"eta", 2.28}, {"b", 0.01282}, {"k_r", 0.71357}, {"r", 2.62466}})},
+      {&hertz, parameters(hertz, {{"eta", 2.56}, {"b", 0.04687}, {"b_H", 0.05}, {"r", 0.9758}})}};
+  for (const auto& [system, p] : systems) {
+    INFO("eta " << p.transpose());
+    // Closed form: without impact |x| <= 1/|1 - eta^2| (b is small), a quarter of the clearance at most.
+    const SearchResult result = search_orbits(*system, p, 2, {.patience = 300});
+    const bool found = std::any_of(result.orbits.begin(), result.orbits.end(), [](const PeriodicOrbit& orbit) {
+      return orbit.impacts == 1 && orbit.stable() && orbit.admissible == Admissibility::admissible;
+    });
+    CHECK(found);
+  }
+}
+
 TEST_CASE("orbits of a system with four states are searched through the same call") {
   const HybridSystem system = two_mass_oscillator();
   const SearchResult result = search_orbits(system, parameters(system), 1, {.patience = 60});
