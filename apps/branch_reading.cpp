@@ -50,6 +50,7 @@ SpecialPoint special_point_from(const Json& json, const HybridSystem& system, co
   orbit.state = orbit.states.front();
   add_nodes(json, orbit.states, orbit.nodes, orbit.section_phase);
   orbit.impacts = json.at("impacts");
+  orbit.isolated_impacts = json.value("isolated_impacts", orbit.impacts);
   orbit.multipliers = multipliers_from(json.at("multipliers"));
   orbit.admissible = admissibility_from(json);
   orbit.newton.status = NewtonStatus::converged;
@@ -93,7 +94,8 @@ Branch branch_from(const Json& json, const Problem& problem, const std::string& 
     add_nodes(item, point.states, point.nodes, point.section_phase);
     point.arclength = item.value("arclength", static_cast<double>(branch.points.size()));
     point.multipliers = multipliers_from(item.at("multipliers"));
-    point.impacts = point.isolated_impacts = item.at("impacts");
+    point.impacts = item.at("impacts");
+    point.isolated_impacts = item.value("isolated_impacts", point.impacts);
     point.stable = item.at("stable");
     point.admissible = admissibility_from(item);
     branch.points.push_back(std::move(point));

@@ -34,6 +34,7 @@ Json point_json(const BranchPoint& point) {
   out["arclength"] = point.arclength;
   out["multipliers"] = multipliers_json(point.multipliers);
   out["impacts"] = point.impacts;
+  add_sticking(out, point.impacts, point.isolated_impacts);
   out["stable"] = point.stable;
   out["admissible"] = point.admissible == Admissibility::admissible;
   out["checks"] = checks_json(point.checks);
@@ -68,7 +69,7 @@ Table points_table(const Branch& branch, std::size_t most) {
     const std::size_t i = rows == size ? row : row * (size - 1) / (rows - 1);
     const BranchPoint& point = branch.points[i];
     std::vector<std::string> cells = {std::to_string(i + 1), rounded(point.value, 10), rounded(point.state()[0], 10),
-                                      rounded(point.state()[1], 10), label(point.impacts, branch.period)};
+                                      rounded(point.state()[1], 10), label(point.impacts, point.isolated_impacts, branch.period)};
     for (std::size_t k = 0; k < count; ++k)
       cells.push_back(k < point.multipliers.values.size() ? rounded(point.multipliers.values[k], 7) : "-");
     cells.push_back(point.stable ? "yes" : "no");
@@ -89,6 +90,7 @@ Json special_point_json(const SpecialPoint& point) {
   out["multipliers"] = multipliers_json(orbit.multipliers);
   out["period"] = orbit.period;
   out["impacts"] = orbit.impacts;
+  add_sticking(out, orbit.impacts, orbit.isolated_impacts);
   out["admissible"] = orbit.admissible == Admissibility::admissible;
   out["status"] = status_name(point.status);
   out["interval"] = {point.interval[0], point.interval[1]};
@@ -119,10 +121,9 @@ Json branch_json(const Branch& branch) {
 }
 
 std::string special_point_text(const SpecialPoint& point, const std::string& parameter) {
-  std::string text =
-      fmt::format("  {:<5} {} = {} +- {}  ({}, {}{})\n", point.label, parameter, rounded(point.value, 12),
-                  rounded(point.precision, 2), status_name(point.status), z_label(point.orbit.impacts, point.orbit.period),
-                  point.orbit.admissible == Admissibility::admissible ? "" : ", NOT ADMISSIBLE");
+  std::string text = fmt::format("  {:<5} {} = {} +- {}  ({}, {}{})\n", point.label, parameter, rounded(point.value, 12),
+                                 rounded(point.precision, 2), status_name(point.status), z_label(point.orbit),
+                                 point.orbit.admissible == Admissibility::admissible ? "" : ", NOT ADMISSIBLE");
   if (point.status == PointStatus::bracketed)
     text += fmt::format("        between {} and {}\n", rounded(point.interval[0], 12), rounded(point.interval[1], 12));
   text += fmt::format("        state ({}, {}), multipliers {}\n", rounded(point.orbit.state[0], 12),

@@ -41,9 +41,7 @@ std::string attractor(const Problem& problem, const Settled& settled) {
                        periods(settled.periods), SettleOptions{}.max_period);
   const PeriodicOrbit orbit = shoot(problem.system, problem.parameters, settled.state, settled.suspected_period);
   return fmt::format("the motion settled at {} repeats after {}{}", shown(settled.state), periods(settled.suspected_period),
-                     orbit.converged()
-                         ? fmt::format(" ({}, {})", z_label(orbit.impacts, orbit.period), orbit.stable() ? "stable" : "unstable")
-                         : "");
+                     orbit.converged() ? fmt::format(" ({}, {})", z_label(orbit), orbit.stable() ? "stable" : "unstable") : "");
 }
 
 }  // namespace

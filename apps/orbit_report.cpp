@@ -98,6 +98,14 @@ Table contacts_table(const std::vector<Contact>& contacts) {
 
 std::string z_label(int impacts, int period) { return "z = " + label(impacts, period); }
 
+std::string z_label(const PeriodicOrbit& orbit) { return "z = " + label(orbit.impacts, orbit.isolated_impacts, orbit.period); }
+
+void add_sticking(Json& out, int impacts, int isolated) {
+  if (isolated >= impacts) return;
+  out["sticking"] = true;
+  out["isolated_impacts"] = isolated;
+}
+
 Json multipliers_json(const FloquetMultipliers& multipliers) {
   return multipliers.valid ? to_json(multipliers.values) : Json::array();
 }
@@ -124,6 +132,7 @@ Json orbit_json(const PeriodicOrbit& orbit) {
               {"state", to_json(orbit.state)},
               {"admissible", orbit.admissible == Admissibility::admissible},
               {"stable", orbit.stable()}};
+  add_sticking(out, orbit.impacts, orbit.isolated_impacts);
   out["multipliers"] = multipliers_json(orbit.multipliers);
   out["exponents"] = exponents_json(orbit.multipliers);
   out["zero_multipliers"] =
@@ -139,8 +148,8 @@ Json orbit_json(const PeriodicOrbit& orbit) {
 std::string orbit_text(const PeriodicOrbit& orbit) {
   const bool admissible = orbit.admissible == Admissibility::admissible;
   const FloquetMultipliers& multipliers = orbit.multipliers;
-  std::string text = fmt::format("orbit {}: {} impact{} in {} forcing period{}, {}, {}\n", z_label(orbit.impacts, orbit.period),
-                                 orbit.impacts, orbit.impacts == 1 ? "" : "s", orbit.period, orbit.period == 1 ? "" : "s",
+  std::string text = fmt::format("orbit {}: {} impact{} in {} forcing period{}, {}, {}\n", z_label(orbit), orbit.impacts,
+                                 orbit.impacts == 1 ? "" : "s", orbit.period, orbit.period == 1 ? "" : "s",
                                  orbit.stable() ? "stable" : "unstable",
                                  admissible ? "admissible" : "NOT ADMISSIBLE (it passes through the barrier)");
   text +=

@@ -29,6 +29,9 @@ Table contacts_table(const std::vector<Contact>& contacts);
 
 /// "z = 2/3": impacts and forcing periods.
 std::string z_label(int impacts, int period);
+std::string z_label(const PeriodicOrbit& orbit);
+/// "sticking": true and "isolated_impacts" (those outside complete chatters), for an orbit that sticks.
+void add_sticking(Json& out, int impacts, int isolated);
 
 Json multipliers_json(const FloquetMultipliers& multipliers);
 Json exponents_json(const FloquetMultipliers& multipliers);

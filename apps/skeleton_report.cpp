@@ -17,7 +17,7 @@ namespace {
 std::string labels_along(const Branch& branch) {
   std::string text, last;
   for (const BranchPoint& point : branch.points) {
-    const std::string z = label(point.impacts, branch.period);
+    const std::string z = label(point.impacts, point.isolated_impacts, branch.period);
     if (z == last) continue;
     text += (text.empty() ? "" : " ") + z;
     last = z;
@@ -62,7 +62,7 @@ Table special_points_overview(const std::vector<Branch>& branches, const std::st
       if (found != point->details.end()) details += (details.empty() ? "" : ", ") + std::get<std::string>(found->second);
     }
     table.rows.push_back({point->label, rounded(point->value, 12), rounded(point->precision, 2), std::to_string(branch->id),
-                          label(point->orbit.impacts, point->orbit.period), details});
+                          label(point->orbit.impacts, point->orbit.isolated_impacts, point->orbit.period), details});
   }
   return table;
 }

@@ -159,8 +159,8 @@ Json largest_json(const std::vector<Largest>& largest, const std::vector<Verific
 std::string verification_text(const Verification& verification) {
   const VerifiedOrbit& verified = verification.verified;
   const PeriodicOrbit& orbit = verified.orbit;
-  std::string text = fmt::format("orbit {} at ({}, {}), {}\n", z_label(orbit.impacts, orbit.period), rounded(orbit.state[0]),
-                                 rounded(orbit.state[1]), orbit.stable() ? "stable" : "unstable");
+  std::string text = fmt::format("orbit {} at ({}, {}), {}\n", z_label(orbit), rounded(orbit.state[0]), rounded(orbit.state[1]),
+                                 orbit.stable() ? "stable" : "unstable");
   Table values{{"multiplier", "saltation, product form", "finite differences", "general integrator (GSL)"}, {}};
   for (std::size_t i = 0; i < orbit.multipliers.values.size(); ++i) {
     const auto entry = [i](const FloquetMultipliers& list) { return i < list.values.size() ? rounded(list.values[i], 15) : "-"; };

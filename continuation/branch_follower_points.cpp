@@ -155,6 +155,7 @@ MetPoint BranchFollower::locate(BranchProblem& problem, const TestFunction& test
     report.status = NewtonStatus::converged;
     point.orbit = problem.orbit(best.u, report);
     point.orbit.multipliers = best_branch.multipliers;
+    point.details["method"] = std::string("sign change along the branch");
   }
   point.interval[0] = point.value - point.precision;
   point.interval[1] = point.value + point.precision;
@@ -173,7 +174,9 @@ SpecialPoint BranchFollower::grazing_point(const LocatedGrazing& located, int im
   point.interval[0] = point.value - point.precision;
   point.interval[1] = point.value + point.precision;
   point.orbit = located.orbit;
+  const int in_chatter = located.orbit.impacts - located.orbit.isolated_impacts;
   point.orbit.impacts = impacts_before;
+  point.orbit.isolated_impacts = impacts_before - in_chatter;
   point.orbit.admissible = branch.points.back().admissible;
   point.details["kind"] = impacts_after < impacts_before ? "lost" : "gained";
   point.details["impacts"] = std::vector<double>{static_cast<double>(impacts_before), static_cast<double>(impacts_after)};

@@ -37,7 +37,9 @@ SpecialPoint with_parameter_decreasing(SpecialPoint point, const Branch& branch)
   auto& impacts = std::get<std::vector<double>>(point.details["impacts"]);
   std::swap(impacts.front(), impacts.back());
   point.details["kind"] = impacts.back() < impacts.front() ? "lost" : "gained";
+  const int in_chatter = point.orbit.impacts - point.orbit.isolated_impacts;
   point.orbit.impacts = static_cast<int>(impacts.front());
+  point.orbit.isolated_impacts = point.orbit.impacts - in_chatter;
   return point;
 }
 

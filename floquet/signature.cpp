@@ -14,4 +14,9 @@ int impacts(const HybridSystem& system, const Signature& signature) {
 
 std::string label(int impacts, int period) { return fmt::format("{}/{}", impacts, period); }
 
+std::string label(int impacts, int isolated, int period) {
+  if (isolated >= impacts) return label(impacts, period);
+  return isolated > 0 ? fmt::format("{}+∞/{}", isolated, period) : fmt::format("∞/{}", period);
+}
+
 }  // namespace graze

@@ -20,5 +20,8 @@ int impacts(const HybridSystem& system, const Signature& signature);
 
 /// "p/n".
 std::string label(int impacts, int period);
+/// The same of an orbit that sticks, "4+∞/1": its impacts but for those of complete chatters (whose number is a matter of
+/// definition), of which there are infinitely many. `isolated`: PeriodicOrbit::isolated_impacts.
+std::string label(int impacts, int isolated, int period);
 
 }  // namespace graze

@@ -38,7 +38,8 @@ std::vector<Stretch> stretches_of(const Json& result, const SkeletonAxes& axes) 
     if (period > longest_with_words) continue;
     std::string last;
     for (const Json& point : branch.at("points")) {
-      const std::string z = label(point.at("impacts").get<int>(), period);
+      const std::string z =
+          label(point.at("impacts").get<int>(), point.value("isolated_impacts", point.at("impacts").get<int>()), period);
       const std::vector<double> x = positions(point);
       if (z != last) list.push_back({period, z, std::vector<std::vector<Cell>>(x.size())});
       last = z;

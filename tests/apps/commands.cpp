@@ -164,6 +164,22 @@ TEST_CASE("continue follows the branch and locates the published period doubling
   CHECK(found);
 }
 
+TEST_CASE("where an orbit sticks, the branch says so, and so does what is drawn from it") {
+  const TemporaryFolder folder;
+  const Outcome outcome = call({"continue", problem("newton-elastic"), "--set", "k_r=0.5", "--set", "r=0.5", "--from", "0.4",
+                                "--to", "0.41", "--json", folder.file("b.json"), "--all"});
+  CHECK(outcome.code == 0);
+  CHECK_THAT(outcome.out, Contains("\u221e/1"));
+  const Json branch = Json::parse(read_file(folder.file("b.json")))["branches"][0];
+  for (const Json& point : branch["points"]) {
+    CHECK(point["sticking"] == true);
+    CHECK(point["isolated_impacts"] < point["impacts"]);
+  }
+  const Json smooth = json_of({"continue", problem("newton-elastic"), "--from", "0.95", "--to", "0.94"});
+  for (const Json& point : smooth["branches"][0]["points"]) CHECK(!point.contains("sticking"));
+  CHECK(call({"plot", folder.file("b.json"), "-o", folder.file("b.svg")}).code == 0);
+}
+
 TEST_CASE("continue gives a table row for each point") {
   const TemporaryFolder folder;
   const Outcome outcome = call({"continue", problem("hertz-damped"), "--to", "0.93", "--csv", folder.file("b.csv"), "--json",
