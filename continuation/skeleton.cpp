@@ -75,6 +75,7 @@ class SeedFinder {
       const Vector p = at(way == 2 ? high_ - part * (high_ - low_) : low_ + part * (high_ - low_));
       AttractorOptions settling;
       settling.transient = options_.settle;
+      settling.recurrence = 1e-4;  // chaotic transients are long: without it they would have to be cut off long before
       settling.lyapunov.cancelled = options_.continuation.cancelled;
       settling.lyapunov.flow = options_.continuation.shooting.flow;
       for (const Vector& start : {previous.value_or(rest), rest}) {

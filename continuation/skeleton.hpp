@@ -14,9 +14,9 @@ struct SkeletonOptions {
   /// from, to: the range. max_period, max_branches and threads hold for the seeds too. max_multiple: see below.
   ContinuationOptions continuation = {};
   int settled_values = 601;  ///< values of the parameter at which attractors are looked for, ends included
-  int settle = 200;          ///< forcing periods of transient at each
-  int searched_values = 7;   ///< values at which orbits are searched, ends left out
-  int searched_period = 4;   ///< orbits of period 1 up to this one are searched
+  int settle = 3200;  ///< forcing periods of transient at each, at most: one that returns close to itself is looked at before
+  int searched_values = 7;  ///< values at which orbits are searched, ends left out
+  int searched_period = 4;  ///< orbits of period 1 up to this one are searched
   SearchOptions search = {};
   /// See ContinuationOptions::max_multiple; 0: as far as max_period goes (none where that is not set).
   int max_multiple = 0;
