@@ -170,15 +170,17 @@ struct GeneralFlow::Integrator {
       return mid.g > 0.0 ? std::nullopt : first_crossing(guard, mid, b, depth + 1);
     };
     const double misfit = std::abs(mid.g - (a.g + 3.0 * c1 + 3.0 * c2 + b.g) / 8.0);
-    if (misfit > 1e-3 * spread + 1e-15) return halves();
-    if (high < -20.0 * misfit - 1e-15) return std::nullopt;
+    // What happens within rounding of the barrier would be halved without end.
+    const double rounding = 4e-15 * (1.0 + origin.lpNorm<Eigen::Infinity>());
+    if (misfit > 1e-3 * spread + rounding) return halves();
+    if (high < -20.0 * misfit - rounding) return std::nullopt;
     const auto value = [&](double s) { return node_inside(guard, s).g; };
     if (beyond) {
       if (a.g < 0.0 && a.g_dot > 0.0 && b.g_dot > 0.0 && c2 >= c1) return brent(value, a.s, b.s);  // it rises throughout
       return halves();
     }
     // A maximum and a minimum inside, where it rises (or falls) at both ends: part them.
-    if ((a.g_dot > 0.0) == (b.g_dot > 0.0) && std::max(c1, c2) > std::max(a.g, b.g)) return halves();
+    if ((a.g_dot > 0.0) == (b.g_dot > 0.0) && std::max(c1, c2) > std::max(a.g, b.g) + rounding) return halves();
     if (a.g_dot > 0.0 && b.g_dot < 0.0) {  // a maximum inside: does it reach the barrier?
       const double top = brent([&](double s) { return node_inside(guard, s).g_dot; }, a.s, b.s);
       if (value(top) > 0.0) return a.g < 0.0 ? brent(value, a.s, top) : a.s;

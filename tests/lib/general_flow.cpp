@@ -2,6 +2,7 @@
 // The general integrator: order of convergence in state and event time, its options, and guards that are hard to watch.
 #include "support/checks.hpp"
 #include "support/extrapolation.hpp"
+#include "support/two_sided_oscillator.hpp"
 
 #include <graze/lib/flow.hpp>
 #include <graze/lib/oscillator.hpp>
@@ -217,6 +218,18 @@ TEST_CASE("a guard that never leaves zero does not fire, nor does one that touch
   REQUIRE(run.events.size() == 1);
   // A triple root is known to the cube root of rounding.
   REQUIRE(run.x[0] == Approx(1.0).margin(1e-4));
+}
+
+TEST_CASE("a hop off the barrier that drowns in the rounding of x does not make the general flow look without end") {
+  // Met in a chatter of two rigid stops: x = -r + 1e-17 is -r, while the speed says that the barrier is near.
+  const HybridSystem system = two_sided_oscillator(true);
+  const Vector p = parameters(system, {{"b", 0.05}, {"r", 0.7}, {"eta", 0.9}, {"k_r", 0.8}});
+  for (const double v : {4.2752865486225654e-09, 1e-8, 1e-7}) {
+    Flow flow = make_flow(system, 0, p, {}, {.kind = FlowKind::general});
+    Segment out;
+    flow.carry({4.255606850617113, forcing_period(system, p), Sensitivity::none}, vector({-0.7, v}), out);
+    CHECK(out.evaluations < 100000);
+  }
 }
 
 TEST_CASE("events at the same instant but for rounding fire in the order in which they are declared") {
