@@ -50,7 +50,7 @@ template <class Real, bool Tangent> class Carrier {
       } else if (flights > 0) {
         march(memory_);
         fly(memory_);
-      } else {
+      } else if (!any(memory_.is(Task::given_up))) {
         return;
       }
       if (any(memory_.is(Task::given_up)))

@@ -242,3 +242,18 @@ TEST_CASE("a period in a single lane is a period of flights and impacts") {
     }
   }
 }
+
+TEST_CASE("lanes go on behind starts inside the barrier") {
+  // Fixed: with every lane on such a start they left all that followed to the Propagator.
+  const HybridSystem system = oscillator("newton");
+  ManyMotions many(system, {}, LaneWidth::one);
+  const std::size_t set = many.add_parameters(with(system, {{"r", 2.0}, {"k_r", 0.8}}));
+  std::vector<PeriodResult> results;
+  many.carry({{set, 2.5, 0.0}, {set, 3.0, 0.0}, {set, 0.0, 0.0}, {set, 2.1, 0.0}, {set, 1.0, 0.3}}, 1, true, results);
+  CHECK(many.left_over() == 3);
+  for (const std::size_t outside : {0, 1, 3}) CHECK(results[outside].termination == Termination::inadmissible_start);
+  for (const std::size_t inside : {2, 4}) {
+    CHECK(results[inside].termination == Termination::time);
+    CHECK_FALSE(results[inside].by_propagator);
+  }
+}
