@@ -27,6 +27,18 @@ std::optional<std::size_t> KnownAttractors::orbit_at(const Vector& state, int pe
   return std::nullopt;
 }
 
+std::optional<std::size_t> KnownAttractors::orbit_around(const Vector& state, int period, double distance) const {
+  std::optional<std::size_t> nearest;
+  for (std::size_t i = 0; i < list_.size(); ++i) {
+    const TrappingRegion& orbit = list_[i].orbit;
+    if (list_[i].type != AttractorType::periodic || !(orbit.rate < 1.0)) continue;
+    if (period % static_cast<int>(orbit.centres.size()) != 0 || !(orbit.distance(state) < distance)) continue;
+    distance = orbit.distance(state);
+    nearest = i;
+  }
+  return nearest;
+}
+
 bool KnownAttractors::orbit_near(const Vector& state, double distance, bool with_region) const {
   return std::any_of(list_.begin(), list_.end(), [&](const KnownAttractor& known) {
     return known.type == AttractorType::periodic && (known.orbit.size > 0.0 || !with_region) &&

@@ -30,6 +30,8 @@ class KnownAttractors {
   std::optional<std::size_t> reached(const Vector& state, std::vector<Strand>& strands) const;
   /// The known orbit of this period through the state, as far as two runs of Newton's method agree.
   std::optional<std::size_t> orbit_at(const Vector& state, int period) const;
+  /// The nearest known orbit that is nearer than `distance`, of this period or a divisor, if its rate is known.
+  std::optional<std::size_t> orbit_around(const Vector& state, int period, double distance) const;
   /// Whether a known orbit is nearer than `distance`; `with_region`: of those that have a trapping region.
   bool orbit_near(const Vector& state, double distance, bool with_region) const;
 
