@@ -19,8 +19,6 @@ namespace {
 
 constexpr std::size_t most_attractors = 200;  // more are a parameter at which nothing can be told apart
 constexpr double return_distance = 1e-3;      // relative to 1 + |x|: so near a return, an orbit is looked for
-constexpr double around = 0.06;               // relative likewise: so far from an orbit a motion may still be settling on it
-constexpr double closer = 0.75;               // it is if its distance falls to this while its rate halves it
 constexpr int first_look = 64;                // periods
 constexpr std::size_t side_by_side = 32;      // motions of one thread
 constexpr std::int64_t usual_periods = 40;    // until a motion is recognised: says whether a table of contacts pays
@@ -168,32 +166,22 @@ class Search {
       return known.has_value();
     }
 
-    /// Returns from further away may be on the way to a known orbit; that they come closer to it is what proves it.
     bool comes_closer_to_known() {
-      const TrappingRegion& orbit = search_.known_[*nearing_].orbit;
-      if (orbit.distance(run_.state) < closer * distance_) {
-        run_.end = Run::End::reached;
-        run_.attractor = *nearing_;
-        return true;
-      }
+      const Nearing nearing = *nearing_;
       nearing_.reset();
-      return search_.look_for_orbit(run_, return_period_);
+      if (!search_.known_.has_come_closer(nearing, run_.state)) return search_.look_for_orbit(run_, return_period_);
+      run_.end = Run::End::reached;
+      run_.attractor = nearing.attractor;
+      return true;
     }
 
-    bool waits_for_known(int period, double scale) {
-      nearing_ = search_.known_.orbit_around(run_.state, period, around * scale);
+    bool waits_for_known(int period) {
+      nearing_ = search_.known_.nearing(run_.state, period);
+      if (nearing_ && nearing_->periods >= budget_ - k_) nearing_.reset();
       if (!nearing_) return false;
-      const TrappingRegion& orbit = search_.known_[*nearing_].orbit;
-      const auto n = static_cast<double>(orbit.centres.size());
-      const double periods = n * std::ceil(std::log(0.5) / std::log(orbit.rate) / n);
-      if (periods < budget_ - k_) {
-        until_ = k_ + static_cast<int>(periods);
-        distance_ = orbit.distance(run_.state);
-        return_period_ = period;
-        return true;
-      }
-      nearing_.reset();
-      return false;
+      until_ = k_ + static_cast<int>(nearing_->periods);
+      return_period_ = period;
+      return true;
     }
 
     bool returned_to_orbit() {
@@ -203,7 +191,7 @@ class Search {
         const double scale = 1.0 + looked_at_.lpNorm<Eigen::Infinity>();
         const bool returned = (run_.state - looked_at_).lpNorm<Eigen::Infinity>() < return_distance * scale;
         // Near a known orbit its region is soon reached, for less than Newton's method costs.
-        if (returned && !search_.near_orbit(run_.state, true) && !waits_for_known(n, scale) && search_.look_for_orbit(run_, n))
+        if (returned && !search_.near_orbit(run_.state, true) && !waits_for_known(n) && search_.look_for_orbit(run_, n))
           return true;
         if (returned || n >= search_.options_.max_period) looked_ = -1;
       } else if (k_ >= look_) {
@@ -218,15 +206,12 @@ class Search {
     Run& run_;
     bool first_, open_ = true;
     std::vector<Strand> strands_;
-    int budget_, k_ = 0, look_ = first_look, looked_ = -1;
+    int budget_, k_ = 0, look_ = first_look, looked_ = -1, until_ = 0, return_period_ = 0;
     Vector looked_at_;
-    std::optional<std::size_t> nearing_ = std::nullopt;
-    int until_ = 0, return_period_ = 0;
-    double distance_ = 0.0;
+    std::optional<Nearing> nearing_ = std::nullopt;
   };
 
-  /// Carries the motions until none is open, or it is cancelled: in lanes, some periods at a time, where they know the
-  /// oscillator.
+  /// Carries the motions until none is open, or it is cancelled: in lanes where they know the oscillator.
   void carry_on(std::vector<Watch>& watches) const {
     const auto cancelled = [&] { return options_.cancelled && options_.cancelled(); };
     if (!ManyMotions::applies(system_, p_, options_.flow)) {
