@@ -19,7 +19,7 @@ constexpr double recurrence = 1e-4;
 constexpr int shortest_average = 200;
 /// Points that one thread takes at a time: many, so that the few that take long have company in the lanes, but so that there is
 /// something for all threads.
-constexpr std::size_t fewest_together = 32, most_together = 1024;
+constexpr std::size_t fewest_together = 32, most_together = 4096;
 
 /// One grid of points on its way to being filled.
 class Rows {

@@ -70,7 +70,7 @@ MapPlan plan_from(const Options& options, const Console& console) {
   // Rows that are followed go side by side, some at a time; points that do not wait for each other do so within a chunk: it has
   // some hundreds, but there are enough chunks to hand out.
   const ParameterAxis &columns = plan.grid.columns, &rows = plan.grid.rows;
-  const int of_free_points = std::clamp(std::min(1024 / std::max(1, columns.count), rows.count / 32), 1, 16);
+  const int of_free_points = std::clamp(std::min(4096 / std::max(1, columns.count), rows.count / 8), 1, 16);
   plan.chunk_rows = options.chunk_rows.value_or(options.follow == "none" ? of_free_points : 16);
   check_plan(plan);
   return plan;

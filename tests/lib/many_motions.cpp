@@ -257,3 +257,24 @@ TEST_CASE("lanes go on behind starts inside the barrier") {
     CHECK_FALSE(results[inside].by_propagator);
   }
 }
+
+TEST_CASE("a few motions take fewer lanes, to the same result") {
+  const auto [law, periods] = GENERATE(table<const char*, std::size_t>({{"newton", 40}, {"hertz", 20}}));
+  const HybridSystem system = oscillator(law);
+  const Vector p = with(system, {{"r", 1.5}, {"eta", 0.8}});
+  for (const std::size_t count : {1, 2, 3, 4, 5, 9}) {
+    ManyMotions as_wide_as_useful(system), one(system, {}, LaneWidth::one);
+    as_wide_as_useful.add_parameters(p);
+    one.add_parameters(p);
+    std::vector<PeriodResult> a, b;
+    as_wide_as_useful.carry(random_starts(count, 1.5), periods, true, a);
+    one.carry(random_starts(count, 1.5), periods, true, b);
+    REQUIRE(a.size() == b.size());
+    INFO(law << ", " << count << " motions");
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      CHECK(a[i].x == b[i].x);
+      CHECK(a[i].v == b[i].v);
+      CHECK(a[i].Phi == b[i].Phi);
+    }
+  }
+}
