@@ -17,7 +17,9 @@ namespace {
 /// So near a return, an orbit is looked for during the transient; Newton's method decides. In chaos a return so close is rare.
 constexpr double recurrence = 1e-4;
 constexpr int shortest_average = 200;
-constexpr std::size_t side_by_side = 32;  // points that one thread takes at a time
+/// Points that one thread takes at a time: many, so that the few that take long have company in the lanes, but so that there is
+/// something for all threads.
+constexpr std::size_t fewest_together = 32, most_together = 4096;
 
 /// One grid of points on its way to being filled.
 class Rows {
@@ -51,10 +53,14 @@ class Rows {
       }
       for (int column = 0; column < columns; ++column) free.push_back({&layer, head.row, column, std::nullopt, out + column});
     }
-    const auto groups = [](std::size_t size) { return (size + side_by_side - 1) / side_by_side; };
-    const auto group = [](const std::vector<Task>& tasks, std::size_t k) {
-      const std::size_t end = std::min(tasks.size(), (k + 1) * side_by_side);
-      return std::vector<Task>(tasks.begin() + static_cast<std::ptrdiff_t>(k * side_by_side),
+    const auto threads = static_cast<std::size_t>(std::max(1, oneapi::tbb::this_task_arena::max_concurrency()));
+    const auto together = [&](std::size_t size) {
+      return std::clamp((size + threads - 1) / threads, fewest_together, most_together);
+    };
+    const auto groups = [&](std::size_t size) { return (size + together(size) - 1) / together(size); };
+    const auto group = [&](const std::vector<Task>& tasks, std::size_t k) {
+      const std::size_t begin = k * together(tasks.size()), end = std::min(tasks.size(), begin + together(tasks.size()));
+      return std::vector<Task>(tasks.begin() + static_cast<std::ptrdiff_t>(begin),
                                tasks.begin() + static_cast<std::ptrdiff_t>(end));
     };
     // Isolated: a thread that waits here must not begin with something else meanwhile.

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace graze {
 
@@ -28,11 +29,12 @@ std::optional<PeriodicOrbit> orbit_at_the_end(const HybridSystem& system, const 
   return settling_orbit(system, p, state, options.max_period, options.lyapunov.flow);
 }
 
+constexpr int long_enough = 128, most_rounds = 3;
+
 /// Whether the motion repeats itself, nearly and for long, without being known as periodic: it leaves a weakly unstable orbit, or
 /// comes to a weakly stable one, and its average says nothing of where it ends. Chaos that happens to come back is soon away.
 bool lingers(const HybridSystem& system, const Vector& p, const Attractor& attractor, const AttractorOptions& options) {
   if (attractor.type == AttractorType::periodic || attractor.termination != Termination::time) return false;
-  constexpr int long_enough = 128;
   const FlowOptions& flow = options.lyapunov.flow;
   const double nearness = nearness_of(options);
   const Returns returns = close_returns(system, p, attractor.state, options.max_period, nearness, flow);
@@ -51,21 +53,45 @@ bool lingers(const HybridSystem& system, const Vector& p, const Attractor& attra
   return true;
 }
 
+/// The same, seen period by period.
+class Lingering {
+ public:
+  Lingering(const Vector& state, int period, double nearness)
+      : states_{state}, period_(static_cast<std::size_t>(period)), near_(nearness * (1.0 + state.lpNorm<Eigen::Infinity>())) {}
+  bool open() const { return repeats_ && states_.size() <= period_ + long_enough; }
+  const Vector& state() const { return states_.back(); }
+  void see(Termination termination, const Vector& state) {
+    states_.push_back(state);
+    repeats_ =
+        termination == Termination::time &&
+        (states_.size() <= period_ + 1 || (state - states_[states_.size() - 1 - period_]).lpNorm<Eigen::Infinity>() <= near_);
+  }
+  bool repeats() const { return repeats_; }
+
+ private:
+  std::vector<Vector> states_;
+  std::size_t period_;
+  double near_;
+  bool repeats_ = true;
+};
+
 /// A transient on its way, with a look at its returns.
 class Approach {
  public:
   Approach(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options)
-      : system_(system), p_(p), options_(options), watch_(options.recurrence) {
+      : options_(options), watch_(options.recurrence) {
     initial_mode(system, 0.0, start, p);
     out_.state = start;
     out_.termination = Termination::time;
+    if (options.transient == 0) asks_ = options.max_period;
   }
 
-  bool open() const { return open_ && periods_ < options_.transient; }
+  bool open() const { return open_ && asks_ == 0; }
   const Vector& state() const { return out_.state; }
   void stop(Termination reason) {
     out_.termination = reason;
     open_ = false;
+    asks_ = 0;
   }
 
   /// What one more period did.
@@ -73,57 +99,51 @@ class Approach {
     ++periods_;
     if (termination != Termination::time) return stop(termination);
     out_.state = state;
-    const int back = watch_.see(state);
-    if (back == 0) return;
-    if (auto orbit = orbit_of_close_returns(system_, p_, state, std::min(back, options_.max_period), nearness_of(options_),
-                                            options_.lyapunov.flow)) {
-      settle_on(out_, std::move(*orbit));
-      open_ = false;
-    }
+    asks_ = std::min(watch_.see(state), options_.max_period);
+    if (periods_ == options_.transient) asks_ = options_.max_period;
   }
 
-  Attractor result() && {
-    if (open_)
-      if (auto orbit = orbit_at_the_end(system_, p_, out_.state, options_)) settle_on(out_, std::move(*orbit));
-    return std::move(out_);
+  /// > 0: it goes on when it is told whether it is settling on an orbit of up to so many periods.
+  int asks() const { return asks_; }
+  void answer(std::optional<PeriodicOrbit> orbit) {
+    open_ = !orbit && periods_ < options_.transient;
+    asks_ = 0;
+    if (orbit) settle_on(out_, std::move(*orbit));
   }
+
+  Attractor result() && { return std::move(out_); }
 
  private:
-  const HybridSystem& system_;
-  const Vector& p_;
   const AttractorOptions& options_;
   ReturnWatch watch_;
   Attractor out_;
-  int periods_ = 0;
+  int periods_ = 0, asks_ = 0;
   bool open_ = true;
 };
 
 Attractor approach_with_looks(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options) {
   Approach approach(system, p, start, options);
   Propagator propagator(system, p, {}, options.lyapunov.flow);
-  if (!carry_watched(propagator, approach, [&] { return cancelled(options); })) approach.stop(Termination::interrupted);
+  do {
+    if (!carry_watched(propagator, approach, [&] { return cancelled(options); })) approach.stop(Termination::interrupted);
+    if (approach.asks() > 0)
+      approach.answer(
+          orbit_of_close_returns(system, p, approach.state(), approach.asks(), nearness_of(options), options.lyapunov.flow));
+  } while (approach.open());
   return std::move(approach).result();
 }
 
-/// All transients side by side.
-std::vector<Attractor> approach_each(const HybridSystem& system, const std::vector<AverageStart>& starts,
-                                     const AttractorOptions& options) {
-  ManyMotions many(system, options.lyapunov.flow);
-  std::vector<Approach> approaches;
-  std::vector<std::size_t> sets;
-  for (const AverageStart& start : starts) {
-    approaches.emplace_back(system, start.p, start.state, options);
-    sets.push_back(many.add_parameters(start.p));
-  }
-  if (!carry_side_by_side(many, sets, approaches, [&] { return cancelled(options); }))
-    for (Approach& approach : approaches)
-      if (approach.open()) approach.stop(Termination::interrupted);
-  std::vector<Attractor> out;
-  for (Approach& approach : approaches) out.push_back(std::move(approach).result());
-  return out;
+/// What the time average over a motion that was not known to be periodic says, if it has not settled.
+void take_average(LyapunovSpectrum average, const AttractorOptions& options, Attractor& attractor) {
+  attractor.time_average = std::move(average);
+  attractor.state = attractor.time_average.state;
+  attractor.exponents = attractor.time_average.exponents;
+  attractor.standard_errors = attractor.time_average.standard_errors;
+  if (!attractor.exponents.empty() && attractor.exponents[0] > options.significance * attractor.standard_errors[0])
+    attractor.type = AttractorType::chaotic;
 }
 
-/// What the time average over a motion that was not known to be periodic says.
+/// The same, with a look at where its motions ended.
 void conclude(const HybridSystem& system, const Vector& p, LyapunovSpectrum average, const AttractorOptions& options,
               Attractor& attractor) {
   attractor.time_average = std::move(average);
@@ -134,16 +154,12 @@ void conclude(const HybridSystem& system, const Vector& p, LyapunovSpectrum aver
     if (auto orbit = orbit_at_the_end(system, p, end, options)) return settle_on(attractor, std::move(*orbit));
     if (cancelled(options)) return;
   }
-  attractor.exponents = attractor.time_average.exponents;
-  attractor.standard_errors = attractor.time_average.standard_errors;
-  if (!attractor.exponents.empty() && attractor.exponents[0] > options.significance * attractor.standard_errors[0])
-    attractor.type = AttractorType::chaotic;
+  take_average(std::move(attractor.time_average), options, attractor);
 }
 
 /// Goes on from an attractor that lingers.
 void go_on(const HybridSystem& system, const Vector& p, const AttractorOptions& options, Attractor& out) {
   AttractorOptions longer = options;
-  constexpr int most_rounds = 3;
   for (int round = 0; lingers(system, p, out, options); ++round) {
     if (round == most_rounds) {
       out.type = AttractorType::undecided;
@@ -154,6 +170,114 @@ void go_on(const HybridSystem& system, const Vector& p, const AttractorOptions& 
     average_on_attractor(system, p, out, longer);
   }
 }
+
+/// find_attractor from many starts in lanes.
+class SideBySide {
+ public:
+  SideBySide(const HybridSystem& system, const std::vector<AverageStart>& starts, const AttractorOptions& options)
+      : system_(system), starts_(starts), options_(options), many_(system, options.lyapunov.flow), out_(starts.size()) {
+    for (const AverageStart& start : starts) sets_.push_back(many_.add_parameters(start.p));
+  }
+
+  std::vector<Attractor> find() {
+    std::vector<std::size_t> all(starts_.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    for (std::size_t i : all) out_[i].state = starts_[i].state;
+    std::vector<std::size_t> left = find(all, options_);
+    AttractorOptions longer = options_;
+    for (int round = 0; !left.empty(); ++round) {
+      if (round == most_rounds) {
+        for (const std::size_t i : left) out_[i].type = AttractorType::undecided;
+        break;
+      }
+      longer.transient = 3 * std::max(1, longer.transient);
+      left = find(left, longer);
+    }
+    return std::move(out_);
+  }
+
+ private:
+  bool unsettled(std::size_t i) const {
+    return out_[i].termination == Termination::time && out_[i].type != AttractorType::periodic;
+  }
+
+  /// From where they are. Returns those that linger.
+  std::vector<std::size_t> find(const std::vector<std::size_t>& which, const AttractorOptions& options) {
+    approach(which, options);
+    std::vector<std::size_t> open, lingering, repeating;
+    std::copy_if(which.begin(), which.end(), std::back_inserter(open), [&](std::size_t i) { return unsettled(i); });
+    average(open, options);
+    const std::vector<SettlingLook> looks = look(open, std::vector(open.size(), options.max_period));
+    std::vector<Lingering> watches;
+    std::vector<std::size_t> sets;
+    for (std::size_t k = 0; k < open.size(); ++k) {
+      Attractor& attractor = out_[open[k]];
+      if (looks[k].orbit) settle_on(attractor, *looks[k].orbit);
+      if (looks[k].orbit || looks[k].closest == 0) continue;
+      watches.emplace_back(attractor.state, looks[k].closest, nearness_of(options));
+      sets.push_back(sets_[open[k]]);
+      repeating.push_back(open[k]);
+    }
+    if (!carry_side_by_side(many_, sets, watches, [&] { return cancelled(options); })) return {};
+    for (std::size_t k = 0; k < repeating.size(); ++k)
+      if (watches[k].repeats()) lingering.push_back(repeating[k]);
+    return lingering;
+  }
+
+  void approach(const std::vector<std::size_t>& which, const AttractorOptions& options) {
+    std::vector<Approach> approaches;
+    std::vector<std::size_t> sets;
+    for (const std::size_t i : which) {
+      approaches.emplace_back(system_, starts_[i].p, Vector(out_[i].state), options);
+      sets.push_back(sets_[i]);
+    }
+    std::vector<std::size_t> asking;
+    do {
+      if (!carry_side_by_side(many_, sets, approaches, [&] { return cancelled(options); }))
+        for (Approach& approach : approaches)
+          if (approach.open()) approach.stop(Termination::interrupted);
+      std::vector<int> most;
+      asking.clear();
+      for (std::size_t k = 0; k < which.size(); ++k) {
+        if (approaches[k].asks() == 0) continue;
+        asking.push_back(k);
+        most.push_back(approaches[k].asks());
+      }
+      std::vector<std::size_t> who;
+      for (const std::size_t k : asking) {
+        who.push_back(which[k]);
+        out_[which[k]].state = approaches[k].state();
+      }
+      std::vector<SettlingLook> looks = look(who, most);
+      for (std::size_t k = 0; k < asking.size(); ++k) approaches[asking[k]].answer(std::move(looks[k].orbit));
+    } while (!asking.empty());
+    for (std::size_t k = 0; k < which.size(); ++k) out_[which[k]] = std::move(approaches[k]).result();
+  }
+
+  void average(const std::vector<std::size_t>& which, const AttractorOptions& options) {
+    std::vector<AverageStart> starts;
+    for (const std::size_t i : which) starts.push_back({starts_[i].p, out_[i].state});
+    LyapunovOptions averaging = options.lyapunov;
+    averaging.significance = options.significance;
+    std::vector<LyapunovSpectrum> averages = lane_spectra(system_, starts, averaging);
+    for (std::size_t k = 0; k < which.size(); ++k) take_average(std::move(averages[k]), options, out_[which[k]]);
+  }
+
+  /// Whether those motions are settling on orbits.
+  std::vector<SettlingLook> look(const std::vector<std::size_t>& which, const std::vector<int>& most) {
+    std::vector<SettlingMotion> motions;
+    for (std::size_t k = 0; k < which.size(); ++k)
+      motions.push_back({sets_[which[k]], starts_[which[k]].p, out_[which[k]].state, most[k]});
+    return look_for_orbits(system_, many_, motions, nearness_of(options_), options_.lyapunov.flow);
+  }
+
+  const HybridSystem& system_;
+  const std::vector<AverageStart>& starts_;
+  const AttractorOptions& options_;
+  ManyMotions many_;
+  std::vector<std::size_t> sets_;
+  std::vector<Attractor> out_;
+};
 
 }  // namespace
 
@@ -224,27 +348,9 @@ std::vector<Attractor> find_each_attractor(const HybridSystem& system, const std
                             std::all_of(starts.begin(), starts.end(), [&](const auto& start) {
                               return ManyMotions::applies(system, start.p, options.lyapunov.flow);
                             });
+  if (side_by_side) return SideBySide(system, starts, options).find();
   std::vector<Attractor> out;
-  if (!side_by_side) {
-    for (const AverageStart& start : starts) out.push_back(find_attractor(system, start.p, start.state, options));
-    return out;
-  }
-  out = approach_each(system, starts, options);
-  std::vector<std::size_t> open;
-  std::vector<AverageStart> averaged;
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    if (out[i].termination != Termination::time || out[i].type == AttractorType::periodic) continue;
-    open.push_back(i);
-    averaged.push_back({starts[i].p, out[i].state});
-  }
-  LyapunovOptions averaging = options.lyapunov;
-  averaging.significance = options.significance;
-  std::vector<LyapunovSpectrum> averages = lane_spectra(system, averaged, averaging);
-  for (std::size_t k = 0; k < open.size(); ++k) {
-    const std::size_t i = open[k];
-    conclude(system, starts[i].p, std::move(averages[k]), options, out[i]);
-    go_on(system, starts[i].p, options, out[i]);
-  }
+  for (const AverageStart& start : starts) out.push_back(find_attractor(system, start.p, start.state, options));
   return out;
 }
 

@@ -166,13 +166,33 @@ class Search {
       return known.has_value();
     }
 
+    bool comes_closer_to_known() {
+      const Nearing nearing = *nearing_;
+      nearing_.reset();
+      if (!search_.known_.has_come_closer(nearing, run_.state)) return search_.look_for_orbit(run_, return_period_);
+      run_.end = Run::End::reached;
+      run_.attractor = nearing.attractor;
+      return true;
+    }
+
+    bool waits_for_known(int period) {
+      nearing_ = search_.known_.nearing(run_.state, period);
+      if (nearing_ && nearing_->periods >= budget_ - k_) nearing_.reset();
+      if (!nearing_) return false;
+      until_ = k_ + static_cast<int>(nearing_->periods);
+      return_period_ = period;
+      return true;
+    }
+
     bool returned_to_orbit() {
+      if (nearing_) return k_ >= until_ && comes_closer_to_known();
       if (looked_ >= 0) {
         const int n = k_ - looked_;
         const double scale = 1.0 + looked_at_.lpNorm<Eigen::Infinity>();
         const bool returned = (run_.state - looked_at_).lpNorm<Eigen::Infinity>() < return_distance * scale;
         // Near a known orbit its region is soon reached, for less than Newton's method costs.
-        if (returned && !search_.near_orbit(run_.state, true) && search_.look_for_orbit(run_, n)) return true;
+        if (returned && !search_.near_orbit(run_.state, true) && !waits_for_known(n) && search_.look_for_orbit(run_, n))
+          return true;
         if (returned || n >= search_.options_.max_period) looked_ = -1;
       } else if (k_ >= look_) {
         looked_ = k_;
@@ -186,12 +206,12 @@ class Search {
     Run& run_;
     bool first_, open_ = true;
     std::vector<Strand> strands_;
-    int budget_, k_ = 0, look_ = first_look, looked_ = -1;
+    int budget_, k_ = 0, look_ = first_look, looked_ = -1, until_ = 0, return_period_ = 0;
     Vector looked_at_;
+    std::optional<Nearing> nearing_ = std::nullopt;
   };
 
-  /// Carries the motions until none is open, or it is cancelled: in lanes, some periods at a time, where they know the
-  /// oscillator.
+  /// Carries the motions until none is open, or it is cancelled: in lanes where they know the oscillator.
   void carry_on(std::vector<Watch>& watches) const {
     const auto cancelled = [&] { return options_.cancelled && options_.cancelled(); };
     if (!ManyMotions::applies(system_, p_, options_.flow)) {

@@ -2,11 +2,13 @@
 #include <graze/floquet/known_attractors.hpp>
 
 #include <algorithm>
+#include <cmath>
 
 namespace graze {
 
 namespace {
 
+constexpr double around = 0.06;      // so far from an orbit a motion may be settling on it, relative to 1 + |x|
 constexpr double same_state = 1e-6;  // two orbits found by Newton to 1e-12 are one if they come so close, relative to 1 + |x|
 
 }  // namespace
@@ -25,6 +27,26 @@ std::optional<std::size_t> KnownAttractors::orbit_at(const Vector& state, int pe
         list_[i].orbit.distance(state) < same_state * (1.0 + state.lpNorm<Eigen::Infinity>()))
       return i;
   return std::nullopt;
+}
+
+std::optional<Nearing> KnownAttractors::nearing(const Vector& state, int period) const {
+  std::optional<Nearing> nearest;
+  double least = around * (1.0 + state.lpNorm<Eigen::Infinity>());
+  for (std::size_t i = 0; i < list_.size(); ++i) {
+    const TrappingRegion& orbit = list_[i].orbit;
+    const int n = static_cast<int>(orbit.centres.size());
+    if (list_[i].type != AttractorType::periodic || !(orbit.rate < 1.0) || period % n != 0) continue;
+    const double distance = orbit.distance(state);
+    if (!(distance < least)) continue;
+    least = distance;
+    nearest = {i, distance, n * std::ceil(std::log(0.5) / std::log(orbit.rate) / n)};
+  }
+  return nearest;
+}
+
+bool KnownAttractors::has_come_closer(const Nearing& nearing, const Vector& state) const {
+  constexpr double closer = 0.75, on_it = 1e-9;  // as for an orbit that Newton's method finds (settling_orbit.cpp)
+  return list_[nearing.attractor].orbit.distance(state) < std::max(closer * nearing.distance, on_it);
 }
 
 bool KnownAttractors::orbit_near(const Vector& state, double distance, bool with_region) const {

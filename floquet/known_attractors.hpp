@@ -18,6 +18,13 @@ struct KnownAttractor {
   VisitedCells cells;
 };
 
+/// A motion that may be on its way to a known orbit.
+struct Nearing {
+  std::size_t attractor = 0;
+  double distance = 0.0;
+  double periods = 0.0;  ///< in which the orbit's slowest multiplier halves a distance
+};
+
 class KnownAttractors {
  public:
   std::size_t size() const { return list_.size(); }
@@ -30,6 +37,10 @@ class KnownAttractors {
   std::optional<std::size_t> reached(const Vector& state, std::vector<Strand>& strands) const;
   /// The known orbit of this period through the state, as far as two runs of Newton's method agree.
   std::optional<std::size_t> orbit_at(const Vector& state, int period) const;
+  /// Whether a motion that returns to its state after `period` periods, nearly, may be on its way to a known orbit not far off;
+  /// later, whether it was: that it has come closer is what proves it.
+  std::optional<Nearing> nearing(const Vector& state, int period) const;
+  bool has_come_closer(const Nearing& nearing, const Vector& state) const;
   /// Whether a known orbit is nearer than `distance`; `with_region`: of those that have a trapping region.
   bool orbit_near(const Vector& state, double distance, bool with_region) const;
 

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/lane_orbits.hpp>
 #include <graze/floquet/settle.hpp>
 #include <graze/floquet/settling_orbit.hpp>
+#include <graze/floquet/side_by_side.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 
 namespace graze {
 
@@ -12,6 +15,20 @@ namespace {
 
 /// A settled state returns this closely after one period of its orbit, relative to 1 + |x|; Newton decides, not this.
 constexpr double worth_trying = 0.03;
+
+/// Returns that orbit_of_close_returns tries.
+constexpr std::size_t most_tries = 3;
+
+/// A motion has come closer to an orbit if its distance is less than this times what it was before.
+constexpr double closer = 0.75;
+constexpr double on_it = 1e-9;  // nearer than this there is nothing to see
+
+/// Forcing periods in which the slowest multiplier halves a distance.
+int halving_time(double slowest, int period) {
+  constexpr double most = 20000.0;
+  const double turns = slowest > 0.0 ? std::ceil(std::log(0.5) / std::log(slowest)) : 1.0;
+  return period * static_cast<int>(std::clamp(turns, 1.0, most / period));
+}
 
 /// Distance of a state to the nearest of an orbit's states at phase 0.
 double distance(const PeriodicOrbit& orbit, const Vector& x) {
@@ -24,15 +41,13 @@ double distance(const PeriodicOrbit& orbit, const Vector& x) {
 bool approaches(const HybridSystem& system, const Vector& p, const PeriodicOrbit& orbit, const Vector& x,
                 const FlowOptions& flow) {
   const double before = distance(orbit, x), slowest = std::abs(orbit.multipliers.values.front());
-  constexpr double there = 1e-9, most = 20000.0;
-  if (before < there) return true;
-  const double turns = slowest > 0.0 ? std::ceil(std::log(0.5) / std::log(slowest)) : 1.0;
+  if (before < on_it) return true;
   SettleOptions options;
-  options.periods = orbit.period * static_cast<int>(std::clamp(turns, 1.0, most / orbit.period));
+  options.periods = halving_time(slowest, orbit.period);
   options.max_period = 0;
   options.flow = flow;
   const Settled later = settle(system, p, x, options);
-  return later.termination == Termination::time && distance(orbit, later.state) < 0.75 * before;
+  return later.termination == Termination::time && distance(orbit, later.state) < closer * before;
 }
 
 /// The stable orbit of period n (or a divisor) that the motion through these states comes closer to.
@@ -51,48 +66,41 @@ std::optional<PeriodicOrbit> stable_orbit_near(const HybridSystem& system, const
 
 }  // namespace
 
-std::optional<PeriodicOrbit> settling_orbit(const HybridSystem& system, const Vector& p, const Vector& state, int max_period,
-                                            const FlowOptions& flow) {
-  Propagator propagator(system, p, {}, flow);
-  const double T = forcing_period(system, p), scale = 1.0 + state.lpNorm<Eigen::Infinity>();
-  std::vector<Vector> states{state};
-  Transition transition;
-  for (int n = 1; n <= max_period; ++n) {
-    carry(propagator, 0.0, T, states.back(), {.sensitivity = Sensitivity::none}, transition);
-    if (transition.termination != Termination::time) return std::nullopt;
-    const Vector next = transition.x1;
-    if ((next - state).lpNorm<Eigen::Infinity>() < worth_trying * scale)
-      if (auto orbit = stable_orbit_near(system, p, states, n, flow)) return orbit;
-    states.push_back(next);
+namespace {
+
+/// Puts in order the periods after which the states return to the first of them, the closest return first.
+void find_returns(double nearness, int max_period, Returns& out) {
+  constexpr double alike = 1e-10;  // returns this close are as good as each other: the shortest comes first
+  const Vector& state = out.states.front();
+  const double scale = 1.0 + state.lpNorm<Eigen::Infinity>();
+  std::vector<double> distances = {0.0};
+  for (int n = 1; n <= max_period && n < static_cast<int>(out.states.size()); ++n) {
+    distances.push_back(std::max(alike, (out.states[static_cast<std::size_t>(n)] - state).lpNorm<Eigen::Infinity>() / scale));
+    if (distances.back() < nearness) out.periods.push_back(n);
   }
-  return std::nullopt;
+  std::stable_sort(out.periods.begin(), out.periods.end(),
+                   [&](int a, int b) { return distances[static_cast<std::size_t>(a)] < distances[static_cast<std::size_t>(b)]; });
 }
+
+}  // namespace
 
 Returns close_returns(const HybridSystem& system, const Vector& p, const Vector& state, int max_period, double nearness,
                       const FlowOptions& flow) {
-  constexpr double alike = 1e-10;  // returns this close are as good as each other: the shortest comes first
   Returns out{{state}, {}};
   Propagator propagator(system, p, {}, flow);
-  const double T = forcing_period(system, p), scale = 1.0 + state.lpNorm<Eigen::Infinity>();
+  const double T = forcing_period(system, p);
   Transition transition;
-  std::vector<double> distances = {0.0};
   for (int n = 1; n <= max_period; ++n) {
     carry(propagator, 0.0, T, out.states.back(), {.sensitivity = Sensitivity::none}, transition);
     if (transition.termination != Termination::time) break;
-    distances.push_back(std::max(alike, (transition.x1 - state).lpNorm<Eigen::Infinity>() / scale));
-    if (distances.back() < nearness) out.periods.push_back(n);
     out.states.push_back(transition.x1);
   }
-  const auto closer = [&](int a, int b) {
-    return distances[static_cast<std::size_t>(a)] < distances[static_cast<std::size_t>(b)];
-  };
-  std::stable_sort(out.periods.begin(), out.periods.end(), closer);
+  find_returns(nearness, max_period, out);
   return out;
 }
 
 std::optional<PeriodicOrbit> orbit_of_close_returns(const HybridSystem& system, const Vector& p, const Vector& state,
                                                     int max_period, double nearness, const FlowOptions& flow) {
-  constexpr std::size_t most_tries = 3;
   const Returns returns = close_returns(system, p, state, max_period, nearness, flow);
   for (std::size_t i = 0; i < std::min(most_tries, returns.periods.size()); ++i) {
     const int n = returns.periods[i];
@@ -100,6 +108,196 @@ std::optional<PeriodicOrbit> orbit_of_close_returns(const HybridSystem& system, 
     if (auto orbit = stable_orbit_near(system, p, states, n, flow)) return orbit;
   }
   return std::nullopt;
+}
+
+namespace {
+
+using Pair = std::array<double, 2>;
+
+/// The first n states.
+std::vector<Pair> pairs_of(const std::vector<Vector>& states, int n) {
+  std::vector<Pair> out;
+  for (int k = 0; k < n; ++k) out.push_back({states[static_cast<std::size_t>(k)][0], states[static_cast<std::size_t>(k)][1]});
+  return out;
+}
+
+/// A motion that is carried for so many periods.
+struct Run {
+  int left = 0;
+  Vector at;
+  std::vector<Vector>* states = nullptr;  ///< where they are kept, if so
+  Termination termination = Termination::time;
+  bool open() const { return left > 0; }
+  const Vector& state() const { return at; }
+  void see(Termination end, const Vector& state) {
+    termination = end;
+    if (end != Termination::time) {
+      left = 0;
+      return;
+    }
+    --left;
+    at = state;
+    if (states) states->push_back(state);
+  }
+};
+
+double distance(const LaneOrbit& orbit, const Vector& x) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Pair& state : orbit.states) least = std::min(least, std::max(std::abs(state[0] - x[0]), std::abs(state[1] - x[1])));
+  return least;
+}
+
+/// What an orbit that was found in lanes says to a motion that may be settling on it.
+enum class Verdict { no, delicate, yes };
+Verdict verdict(const LaneOrbit& orbit, const Vector& state) {
+  const double scale = 1.0 + state.lpNorm<Eigen::Infinity>();
+  if (!orbit.converged || !(distance(orbit, state) < 2.0 * worth_trying * scale)) return Verdict::no;
+  if (orbit.delicate) return Verdict::delicate;
+  return orbit.stable() ? Verdict::yes : Verdict::no;
+}
+
+PeriodicOrbit plain_orbit(const HybridSystem& system, const Vector& p, const LaneOrbit& found) {
+  PeriodicOrbit orbit;
+  orbit.parameters = p;
+  orbit.period = static_cast<int>(found.states.size());
+  orbit.duration = orbit.period * forcing_period(system, p);
+  for (const Pair& state : found.states) orbit.states.push_back(Vector{{state[0], state[1]}});
+  orbit.nodes = orbit.states;
+  orbit.state = orbit.states.front();
+  orbit.impacts = found.impacts;
+  orbit.newton.status = NewtonStatus::converged;
+  orbit.admissible = Admissibility::admissible;  // its stretches between nodes are free runs
+  orbit.multipliers.valid = true;
+  for (const auto& mu : found.multipliers) {
+    orbit.multipliers.values.push_back(mu);
+    orbit.multipliers.exponents.push_back(std::log(std::abs(mu)) / orbit.duration);
+  }
+  return orbit;
+}
+
+/// Which returns are tried: the closest, each after those of its divisors that are close, too (so that Newton's method need not
+/// find out that an orbit is shorter).
+std::vector<int> worth_a_try(const std::vector<int>& periods) {
+  std::vector<int> out;
+  for (std::size_t i = 0; i < std::min(most_tries, periods.size()); ++i)
+    for (int d = 1; d <= periods[i]; ++d)
+      if (periods[i] % d == 0 && std::find(periods.begin(), periods.end(), d) != periods.end() &&
+          std::find(out.begin(), out.end(), d) == out.end())
+        out.push_back(d);
+  return out;
+}
+
+/// Whether motions come closer to the orbits that they may be settling on, as approaches() has it.
+std::vector<bool> all_approach(ManyMotions& many, const std::vector<std::size_t>& sets, const std::vector<Vector>& states,
+                               const std::vector<LaneOrbit>& orbits) {
+  std::vector<Run> runs;
+  for (std::size_t i = 0; i < orbits.size(); ++i) {
+    const int periods = halving_time(std::abs(orbits[i].multipliers.front()), static_cast<int>(orbits[i].states.size()));
+    runs.push_back({distance(orbits[i], states[i]) < on_it ? 0 : periods, states[i]});
+  }
+  carry_side_by_side(many, sets, runs, [] { return false; });
+  std::vector<bool> out;
+  for (std::size_t i = 0; i < orbits.size(); ++i) {
+    const double before = distance(orbits[i], states[i]);
+    out.push_back(before < on_it ||
+                  (runs[i].termination == Termination::time && distance(orbits[i], runs[i].at) < closer * before));
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<SettlingLook> look_for_orbits(const HybridSystem& system, ManyMotions& many,
+                                          const std::vector<SettlingMotion>& motions, double nearness, const FlowOptions& flow) {
+  std::vector<SettlingLook> out(motions.size());
+  std::vector<Returns> returns(motions.size());
+  std::vector<Run> runs;
+  std::vector<std::size_t> sets;
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    returns[i].states = {motions[i].state};
+    runs.push_back({motions[i].max_period, motions[i].state, &returns[i].states});
+    sets.push_back(motions[i].parameters);
+  }
+  carry_side_by_side(many, sets, runs, [] { return false; });
+  std::vector<std::vector<int>> tries;
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    find_returns(nearness, motions[i].max_period, returns[i]);
+    if (!returns[i].periods.empty()) out[i].closest = returns[i].periods.front();
+    tries.push_back(worth_a_try(returns[i].periods));
+  }
+  for (std::size_t round = 0;; ++round) {
+    std::vector<LaneGuess> guesses;
+    std::vector<std::size_t> of;
+    for (std::size_t i = 0; i < motions.size(); ++i) {
+      if (out[i].orbit || round >= tries[i].size()) continue;
+      guesses.push_back({motions[i].parameters, pairs_of(returns[i].states, tries[i][round])});
+      of.push_back(i);
+    }
+    if (guesses.empty()) return out;
+    const std::vector<LaneOrbit> orbits = shoot_side_by_side(many, guesses);
+    std::vector<std::size_t> sets_of_good, of_good;
+    std::vector<Vector> states_of_good;
+    std::vector<LaneOrbit> good;
+    for (std::size_t k = 0; k < of.size(); ++k) {
+      const SettlingMotion& motion = motions[of[k]];
+      const Verdict says = verdict(orbits[k], motion.state);
+      if (says == Verdict::delicate) {
+        const auto& states = returns[of[k]].states;
+        const int n = tries[of[k]][round];
+        out[of[k]].orbit = stable_orbit_near(system, motion.p, {states.begin(), states.begin() + n}, n, flow);
+      } else if (says == Verdict::yes) {
+        sets_of_good.push_back(motion.parameters);
+        states_of_good.push_back(motion.state);
+        good.push_back(orbits[k]);
+        of_good.push_back(of[k]);
+      }
+    }
+    const std::vector<bool> approach = all_approach(many, sets_of_good, states_of_good, good);
+    for (std::size_t k = 0; k < good.size(); ++k)
+      if (approach[k]) out[of_good[k]].orbit = plain_orbit(system, motions[of_good[k]].p, good[k]);
+  }
+}
+
+std::optional<PeriodicOrbit> settling_orbit(const HybridSystem& system, const Vector& p, const Vector& state, int max_period,
+                                            const FlowOptions& flow) {
+  Propagator propagator(system, p, {}, flow);
+  const double T = forcing_period(system, p), scale = 1.0 + state.lpNorm<Eigen::Infinity>();
+  std::vector<Vector> states{state};
+  std::vector<int> worth;  // periods of returns not looked at yet
+  std::size_t together = 1;
+  std::unique_ptr<ManyMotions> many;
+  // In chaos there are many returns, and most are to unstable orbits. What Newton's method finds out in lanes need not be found
+  // out again.
+  const auto look = [&]() -> std::optional<PeriodicOrbit> {
+    std::vector<LaneOrbit> orbits;
+    if (ManyMotions::applies(system, p, flow)) {
+      if (!many) {
+        many = std::make_unique<ManyMotions>(system, flow);
+        many->add_parameters(p);
+      }
+      std::vector<LaneGuess> guesses;
+      for (const int n : worth) guesses.push_back({0, pairs_of(states, n)});
+      orbits = shoot_side_by_side(*many, guesses);
+    }
+    for (std::size_t i = 0; i < worth.size(); ++i) {
+      if (!orbits.empty() && verdict(orbits[i], state) == Verdict::no) continue;
+      if (auto orbit = stable_orbit_near(system, p, {states.begin(), states.begin() + worth[i]}, worth[i], flow)) return orbit;
+    }
+    worth.clear();
+    together *= 2;
+    return std::nullopt;
+  };
+  Transition transition;
+  for (int n = 1; n <= max_period; ++n) {
+    carry(propagator, 0.0, T, states.back(), {.sensitivity = Sensitivity::none}, transition);
+    if (transition.termination != Termination::time) break;
+    const Vector next = transition.x1;
+    if ((next - state).lpNorm<Eigen::Infinity>() < worth_trying * scale) worth.push_back(n);
+    if (worth.size() == together)
+      if (auto orbit = look()) return orbit;
+    states.push_back(next);
+  }
+  return look();
 }
 
 int ReturnWatch::see(const Vector& state) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <graze/floquet/shooting.hpp>
+#include <graze/lib/many_motions.hpp>
 
 #include <optional>
 #include <vector>
@@ -26,6 +27,26 @@ Returns close_returns(const HybridSystem& system, const Vector& p, const Vector&
 /// settling_orbit where time matters: the few closest returns are tried, and only returns within `nearness`.
 std::optional<PeriodicOrbit> orbit_of_close_returns(const HybridSystem& system, const Vector& p, const Vector& state,
                                                     int max_period, double nearness, const FlowOptions& flow = {});
+
+/// A motion that may be settling on an orbit, among others.
+struct SettlingMotion {
+  std::size_t parameters = 0;  ///< as ManyMotions knows them
+  Vector p;                    ///< the same
+  Vector state;
+  int max_period = 1;
+};
+
+/// What it is settling on.
+struct SettlingLook {
+  std::optional<PeriodicOrbit> orbit;
+  int closest = 0;  ///< after how many periods the closest return was; 0: there was none
+};
+
+/// orbit_of_close_returns of many motions side by side in lanes, to the same orbits. Except where an orbit is delicate
+/// (lane_orbits.hpp), they come without events, signature, monodromy matrix and checks.
+std::vector<SettlingLook> look_for_orbits(const HybridSystem& system, ManyMotions& many,
+                                          const std::vector<SettlingMotion>& motions, double nearness,
+                                          const FlowOptions& flow = {});
 
 /// Looks, period by period, for returns to a state that moves on in doubling steps (Brent's way to find a cycle): most motions
 /// are near their orbit long before a transient is over.

@@ -6,6 +6,7 @@
 
 #include <graze/lib/many_motions.hpp>
 
+#include <algorithm>
 #include <vector>
 
 namespace graze {
@@ -26,21 +27,38 @@ template <class Watch, class Cancelled> bool carry_watched(Propagator& propagato
 template <class Watch, class Cancelled>
 bool carry_side_by_side(ManyMotions& many, const std::vector<std::size_t>& sets, std::vector<Watch>& watches,
                         const Cancelled& cancelled) {
-  constexpr std::size_t stretch = 8;  // what is carried in vain where a watch is closed is half of it on average
+  // What is carried in vain where a watch is closed is half a stretch on average: long ones are for those that last. (All motions
+  // take the same, so that what becomes of one does not depend on the others.)
+  constexpr std::size_t shortest = 8, longest = 64, at_once = 2048;  // results that stay in the cache until they are seen
+  std::size_t carried = 0;
   std::vector<MotionStart> motions;
   std::vector<PeriodResult> results;
+  std::vector<std::size_t> open;
+  for (std::size_t i = 0; i < watches.size(); ++i)
+    if (watches[i].open()) open.push_back(i);
+  Vector state(2);
   while (!cancelled()) {
-    motions.clear();
-    for (std::size_t i = 0; i < watches.size(); ++i)
-      if (watches[i].open()) motions.push_back({sets[i], watches[i].state()[0], watches[i].state()[1]});
-    if (motions.empty()) return true;
-    many.carry(motions, stretch, false, results);
-    const PeriodResult* next = results.data();
-    for (Watch& watch : watches) {
-      if (!watch.open()) continue;
-      for (std::size_t k = 0; k < stretch && watch.open(); ++k) watch.see(next[k].termination, Vector{{next[k].x, next[k].v}});
-      next += stretch;
+    if (open.empty()) return true;
+    const std::size_t stretch = std::clamp(carried / 32 * shortest, shortest, longest), together = at_once / stretch;
+    carried += stretch;
+    for (std::size_t begin = 0; begin < open.size(); begin += together) {
+      const std::size_t end = std::min(open.size(), begin + together);
+      motions.clear();
+      for (std::size_t k = begin; k < end; ++k) {
+        const Vector& at = watches[open[k]].state();
+        motions.push_back({sets[open[k]], at[0], at[1]});
+      }
+      many.carry(motions, stretch, false, results);
+      const PeriodResult* next = results.data();
+      for (std::size_t k = begin; k < end; ++k, next += stretch) {
+        Watch& watch = watches[open[k]];
+        for (std::size_t period = 0; period < stretch && watch.open(); ++period) {
+          state << next[period].x, next[period].v;
+          watch.see(next[period].termination, state);
+        }
+      }
     }
+    std::erase_if(open, [&](std::size_t i) { return !watches[i].open(); });
   }
   return false;
 }

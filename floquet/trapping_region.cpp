@@ -105,6 +105,7 @@ TrappingRegion trapping_region(const HybridSystem& system, const Vector& p, cons
   const auto values = product_eigenvalues(Phi);
   const double rate = std::pow(std::abs(values.front()), 1.0 / period);
   if (!(rate < 1.0)) return region;
+  region.rate = rate;
   const double q = chosen_rate(rate), enough = 0.5 * (1.0 + q);
   std::vector<Matrix> H = adapted_metrics(Phi, q);
   if (H.empty()) return region;

@@ -21,6 +21,7 @@ struct TrappingRegion {
   std::vector<Vector> centres;  ///< the orbit's states at forcing phase 0
   std::vector<Matrix> metrics;  ///< H_k
   double size = 0.0;            ///< |x - c_k| of all states inside is at most this; 0: there is no region
+  double rate = 1.0;            ///< |mu_1|^(1/n): what a period leaves of a distance in the long run; 1: it is not known
 
   /// True if x, a state at forcing phase 0, lies inside.
   bool holds(const Vector& x) const;

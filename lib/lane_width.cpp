@@ -16,6 +16,12 @@ bool available(LaneWidth width) {
   return width != LaneWidth::avx2 && width != LaneWidth::avx512;
 }
 
+LaneWidth width_for(std::size_t motions) {
+  if (motions <= 1) return LaneWidth::one;
+  if (motions <= 2) return LaneWidth::generic;
+  return motions <= 4 && available(LaneWidth::avx2) ? LaneWidth::avx2 : LaneWidth::widest;
+}
+
 LaneKernels lane_kernels(LaneWidth width) {
   if (!available(width)) throw std::invalid_argument("this processor does not have the lanes asked for");
   switch (width) {

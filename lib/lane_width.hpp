@@ -12,6 +12,10 @@ enum class LaneWidth { widest, one, generic, avx2, avx512 };
 /// Whether this processor has lanes of that kind.
 bool available(LaneWidth width);
 
+/// The least width that takes so many motions at once, or the widest. All give the same result to the last bit; idle lanes cost
+/// as much as busy ones.
+LaneWidth width_for(std::size_t motions);
+
 /// What the lanes of a width do.
 struct LaneKernels {
   void (*carry)(const lanes::Job&);

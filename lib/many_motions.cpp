@@ -53,7 +53,8 @@ bool ManyMotions::applies(const HybridSystem& system, const Vector& p, const Flo
 }
 
 ManyMotions::ManyMotions(const HybridSystem& system, const FlowOptions& options, LaneWidth width)
-    : system_(&system), options_(options), width_(width), kernel_(lane_kernels(width).carry) {
+    : system_(&system), options_(options), width_(width) {
+  lane_kernels(width);  // or throws
   validate(options);
 }
 
@@ -110,6 +111,7 @@ void ManyMotions::carry_one_period(Set& set, double x, double v, bool tangent, P
   graze::carry(*set.propagator, 0.0, set.period, Vector{{x, v}},
                {.sensitivity = tangent ? Sensitivity::state : Sensitivity::none}, transition_);
   out.termination = transition_.termination;
+  out.by_propagator = true;
   if (out.termination != Termination::time) return;
   out.x = transition_.x1[0];
   out.v = transition_.x1[1];
@@ -147,7 +149,9 @@ void ManyMotions::carry(const std::vector<MotionStart>& starts, std::size_t peri
                          set.awaits_table ? &set.met : nullptr});
     }
     carried.assign(going.size() * stride, {});
-    kernel_({sets_.front()->oscillator.law, options_.tolerance, tangent, motions.data(), motions.size(), stride, carried.data()});
+    const LaneWidth width = width_ == LaneWidth::widest ? width_for(motions.size()) : width_;
+    lane_kernels(width).carry(
+        {sets_.front()->oscillator.law, options_.tolerance, tangent, motions.data(), motions.size(), stride, carried.data()});
     next.clear();
     for (std::size_t i = 0; i < going.size(); ++i) {
       Going one = going[i];
@@ -161,9 +165,13 @@ void ManyMotions::carry(const std::vector<MotionStart>& starts, std::size_t peri
           ++left_over_;
           stopped = true;
         } else {
-          out = {
-              Termination::time, period.x, period.v, period.Phi, std::log(std::abs(period.det)), set.oscillator.liouville(period),
-              period.impacts};
+          out = {Termination::time,
+                 period.x,
+                 period.v,
+                 period.Phi,
+                 tangent ? std::log(std::abs(period.det)) : 0.0,
+                 set.oscillator.liouville(period),
+                 period.impacts};
         }
         ++carried_;
         ++one.done;

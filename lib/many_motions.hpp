@@ -32,6 +32,7 @@ struct PeriodResult {
   double log_det = 0.0;         ///< of Phi, from its factors; NaN: lost in their rounding
   double liouville = 0.0;       ///< the same from Liouville's identity
   int impacts = 0;              ///< impacts and entries into contact
+  bool by_propagator = false;   ///< the lanes left it to the Propagator
 };
 
 class ManyMotions {
@@ -76,7 +77,6 @@ class ManyMotions {
   const HybridSystem* system_;
   FlowOptions options_;
   LaneWidth width_;
-  void (*kernel_)(const lanes::Job&);
   std::vector<std::unique_ptr<Set>> sets_;
   Transition transition_;
   std::size_t left_over_ = 0, carried_ = 0;

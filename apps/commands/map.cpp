@@ -67,8 +67,11 @@ MapPlan plan_from(const Options& options, const Console& console) {
   if (options.standard_error) plan.options.standard_error = *options.standard_error;
   if (!(plan.options.standard_error > 0.0))
     throw std::invalid_argument(fmt::format("--standard-error is {}; allowed is > 0", exact(plan.options.standard_error)));
-  // Rows that are followed go side by side, some at a time; points that do not wait for each other do so within their row.
-  plan.chunk_rows = options.chunk_rows.value_or(options.follow == "none" ? 1 : 16);
+  // Rows that are followed go side by side, some at a time; points that do not wait for each other do so within a chunk: it has
+  // some hundreds, but there are enough chunks to hand out.
+  const ParameterAxis &columns = plan.grid.columns, &rows = plan.grid.rows;
+  const int of_free_points = std::clamp(std::min(4096 / std::max(1, columns.count), rows.count / 8), 1, 16);
+  plan.chunk_rows = options.chunk_rows.value_or(options.follow == "none" ? of_free_points : 16);
   check_plan(plan);
   return plan;
 }
@@ -233,9 +236,10 @@ std::function<int(const Console&)> setup(CLI::App& app) {
             "initial state at forcing phase 0; repeatable, each is a layer of the map (default: the file's, else at rest)");
   add_choice(app, "--follow", options->follow, {"none", "up", "down", "both"},
              "along each row, a point starts from where its neighbour ended (default none: each from the start)");
-  add_count(
-      app, "--chunk", options->chunk_rows, 1,
-      "rows in a chunk: what a thread computes at a time, and is lost if it is killed (default 1, or 16 that are followed)");
+  add_count(app, "--chunk", options->chunk_rows, 1,
+            "rows in a chunk: what a thread computes at a time, and is lost if it is killed (default 1, more of short rows in "
+            "large maps, 16 "
+            "that are followed)");
   begin_group(app, "Motions");
   add_count(
       app, "--settle", options->start.settle, 0,

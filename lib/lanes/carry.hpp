@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the lanes do, over and over: fly where most are in flight, take a step of contact where at least half of them are in one,
-// take the next motion where one is through. Lanes do not wait for each other at the end of a period, only at these two.
+// What the lanes do, over and over: march or fly where most are in flight, take a step of contact where at least half of them are
+// in one, take the next motion where one is through. Lanes do not wait for each other at the end of a period, only at these two.
 #pragma once
 
 #include <graze/lib/lanes/flight.hpp>
@@ -38,19 +38,20 @@ template <class Real, bool Tangent> class Carrier {
     const int most = static_cast<int>(tables_ ? (W + 3) / 4 : (3 * W + 3) / 4);
     for (;;) {
       const int contacts = count(memory_.is(Task::contact)), crossings = count(memory_.is(Task::crossing)),
-                flights = count(memory_.is(Task::flight));
-      if (contacts >= most || (contacts > 0 && crossings + flights == 0)) {
+                flights = count(memory_.is(Task::flight)), marching = count(memory_.is(Task::marching));
+      if (contacts >= most || (contacts > 0 && crossings + flights + marching == 0)) {
         const Surfacing<Real> up = press<Real, Tangent>(memory_, job_.tolerance, ratio_);
         if (any(up.at_barrier)) leave_barrier(memory_, up.at_barrier, up.v, up.c, up.s);
         if (any(up.at_end)) end_period(up.at_end, Real(memory_[barrier] + up.y * up.y), up.v, up.y);
-      } else if (crossings >= half || (crossings > 0 && flights == 0)) {
+      } else if (crossings >= half || (crossings > 0 && flights + marching == 0)) {
         const Landing<Real> landing = land<Real, Tangent>(memory_);
         if (any(landing.at_barrier)) hit(landing);
         if (any(landing.at_end)) end_period(landing.at_end, landing.x, landing.v, Real(-1.0));
-      } else if (flights > 0) {
-        march(memory_);
+      } else if (flights >= half || (flights > 0 && marching == 0)) {
         fly(memory_);
-      } else {
+      } else if (marching > 0) {
+        march(memory_, marching >= half ? half - 1 : 0);
+      } else if (!any(memory_.is(Task::given_up))) {
         return;
       }
       if (any(memory_.is(Task::given_up)))

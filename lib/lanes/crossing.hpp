@@ -126,11 +126,12 @@ void depart(Memory<Real>& m, const Mask<Real>& where, const Real& x, const Real&
   m.set(phase_c, where, c);
   m.set(phase_s, where, s);
   m.set(flown, where, Real(0.0));
+  m.set(marched, where, Real(0.0));
   m.set(level, where, Real(1.0));
   m.set(tried, where, Real(0.0));
   m.set(cushion, where, Real(0.125 * bend * (h * h)));
   m.set(at_barrier, where, Real(from_barrier ? 1.0 : 0.0));
-  m.assign(where, Task::flight);
+  m.assign(where, Task::marching);
 }
 
 /// A motion on the barrier leaves it with speed v < 0: a flight, unless it would be a short one.

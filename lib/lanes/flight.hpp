@@ -27,15 +27,16 @@ template <class Real, std::size_t N> auto below_zero(Real (&b)[N]) {
 }
 
 /// Far from the barrier: steps of one length, taken as long as both ends lie below the barrier by more than x can rise above
-/// the chord, |x''| h^2/8.
-template <class Real> void march(Memory<Real>& m) {
+/// the chord, |x''| h^2/8. Ends when no more than `few` lanes can go on; these do so later.
+template <class Real> void march(Memory<Real>& m, int few) {
   const double(*row)[Memory<Real>::W] = m.coefficient + turns + 4 * marching_level;
   const Real turn_c = take<Real>(row[0]), turn_s = take<Real>(row[1]), force_c = take<Real>(row[2]), force_s = take<Real>(row[3]);
   const Real P0 = m[start_p], Q0 = m[start_q], C = m[cosine], S = m[sine], h = m[march_step];
   const Real ceiling = m[barrier] - m[offset] - m[cushion];
-  Real E = m[spiral_c], F = m[spiral_s], c = m[phase_c], s = m[phase_s], left = m[rest], steps = Real(0.0);
-  Mask<Real> goes = m.is(Task::flight) & (E * P0 + F * Q0 + (C * c + S * s) < ceiling);
-  while (any(goes)) {
+  Real E = m[spiral_c], F = m[spiral_s], c = m[phase_c], s = m[phase_s], left = m[rest], steps = m[marched];
+  const Mask<Real> marching = m.is(Task::marching);
+  Mask<Real> goes = marching & (E * P0 + F * Q0 + (C * c + S * s) < ceiling);
+  while (count(goes) > few) {
     const Real E1 = E * turn_c - F * turn_s, F1 = F * turn_c + E * turn_s;
     const Real c1 = c * force_c - s * force_s, s1 = s * force_c + c * force_s;
     goes = goes & (left > h) & (E1 * P0 + F1 * Q0 + (C * c1 + S * s1) < ceiling);
@@ -46,15 +47,17 @@ template <class Real> void march(Memory<Real>& m) {
     left = select(goes, Real(left - h), left);
     steps = select(goes, Real(steps + 1.0), steps);
   }
-  const Mask<Real> went = steps > Real(0.0);
+  const Mask<Real> stops = marching & !goes, went = stops & (steps > Real(0.0));
   m.set(spiral_c, E);
   m.set(spiral_s, F);
   m.set(phase_c, c);
   m.set(phase_s, s);
   m.set(rest, left);
-  m.set(flown, Real(m[flown] + steps * h));
+  m.set(flown, stops, Real(m[flown] + steps * h));
+  m.set(marched, Real(select(stops, Real(0.0), steps)));
   m.set(level, went, Real(static_cast<double>(marching_level)));
   m.set(tried, went, Real(0.0));
+  m.assign(stops, Task::flight);
 }
 
 /// A step: its length, and how it turns the transient and the forcing.
@@ -131,6 +134,7 @@ template <class Real> void fly(Memory<Real>& m) {
   const auto stop = flying & (ends | crosses);
   m.set(reach, stop, select(ends, left, h));
   m.set(may_cross, stop, select(below, Real(0.0), Real(1.0)));
+  m.assign(moves, Task::marching);
   m.assign(stop, Task::crossing);
   m.assign((flying & close) | (stays & (next_level > Real(levels - 0.5))), Task::given_up);
 }

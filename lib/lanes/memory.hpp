@@ -7,8 +7,8 @@
 
 namespace graze::lanes {
 
-/// What a lane is at.
-enum class Task { idle, flight, crossing, contact, given_up };
+/// What a lane is at; `marching` and `flight`: in flight, far from the barrier and perhaps not.
+enum class Task { idle, marching, flight, crossing, contact, given_up };
 
 enum Field : std::size_t {
   // A flight: deviation from the particular solution when it began, as e^(-b s) (P cos(q s) + Q sin(q s)); the spiral
@@ -20,6 +20,7 @@ enum Field : std::size_t {
   phase_c,
   phase_s,
   flown,         ///< time since it began
+  marched,       ///< steps of the march that are not in it yet
   rest,          ///< time left of the forcing period
   level,         ///< of the step, see `levels`
   tried,         ///< 1: the step before was too long

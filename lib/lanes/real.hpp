@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <type_traits>
 
 namespace graze::lanes {
 
@@ -22,6 +23,12 @@ template <class Real> using Mask = typename MaskType<Real>::type;
 [[gnu::always_inline]] inline bool any(bool mask) { return mask; }
 [[gnu::always_inline]] inline int count(bool mask) { return mask ? 1 : 0; }
 template <class T, class A> int count(const xsimd::batch_bool<T, A>& mask) {
+#if XSIMD_WITH_AVX512F
+  if constexpr (std::is_same_v<A, xsimd::avx512f>) return __builtin_popcount(mask.data);
+#endif
+#if XSIMD_WITH_AVX2
+  if constexpr (std::is_same_v<A, xsimd::avx2>) return __builtin_popcount(static_cast<unsigned>(_mm256_movemask_pd(mask.data)));
+#endif
   using Batch = xsimd::batch<T, A>;
   return static_cast<int>(xsimd::hadd(xsimd::select(mask, Batch(1.0), Batch(0.0))));
 }

@@ -242,3 +242,39 @@ TEST_CASE("a period in a single lane is a period of flights and impacts") {
     }
   }
 }
+
+TEST_CASE("lanes go on behind starts inside the barrier") {
+  // Fixed: with every lane on such a start they left all that followed to the Propagator.
+  const HybridSystem system = oscillator("newton");
+  ManyMotions many(system, {}, LaneWidth::one);
+  const std::size_t set = many.add_parameters(with(system, {{"r", 2.0}, {"k_r", 0.8}}));
+  std::vector<PeriodResult> results;
+  many.carry({{set, 2.5, 0.0}, {set, 3.0, 0.0}, {set, 0.0, 0.0}, {set, 2.1, 0.0}, {set, 1.0, 0.3}}, 1, true, results);
+  CHECK(many.left_over() == 3);
+  for (const std::size_t outside : {0, 1, 3}) CHECK(results[outside].termination == Termination::inadmissible_start);
+  for (const std::size_t inside : {2, 4}) {
+    CHECK(results[inside].termination == Termination::time);
+    CHECK_FALSE(results[inside].by_propagator);
+  }
+}
+
+TEST_CASE("a few motions take fewer lanes, to the same result") {
+  const auto [law, periods] = GENERATE(table<const char*, std::size_t>({{"newton", 40}, {"hertz", 20}}));
+  const HybridSystem system = oscillator(law);
+  const Vector p = with(system, {{"r", 1.5}, {"eta", 0.8}});
+  for (const std::size_t count : {1, 2, 3, 4, 5, 9}) {
+    ManyMotions as_wide_as_useful(system), one(system, {}, LaneWidth::one);
+    as_wide_as_useful.add_parameters(p);
+    one.add_parameters(p);
+    std::vector<PeriodResult> a, b;
+    as_wide_as_useful.carry(random_starts(count, 1.5), periods, true, a);
+    one.carry(random_starts(count, 1.5), periods, true, b);
+    REQUIRE(a.size() == b.size());
+    INFO(law << ", " << count << " motions");
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      CHECK(a[i].x == b[i].x);
+      CHECK(a[i].v == b[i].v);
+      CHECK(a[i].Phi == b[i].Phi);
+    }
+  }
+}

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/cyclic_blocks.hpp>
+#include <graze/floquet/lane_orbits.hpp>
+#include <graze/floquet/shooting.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace graze {
+
+namespace {
+
+using Pair = CyclicBlocks::Pair;
+using Square = CyclicBlocks::Square;
+
+double size_of(const std::vector<Pair>& pairs) {
+  double most = 0.0;
+  for (const Pair& pair : pairs) most = std::max({most, std::abs(pair[0]), std::abs(pair[1])});
+  return most;
+}
+
+double between(const Pair& a, const Pair& b) { return std::max(std::abs(a[0] - b[0]), std::abs(a[1] - b[1])); }
+
+/// One guess on its way: newton() of shooting.cpp, with the evaluations done by others.
+class Iteration {
+ public:
+  explicit Iteration(const LaneGuess& guess) : parameters_(guess.parameters), trial_(guess.states) {}
+
+  bool open() const { return open_; }
+  bool converged() const { return converged_; }
+  std::size_t nodes() const { return trial_.size(); }
+  void ask(std::vector<MotionStart>& motions) const {
+    for (const Pair& node : trial_) motions.push_back({parameters_, node[0], node[1]});
+  }
+
+  /// What one period did to the nodes asked for.
+  void take(const PeriodResult* results, CyclicBlocks& blocks) {
+    const std::size_t n = nodes();
+    const bool carried = std::all_of(results, results + n, [](const auto& one) { return one.termination == Termination::time; });
+    if (!carried) return begun_ ? halve() : end(false);
+    trial_residual_.resize(n);
+    for (std::size_t k = 0; k < n; ++k) {
+      const Pair& next = trial_[(k + 1) % n];
+      trial_residual_[k] = {results[k].x - next[0], results[k].v - next[1]};
+    }
+    const double after = size_of(trial_residual_) / (1.0 + size_of(trial_));
+    if (!begun_) {
+      if (!std::isfinite(after)) return end(false);
+      begun_ = true;
+      accept(results, after);
+      return step(blocks);
+    }
+    const double before = now_;
+    if (!(after < before)) return before <= options_.acceptance ? end(true) : halve();
+    accept(results, after);
+    constexpr double rounding = 1e-15;
+    if (now_ < rounding || (now_ <= options_.tolerance && now_ > 0.5 * before)) return end(true);
+    if (++iterations_ == options_.max_iterations) return end(now_ <= options_.acceptance);
+    step(blocks);
+  }
+
+  LaneOrbit orbit() const {
+    LaneOrbit out;
+    out.converged = converged_;
+    if (!converged_) return out;
+    out.states = nodes_;
+    Square M = {1.0, 0.0, 0.0, 1.0};
+    double log_det = 0.0, liouville = 0.0, blur = 1.0;
+    for (const PeriodResult& period : carried_) {
+      const Square& A = period.Phi;
+      M = {A[0] * M[0] + A[1] * M[2], A[0] * M[1] + A[1] * M[3], A[2] * M[0] + A[3] * M[2], A[2] * M[1] + A[3] * M[3]};
+      log_det += period.log_det;
+      liouville += period.liouville;
+      out.impacts += period.impacts;
+      out.delicate = out.delicate || period.by_propagator;
+      for (const double entry : M) blur = std::max(blur, std::abs(entry));
+    }
+    const double det = std::exp(std::isfinite(log_det) ? log_det : liouville), half = 0.5 * (M[0] + M[3]);
+    const double discriminant = half * half - det;
+    if (discriminant < 0.0) {
+      const double imaginary = std::sqrt(-discriminant);
+      out.multipliers = {std::complex<double>(half, imaginary), std::complex<double>(half, -imaginary)};
+    } else {
+      const double larger = half + std::copysign(std::sqrt(discriminant), half);
+      out.multipliers = {larger, larger == 0.0 ? 0.0 : det / larger};
+    }
+    constexpr double rounding = 1e-15, good = 1e-10, near_one = 1e-6;
+    const double modulus = std::abs(out.multipliers[0]), unsure = std::max(near_one, blur * rounding / near_one);
+    out.delicate = out.delicate || !std::isfinite(modulus) || !std::isfinite(log_det) || blur * rounding > good * modulus ||
+                   std::abs(modulus - 1.0) < unsure;
+    return out;
+  }
+
+ private:
+  void end(bool converged) {
+    converged_ = converged;
+    open_ = false;
+  }
+
+  void accept(const PeriodResult* results, double residual) {
+    nodes_ = trial_;
+    residual_ = trial_residual_;
+    carried_.assign(results, results + nodes());
+    now_ = residual;
+  }
+
+  /// The next step of Newton's method.
+  void step(CyclicBlocks& blocks) {
+    std::vector<Square> Phi;
+    for (const PeriodResult& period : carried_) Phi.push_back(period.Phi);
+    blocks.solve(Phi, residual_, step_);
+    double length = 0.0;
+    for (const Pair& one : step_) {
+      if (!std::isfinite(one[0]) || !std::isfinite(one[1])) return end(false);
+      length = std::max({length, std::abs(one[0]), std::abs(one[1])});
+    }
+    const double longest = options_.max_step * (1.0 + size_of(nodes_));
+    if (length > longest)
+      for (Pair& one : step_)
+        for (double& entry : one) entry *= longest / length;
+    factor_ = 1.0;
+    halvings_ = 0;
+    try_step();
+  }
+
+  void halve() {
+    factor_ *= 0.5;
+    if (++halvings_ > options_.max_halvings) return end(now_ <= options_.acceptance);
+    try_step();
+  }
+
+  void try_step() {
+    for (std::size_t k = 0; k < nodes(); ++k)
+      for (std::size_t i = 0; i < 2; ++i) trial_[k][i] = nodes_[k][i] + factor_ * step_[k][i];
+  }
+
+  ShootingOptions options_;
+  std::size_t parameters_;
+  std::vector<Pair> trial_, trial_residual_, nodes_, residual_, step_;
+  std::vector<PeriodResult> carried_;  // from nodes_
+  double now_ = 0.0, factor_ = 1.0;
+  int iterations_ = 0, halvings_ = 0;
+  bool begun_ = false, open_ = true, converged_ = false;
+};
+
+std::vector<LaneOrbit> newton(ManyMotions& many, const std::vector<LaneGuess>& guesses) {
+  std::vector<Iteration> iterations(guesses.begin(), guesses.end());
+  std::vector<MotionStart> motions;
+  std::vector<PeriodResult> results;
+  CyclicBlocks blocks;
+  for (;;) {
+    motions.clear();
+    for (const Iteration& one : iterations)
+      if (one.open()) one.ask(motions);
+    if (motions.empty()) break;
+    many.carry(motions, 1, true, results);
+    const PeriodResult* next = results.data();
+    for (Iteration& one : iterations) {
+      if (!one.open()) continue;
+      const PeriodResult* of_one = next;
+      next += one.nodes();
+      one.take(of_one, blocks);
+    }
+  }
+  std::vector<LaneOrbit> orbits;
+  for (const Iteration& one : iterations) orbits.push_back(one.orbit());
+  return orbits;
+}
+
+/// Divisors of the period after which the orbit nearly closes, as in shoot().
+std::vector<std::size_t> shorter_periods(const LaneOrbit& orbit) {
+  constexpr double nearly = 1e-5;
+  std::vector<std::size_t> out;
+  const std::size_t n = orbit.states.size();
+  if (!orbit.converged) return out;
+  const double scale = 1.0 + std::max(std::abs(orbit.states[0][0]), std::abs(orbit.states[0][1]));
+  for (std::size_t d = 1; d <= n / 2; ++d)
+    if (n % d == 0 && between(orbit.states[d], orbit.states[0]) <= nearly * scale) out.push_back(d);
+  return out;
+}
+
+/// Whether Newton's method came to the same orbit with the shorter period; see shoot().
+bool same(const LaneOrbit& shorter, const LaneOrbit& orbit) {
+  if (!shorter.converged) return false;
+  const auto times = static_cast<double>(orbit.states.size() / shorter.states.size());
+  const double scale = 1.0 + std::max(std::abs(orbit.states[0][0]), std::abs(orbit.states[0][1]));
+  double nearest = 1.0;
+  for (const auto& mu : shorter.multipliers) nearest = std::min(nearest, std::abs(1.0 - std::pow(mu, times)));
+  return between(shorter.states[0], orbit.states[0]) < std::clamp(1e-12 / nearest, 1e-10, 1e-6) * scale;
+}
+
+}  // namespace
+
+std::vector<LaneOrbit> shoot_side_by_side(ManyMotions& many, const std::vector<LaneGuess>& guesses) {
+  std::vector<LaneOrbit> orbits = newton(many, guesses);
+  std::vector<std::vector<std::size_t>> shorter;
+  for (const LaneOrbit& orbit : orbits) shorter.push_back(shorter_periods(orbit));
+  for (std::size_t round = 0;; ++round) {
+    std::vector<LaneGuess> again;
+    std::vector<std::size_t> of;
+    for (std::size_t i = 0; i < orbits.size(); ++i) {
+      if (round >= shorter[i].size()) continue;
+      const Pair &first = orbits[i].states[0], &later = orbits[i].states[shorter[i][round]];
+      const Pair middle = {0.5 * (first[0] + later[0]), 0.5 * (first[1] + later[1])};
+      again.push_back(
+          {guesses[i].parameters, std::vector<Pair>(orbits[i].states.begin(),
+                                                    orbits[i].states.begin() + static_cast<std::ptrdiff_t>(shorter[i][round]))});
+      again.back().states[0] = middle;
+      of.push_back(i);
+    }
+    if (again.empty()) return orbits;
+    std::vector<LaneOrbit> found = newton(many, again);
+    for (std::size_t k = 0; k < of.size(); ++k) {
+      if (!same(found[k], orbits[of[k]])) continue;
+      orbits[of[k]] = std::move(found[k]);
+      shorter[of[k]].clear();
+    }
+  }
+}
+
+}  // namespace graze

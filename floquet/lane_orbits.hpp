@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// LaneOrbit: Newton's method for many periodic orbits side by side: the nodes of all of them, one per forcing period, are motions
+// of one period each, carried in SIMD lanes (ManyMotions). Equations, steps and ends are those of shoot() with its default
+// options, so that both come to the same orbit, within the acceptance of Newton's method. What an orbit is wanted for here is
+// whether it is stable: its multipliers come from trace and determinant of its monodromy matrix, the determinant factor by
+// factor.
+#pragma once
+
+#include <graze/lib/many_motions.hpp>
+
+#include <array>
+#include <complex>
+#include <vector>
+
+namespace graze {
+
+struct LaneGuess {
+  std::size_t parameters = 0;                 ///< as ManyMotions knows them
+  std::vector<std::array<double, 2>> states;  ///< at forcing phase 0 of as many periods as the orbit has
+};
+
+struct LaneOrbit {
+  bool converged = false;
+  /// Wants shoot() to decide: a node that the lanes left to the Propagator, or a monodromy matrix that does not tell the
+  /// multipliers to 1e-10, or whether they are inside the unit circle.
+  bool delicate = false;
+  std::vector<std::array<double, 2>> states = {};        ///< at forcing phase 0; as many as its least period
+  std::array<std::complex<double>, 2> multipliers = {};  ///< by decreasing modulus
+  int impacts = 0;
+  bool stable() const { return std::abs(multipliers[0]) < 1.0; }
+};
+
+/// The orbits that Newton's method comes to from the guesses. What it comes to from one does not depend on the others.
+std::vector<LaneOrbit> shoot_side_by_side(ManyMotions& many, const std::vector<LaneGuess>& guesses);
+
+}  // namespace graze
