@@ -10,14 +10,15 @@
 //
 // Damped Hertz at eta = 0.711, with its 0.7 contacts a period: 12.8 steps of the series of order 16 at 1e-12 (9.8 at 1e-10), in
 // each 12 products of series of 136 terms, two operations a term, 16 sets of sums of 45 and ten sums of 32: 4300 operations,
-// 38000 a period (30000 at 1e-10). The flights add 1500. A table of contacts (for long averages at fixed parameters) has 16 x 16
-// terms at the most in place of 12.8 x 4300 operations: some 1500 with the sensitivity.
+// 38000 a period (30000 at 1e-10). The flights add 1500. Where multiplication and addition are fused, four quantities at once, a
+// step is 460 of those and 640 on single numbers. A table of contacts (for long averages at fixed parameters) has 16 x 16 terms
+// at the most in place of 12.8 x 4300 operations: some 1500 with the sensitivity.
 //
 // How far from it: see the table, rows peak/lanes=N (operations on N numbers at once) and period/*; on an AMD EPYC of 2.6 GHz a
 // thousand operations take 172 ns one at a time, 86 in SSE2, 48 in AVX2, 35 in AVX-512. One lane of Newton, which goes one at a
-// time, has its floor at 220 ns and takes 434 (twice that: what one operation waits for another); eight lanes at 45 ns and 170
-// with 32 periods at a call. One lane of damped Hertz at 1e-10, in SSE2, has its floor at 2.7 us and takes 3.5; eight lanes
-// at 1.1 us and 1.5.
+// time, has its floor at 220 ns and takes 360 (1.6 times that: what one operation waits for another); eight lanes at 45 ns and 160
+// with 32 periods at a call. One lane of damped Hertz at 1e-10 has its floor at 9.8 x (460 x 0.19 + 640 x 0.17) ns and the
+// flights, 2.2 us, and takes 2.8; eight lanes at 1.1 us and 1.5.
 //
 // What does a forcing period cost, with its 2x2 sensitivity? Over 200 periods on the attractor, every solver at the loosest
 // tolerance that delivers 1e-10. `miscounted`: of 200 runs next to grazing, those with a wrong number of impacts at that
