@@ -16,8 +16,8 @@
 //
 // How far from it: see the table, rows peak/lanes=N (operations on N numbers at once) and period/*; on an AMD EPYC of 2.6 GHz a
 // thousand operations take 172 ns one at a time, 86 in SSE2, 48 in AVX2, 35 in AVX-512. One lane of Newton, which goes one at a
-// time, has its floor at 220 ns and takes 360 (1.6 times that: what one operation waits for another); eight lanes at 45 ns and 160
-// with 32 periods at a call. One lane of damped Hertz at 1e-10 has its floor at 9.8 x (460 x 0.19 + 640 x 0.17) ns and the
+// time, has its floor at 220 ns and takes 360 (1.6 times that: what one operation waits for another); eight lanes at 45 ns and
+// 170 with 32 periods at a call. One lane of damped Hertz at 1e-10 has its floor at 9.8 x (460 x 0.19 + 640 x 0.17) ns and the
 // flights, 2.2 us, and takes 2.8; eight lanes at 1.1 us and 1.5.
 //
 // What does a forcing period cost, with its 2x2 sensitivity? Over 200 periods on the attractor, every solver at the loosest
