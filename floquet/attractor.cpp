@@ -31,29 +31,8 @@ std::optional<PeriodicOrbit> orbit_at_the_end(const HybridSystem& system, const 
 
 constexpr int long_enough = 128, most_rounds = 3;
 
-/// Whether the motion repeats itself, nearly and for long, without being known as periodic: it leaves a weakly unstable orbit, or
+/// A motion that repeats itself, nearly and for long, without being known as periodic: it leaves a weakly unstable orbit, or
 /// comes to a weakly stable one, and its average says nothing of where it ends. Chaos that happens to come back is soon away.
-bool lingers(const HybridSystem& system, const Vector& p, const Attractor& attractor, const AttractorOptions& options) {
-  if (attractor.type == AttractorType::periodic || attractor.termination != Termination::time) return false;
-  const FlowOptions& flow = options.lyapunov.flow;
-  const double nearness = nearness_of(options);
-  const Returns returns = close_returns(system, p, attractor.state, options.max_period, nearness, flow);
-  if (returns.periods.empty()) return false;
-  const auto n = static_cast<std::size_t>(returns.periods.front());
-  Propagator propagator(system, p, {}, flow);
-  Transition transition;
-  std::vector<Vector> states(returns.states.begin(), returns.states.begin() + returns.periods.front() + 1);
-  const double T = forcing_period(system, p), scale = 1.0 + attractor.state.lpNorm<Eigen::Infinity>();
-  for (int k = 0; k < long_enough; ++k) {
-    carry(propagator, 0.0, T, states.back(), {.sensitivity = Sensitivity::none}, transition);
-    if (transition.termination != Termination::time) return false;
-    states.push_back(transition.x1);
-    if ((states.back() - states[states.size() - 1 - n]).lpNorm<Eigen::Infinity>() > nearness * scale) return false;
-  }
-  return true;
-}
-
-/// The same, seen period by period.
 class Lingering {
  public:
   Lingering(const Vector& state, int period, double nearness)
@@ -74,6 +53,17 @@ class Lingering {
   double near_;
   bool repeats_ = true;
 };
+
+bool lingers(const HybridSystem& system, const Vector& p, const Attractor& attractor, const AttractorOptions& options) {
+  if (attractor.type == AttractorType::periodic || attractor.termination != Termination::time) return false;
+  const FlowOptions& flow = options.lyapunov.flow;
+  const Returns returns = close_returns(system, p, attractor.state, options.max_period, nearness_of(options), flow);
+  if (returns.periods.empty()) return false;
+  Lingering watch(attractor.state, returns.periods.front(), nearness_of(options));
+  Propagator propagator(system, p, {}, flow);
+  carry_watched(propagator, watch, [] { return false; });
+  return watch.repeats();
+}
 
 /// A transient on its way, with a look at its returns.
 class Approach {
