@@ -174,12 +174,8 @@ SpecialPoint BranchFollower::grazing_point(const LocatedGrazing& located, int im
   point.interval[0] = point.value - point.precision;
   point.interval[1] = point.value + point.precision;
   point.orbit = located.orbit;
-  const int in_chatter = located.orbit.impacts - located.orbit.isolated_impacts;
-  point.orbit.impacts = impacts_before;
-  point.orbit.isolated_impacts = impacts_before - in_chatter;
   point.orbit.admissible = branch.points.back().admissible;
-  point.details["kind"] = impacts_after < impacts_before ? "lost" : "gained";
-  point.details["impacts"] = std::vector<double>{static_cast<double>(impacts_before), static_cast<double>(impacts_after)};
+  set_impacts(point, impacts_before, impacts_after);
   point.details["scenario"] = std::string(grazing_scenario_name(located.scenario));
   point.details["time"] = located.t;
   if (system_.forcing_frequency) {

@@ -34,12 +34,8 @@ SpecialPoint with_parameter_decreasing(SpecialPoint point, const Branch& branch)
   const bool inside = k + 1 < branch.points.size();
   const double ahead = inside ? branch.points[k + 1].value : point.value;
   if (point.type != PointType::GR || k >= branch.points.size() || ahead < branch.points[k].value) return point;
-  auto& impacts = std::get<std::vector<double>>(point.details["impacts"]);
-  std::swap(impacts.front(), impacts.back());
-  point.details["kind"] = impacts.back() < impacts.front() ? "lost" : "gained";
-  const int in_chatter = point.orbit.impacts - point.orbit.isolated_impacts;
-  point.orbit.impacts = static_cast<int>(impacts.front());
-  point.orbit.isolated_impacts = point.orbit.impacts - in_chatter;
+  const auto impacts = std::get<std::vector<double>>(point.details["impacts"]);
+  set_impacts(point, static_cast<int>(impacts.back()), static_cast<int>(impacts.front()));
   return point;
 }
 

@@ -34,4 +34,12 @@ PointType point_type(std::string_view given) {
   throw std::invalid_argument(unknown_name("type of special point", given, list));
 }
 
+void set_impacts(SpecialPoint& grazing, int before, int after) {
+  const int in_chatter = grazing.orbit.impacts - grazing.orbit.isolated_impacts;
+  grazing.orbit.impacts = before;
+  grazing.orbit.isolated_impacts = before - in_chatter;
+  grazing.details["kind"] = after < before ? "lost" : "gained";
+  grazing.details["impacts"] = std::vector<double>{static_cast<double>(before), static_cast<double>(after)};
+}
+
 }  // namespace graze

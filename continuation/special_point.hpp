@@ -35,4 +35,8 @@ struct SpecialPoint {
   std::map<std::string, Detail> details;
 };
 
+/// Of a grazing: impacts before and after, "lost" or "gained", and those of its orbit (those in complete chatters are as they
+/// were).
+void set_impacts(SpecialPoint& grazing, int before, int after);
+
 }  // namespace graze
