@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/cyclic_blocks.hpp>
 #include <graze/floquet/lane_orbits.hpp>
+#include <graze/floquet/log_product.hpp>
 #include <graze/floquet/shooting.hpp>
 
 #include <algorithm>
@@ -65,16 +66,18 @@ class Iteration {
     if (!converged_) return out;
     out.states = nodes_;
     Square M = {1.0, 0.0, 0.0, 1.0};
-    double log_det = 0.0, liouville = 0.0, blur = 1.0;
+    LogProduct product;
+    double liouville = 0.0, blur = 1.0;
     for (const PeriodResult& period : carried_) {
       const Square& A = period.Phi;
       M = {A[0] * M[0] + A[1] * M[2], A[0] * M[1] + A[1] * M[3], A[2] * M[0] + A[3] * M[2], A[2] * M[1] + A[3] * M[3]};
-      log_det += period.log_det;
+      product.multiply(period.det);
       liouville += period.liouville;
       out.impacts += period.impacts;
       out.delicate = out.delicate || period.by_propagator;
       for (const double entry : M) blur = std::max(blur, std::abs(entry));
     }
+    const double log_det = product.value();
     const double det = std::exp(std::isfinite(log_det) ? log_det : liouville), half = 0.5 * (M[0] + M[3]);
     const double discriminant = half * half - det;
     if (discriminant < 0.0) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/batch_means.hpp>
 #include <graze/floquet/exponents.hpp>
+#include <graze/floquet/log_product.hpp>
 #include <graze/floquet/lyapunov_lanes.hpp>
 #include <graze/lib/many_motions.hpp>
 
@@ -20,8 +21,9 @@ constexpr std::size_t stretch = 32;  // forcing periods between two looks at wha
 struct Strand {
   MotionStart at;
   double c = 1.0, s = 0.0;
-  double growth = 0.0, log_det = 0.0, liouville = 0.0;  // since the last orthonormalisation
-  int periods = 0;                                      // likewise
+  LogProduct growth = {}, det = {};  // since the last orthonormalisation
+  double liouville = 0.0;            // likewise
+  int periods = 0;
   std::array<BatchMeans, 2> means = {};
 };
 
@@ -94,30 +96,29 @@ class Average {
     strand.at.x = period.x;
     strand.at.v = period.v;
     const double c = period.Phi[0] * strand.c + period.Phi[1] * strand.s, s = period.Phi[2] * strand.c + period.Phi[3] * strand.s;
-    const double length = std::hypot(c, s);
-    strand.growth += std::log(length);
-    strand.log_det += period.log_det;
+    const double length = std::sqrt(c * c + s * s);
+    strand.growth.multiply(length);
+    strand.det.multiply(period.det);
     strand.liouville += period.liouville;
     strand.c = length > 0.0 ? c / length : 1.0;
     strand.s = length > 0.0 ? s / length : 0.0;
-    if (uncounted_ > 0) {
-      strand.growth = strand.log_det = strand.liouville = 0.0;
-      return;
-    }
+    const auto begin_interval = [&] {
+      strand.growth = strand.det = {};
+      strand.liouville = 0.0;
+      strand.periods = 0;
+    };
+    if (uncounted_ > 0) return begin_interval();
     out_.impacts += period.impacts;
     if (++strand.periods < options_.interval) return;
-    const double other = strand.log_det - strand.growth;
-    const std::array<double, 2> growth = {strand.growth,
-                                          std::isfinite(strand.log_det) ? other : strand.liouville - strand.growth};
+    const double log_det = strand.det.value(), first = strand.growth.value();
+    const std::array<double, 2> growth = {first, (std::isfinite(log_det) ? log_det : strand.liouville) - first};
     for (std::size_t i = 0; i < 2; ++i) {
       lost_[i] = lost_[i] || !std::isfinite(growth[i]);
       if (!lost_[i]) strand.means[i].add(growth[i]);
     }
-    if (std::isfinite(strand.log_det) && std::isfinite(strand.liouville))
-      out_.liouville_residual =
-          std::max(out_.liouville_residual, std::abs(strand.log_det - strand.liouville) / options_.interval);
-    strand.growth = strand.log_det = strand.liouville = 0.0;
-    strand.periods = 0;
+    if (std::isfinite(log_det) && std::isfinite(strand.liouville))
+      out_.liouville_residual = std::max(out_.liouville_residual, std::abs(log_det - strand.liouville) / options_.interval);
+    begin_interval();
     out_.periods += options_.interval;
   }
 

@@ -110,13 +110,14 @@ void ManyMotions::carry_one_period(Set& set, double x, double v, bool tangent, P
   if (!set.propagator) set.propagator = std::make_unique<Propagator>(*system_, set.p, std::vector<std::size_t>{}, options_);
   graze::carry(*set.propagator, 0.0, set.period, Vector{{x, v}},
                {.sensitivity = tangent ? Sensitivity::state : Sensitivity::none}, transition_);
+  out = {};
   out.termination = transition_.termination;
   out.by_propagator = true;
   if (out.termination != Termination::time) return;
   out.x = transition_.x1[0];
   out.v = transition_.x1[1];
   if (tangent) out.Phi = {transition_.Phi(0, 0), transition_.Phi(0, 1), transition_.Phi(1, 0), transition_.Phi(1, 1)};
-  out.log_det = transition_.log_det;
+  out.det = std::exp(transition_.log_det);
   out.liouville = transition_.liouville;
   out.impacts = static_cast<int>(std::count_if(transition_.event_sequence.begin(), transition_.event_sequence.end(),
                                                [&](std::size_t e) { return begins_contact(system_->events[e].kind); }));
@@ -125,7 +126,7 @@ void ManyMotions::carry_one_period(Set& set, double x, double v, bool tangent, P
 void ManyMotions::carry(const std::vector<MotionStart>& starts, std::size_t periods, bool tangent,
                         std::vector<PeriodResult>& results) {
   for (const MotionStart& start : starts) set_of(start.parameters);
-  results.assign(starts.size() * periods, {});
+  results.resize(starts.size() * periods);
   if (results.empty()) return;
   // Motions that go on: by index, with the periods that are behind them. Each round of the lanes takes them through one stretch;
   // where one was given up, the Propagator carries that period, and the lanes take over again.
@@ -136,53 +137,40 @@ void ManyMotions::carry(const std::vector<MotionStart>& starts, std::size_t peri
   std::vector<Going> going, next;
   for (std::size_t m = 0; m < starts.size(); ++m) going.push_back({m, 0, starts[m].x, starts[m].v});
   std::vector<lanes::Motion> motions;
-  std::vector<lanes::Period> carried;
+  std::vector<std::size_t> carried;
   while (!going.empty()) {
     motions.clear();
-    std::size_t stride = 0;
     for (const Going& one : going) {
       Set& set = *sets_[starts[one.motion].parameters];
       if (set.awaits_table) make_table(set);
-      const std::size_t left = periods - one.done, stretch = set.awaits_table ? std::min(left, periods_between_looks) : left;
-      stride = std::max(stride, stretch);
-      motions.push_back({one.x, one.v, &set.oscillator.coefficients, stretch, set.table ? &set.pieces : nullptr,
+      const std::size_t left = periods - one.done;
+      motions.push_back({one.x, one.v, &set.oscillator.coefficients, set.oscillator.grid.get(),
+                         set.awaits_table ? std::min(left, periods_between_looks) : left,
+                         &results[one.motion * periods + one.done], set.table ? &set.pieces : nullptr,
                          set.awaits_table ? &set.met : nullptr});
     }
-    carried.assign(going.size() * stride, {});
+    carried.assign(motions.size(), 0);
     const LaneWidth width = width_ == LaneWidth::widest ? width_for(motions.size()) : width_;
     lane_kernels(width).carry(
-        {sets_.front()->oscillator.law, options_.tolerance, tangent, motions.data(), motions.size(), stride, carried.data()});
+        {sets_.front()->oscillator.law, options_.tolerance, tangent, motions.data(), motions.size(), carried.data()});
     next.clear();
     for (std::size_t i = 0; i < going.size(); ++i) {
-      Going one = going[i];
-      Set& set = *sets_[starts[one.motion].parameters];
-      bool stopped = false;
-      for (std::size_t k = 0; k < motions[i].periods; ++k) {
-        const lanes::Period& period = carried[i * stride + k];
-        PeriodResult& out = results[one.motion * periods + one.done];
-        if (!period.carried) {
-          carry_one_period(set, one.x, one.v, tangent, out);
-          ++left_over_;
-          stopped = true;
-        } else {
-          out = {Termination::time,
-                 period.x,
-                 period.v,
-                 period.Phi,
-                 tangent ? std::log(std::abs(period.det)) : 0.0,
-                 set.oscillator.liouville(period),
-                 period.impacts};
-        }
+      auto [motion, done, x, v] = going[i];
+      PeriodResult* const of_motion = &results[motion * periods];
+      done += carried[i];
+      carried_ += carried[i];
+      Termination ended = Termination::time;
+      if (carried[i] < motions[i].periods) {
+        PeriodResult& left_over = of_motion[done++];
+        carry_one_period(*sets_[starts[motion].parameters], carried[i] > 0 ? (&left_over)[-1].x : x,
+                         carried[i] > 0 ? (&left_over)[-1].v : v, tangent, left_over);
+        ended = left_over.termination;
+        ++left_over_;
         ++carried_;
-        ++one.done;
-        one.x = out.x;
-        one.v = out.v;
-        if (out.termination != Termination::time) {
-          for (; one.done < periods; ++one.done) results[one.motion * periods + one.done].termination = out.termination;
-        }
-        if (stopped) break;
       }
-      if (one.done < periods) next.push_back(one);
+      if (ended != Termination::time)
+        for (; done < periods; ++done) (of_motion[done] = {}).termination = ended;
+      if (done < periods) next.push_back({motion, done, of_motion[done - 1].x, of_motion[done - 1].v});
     }
     going.swap(next);
   }

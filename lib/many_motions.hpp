@@ -24,16 +24,8 @@ struct MotionStart {
   double x = 0.0, v = 0.0;     ///< at forcing phase 0
 };
 
-/// What one forcing period did to a motion.
-struct PeriodResult {
-  Termination termination = Termination::failed;  ///< time: all is well
-  double x = 0.0, v = 0.0;
-  std::array<double, 4> Phi{};  ///< row by row, if asked for
-  double log_det = 0.0;         ///< of Phi, from its factors; NaN: lost in their rounding
-  double liouville = 0.0;       ///< the same from Liouville's identity
-  int impacts = 0;              ///< impacts and entries into contact
-  bool by_propagator = false;   ///< the lanes left it to the Propagator
-};
+/// What one forcing period did to a motion; termination `time`: all is well.
+using PeriodResult = lanes::Period;
 
 class ManyMotions {
  public:

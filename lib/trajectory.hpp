@@ -4,8 +4,8 @@
 
 #include <graze/lib/flow.hpp>
 #include <graze/lib/saltation.hpp>
+#include <graze/lib/termination.hpp>
 
-#include <string_view>
 #include <vector>
 
 namespace graze {
@@ -21,12 +21,6 @@ struct EventRecord {
   double exit_speed = 0.0;    ///< -dh/dt just after, along the field after (hard impact: speed of departure)
   SaltationMatrix saltation;  ///< if sensitivity was asked for
 };
-
-/// How a run or a stretch of it ended; a run that was not carried out counts as failed.
-enum class Termination { failed, time, event_limit, inadmissible_start, integration_failed, grazing, interrupted };
-
-/// A sentence for each.
-std::string_view termination_text(Termination reason);
 
 struct Trajectory {
   std::vector<Segment> segments;

@@ -159,11 +159,12 @@ bool carry_in_lane(Propagator& propagator, double t0, double t1, const Vector& x
   if (!lane || t1 != lane->coefficients[lanes::period]) return false;
   const auto cancelled = propagator.options().cancelled;
   if (cancelled && cancelled()) return false;
-  const lanes::Motion motion{x0[0], x0[1], &lane->coefficients};
   lanes::Period period;
+  const lanes::Motion motion{x0[0], x0[1], &lane->coefficients, lane->grid.get(), 1, &period};
   const bool tangent = options.sensitivity == Sensitivity::state;
-  lanes::carry_one({lane->law, propagator.options().tolerance, tangent, &motion, 1, 1, &period});
-  if (!period.carried || static_cast<std::size_t>(period.impacts) > options.max_events) return false;
+  std::size_t carried = 0;
+  lanes::carry_one({lane->law, propagator.options().tolerance, tangent, &motion, 1, &carried});
+  if (carried == 0 || static_cast<std::size_t>(period.impacts) > options.max_events) return false;
   propagator.count_time(t1);
   out.factors.clear();
   out.factor_log_dets.clear();
@@ -179,7 +180,7 @@ bool carry_in_lane(Propagator& propagator, double t0, double t1, const Vector& x
   out.Psi.resize(2, 0);
   out.Phi << period.Phi[0], period.Phi[1], period.Phi[2], period.Phi[3];
   out.log_det = std::log(std::abs(period.det));
-  out.liouville = lane->liouville(period);
+  out.liouville = period.liouville;
   return true;
 }
 

@@ -1,33 +1,27 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The end of a flight in lanes: at the barrier, or with the forcing period. The crossing is first that of the Taylor polynomial
-// of degree 5, then of the exact motion; where the last correction is small, the polynomial about the new point holds to
-// rounding.
+// The end of a flight in lanes, at the barrier. The crossing is first that of the Taylor polynomial of degree 5, then of the
+// exact motion; where the last correction is small, the polynomial about the new point holds to rounding.
 #pragma once
 
-#include <graze/lib/lanes/memory.hpp>
+#include <graze/lib/lanes/flight.hpp>
 
 namespace graze::lanes {
 
 /// A flight shorter than this off the barrier, and an impact slower than this, are given up (their rounding wants care).
 inline constexpr double shortest_flight = 0.06, slowest_impact = 1e-4;
 
-/// A correction of a crossing below this, in which the speed changes by less than a fifth, is the last: what the polynomial of
-/// degree 5 leaves out is its sixth power, and two steps of Newton's method from the parabola's root leave nothing.
+/// A correction d of a crossing below this, in which the speed changes by no more than that part, is the last: the polynomial of
+/// degree 5 leaves out d^6/720, and Chebyshev's and Newton's steps with e = (a/v) d leave e^5 d/8.
 inline constexpr double nearly_there = 2e-3;
 
-/// Root of x - r = g + v h + a h^2/2 + ... in [lowest, highest]: that of the parabola, then some steps of Newton's method.
+/// Steps of Newton's method from h for a root of x - r = g + v h + a h^2/2 + ... in [lowest, highest].
 template <class Real>
-Real polynomial_root(const Point<Real>& z, const Real& g, const Real& lowest, const Real& highest, int times) {
+Real polynomial_root(const Point<Real>& z, const Real& g, Real h, const Real& lowest, const Real& highest, int times) {
   const Real a = 0.5 * z.a, j = (1.0 / 6.0) * z.j, x4 = (1.0 / 24.0) * z.x4, x5 = (1.0 / 120.0) * z.x5;
-  Real h = -2.0 * g / (z.v + sqrt(largest(Real(z.v * z.v - 4.0 * a * g), Real(0.0))));
-  h = least(largest(h, lowest), highest);
-  Mask<Real> seeking = abs(h) >= Real(0.0);
-  for (int i = 0; i < times && any(seeking); ++i) {
+  for (int i = 0; i < times; ++i) {
     const Real value = g + h * (z.v + h * (a + h * (j + h * (x4 + h * x5))));
     const Real slope = z.v + h * (2.0 * a + h * (3.0 * j + h * (4.0 * x4 + h * (5.0 * x5))));
-    const Real better = least(largest(Real(h - value / slope), lowest), highest), move = better - h;
-    h = select(seeking, better, h);
-    seeking = seeking & (abs(Real(move * move * z.a)) > Real(1e-17) * abs(slope));  // what the move leaves
+    h = least(largest(Real(h - value / slope), lowest), highest);
   }
   return h;
 }
@@ -41,131 +35,110 @@ template <class Real> void turn_a_little(const Real& angle, Real& c, Real& s) {
   s = s * cosine_of + before * sine_of;
 }
 
-/// Where flights have ended: spiral and phase there, how much longer they took, and whether at the barrier or with the period.
-template <class Real> struct FlightEnd {
-  Real E, F, c, s, h;
-  Mask<Real> at_barrier, at_end;
+/// Where flights have come to the barrier: transient, turn and phase there, and how long the last step took.
+template <class Real> struct Arrival {
+  Real P, Q, turn_c, turn_s, c, s, h;
+  Mask<Real> found;
 };
 
-/// The end of the flight of every lane whose task is Task::crossing; a lane that is at neither end has to be given up.
-template <class Real> FlightEnd<Real> flight_end(const Memory<Real>& m) {
-  const Mask<Real> ending = m.is(Task::crossing);
-  const Real E = m[spiral_c], F = m[spiral_s], P0 = m[start_p], Q0 = m[start_q], c = m[phase_c], s = m[phase_s];
-  const Real b = m[damping], q = m[rate], w = m[frequency], r = m[barrier], farthest = m[reach];
-  const Mask<Real> timed = farthest >= m[rest], may = m[may_cross] > Real(0.5), none = ending & !ending;
-  Mask<Real> seeking = ending & !timed, looking = ending & timed;
-  FlightEnd<Real> out{E, F, c, s, Real(0.0), none, none};
-  Real guess = farthest;
-  if (any(seeking | (looking & may))) {
-    const Point<Real> z = point(m, Real(E * P0 + F * Q0), Real(E * Q0 - F * P0), c, s);
-    const Mask<Real> departing = (m[at_barrier] > Real(0.5)) & (m[flown] == Real(0.0));
-    guess = polynomial_root(z, Real(select(departing, Real(0.0), Real(z.x - r))), Real(0.0), farthest, 1);
-  }
-  Real h = select(timed, farthest, guess);
-  for (int round = 0; round < 12; ++round) {
-    Real turn_c, turn_s, force_c, force_s;
-    circle(Real(q * h), turn_c, turn_s);
-    circle(Real(w * h), force_c, force_s);
-    const Real fall = decay(Real(b * h));
-    Real E1 = fall * (E * turn_c - F * turn_s), F1 = fall * (F * turn_c + E * turn_s), last = Real(0.0);
-    Real c1 = c * force_c - s * force_s, s1 = s * force_c + c * force_s;
-    Mask<Real> settled = none, beyond = none, ended = looking;
-    if (any(seeking | (looking & may))) {
-      const Point<Real> z = point(m, Real(E1 * P0 + F1 * Q0), Real(E1 * Q0 - F1 * P0), c1, s1);
-      const Real g = z.x - r, move = polynomial_root(z, g, Real(-h), Real(farthest - h), 2);
-      beyond = looking & may & (g >= Real(0.0));
-      ended = looking & !beyond;
-      settled = seeking & (abs(move) < Real(nearly_there)) & (abs(Real(move * z.a)) < 0.2 * z.v);
-      last = select(settled, move, Real(0.0));
-      turn_a_little(Real(q * last), E1, F1);
-      turn_a_little(Real(w * last), c1, s1);
-      const Real d = -b * last, loss = 1.0 + d * (1.0 + d * (0.5 + d * ((1.0 / 6.0) + d * (1.0 / 24.0))));
-      E1 = loss * E1;
-      F1 = loss * F1;
-      h = select(beyond, guess, Real(h + move));
-    }
-    const Mask<Real> done = ended | settled;
-    out.E = select(done, E1, out.E);
-    out.F = select(done, F1, out.F);
-    out.c = select(done, c1, out.c);
-    out.s = select(done, s1, out.s);
-    out.h = select(done, select(ended, farthest, h), out.h);
-    out.at_barrier = out.at_barrier | settled;
-    out.at_end = out.at_end | ended;
-    seeking = (seeking & !settled) | beyond;
-    looking = none;
-    if (!any(seeking)) break;
+/// Of every lane whose task is Task::crossing, within its step.
+template <class Real> Arrival<Real> arrival(const Memory<Real>& m) {
+  const Mask<Real> crossing = m.is(Task::crossing);
+  const Real P = m[transient_p], Q = m[transient_q], c = m[phase_c], s = m[phase_s], r = m[barrier], farthest = m[trial];
+  const Point<Real> start = point(m, P, Q, c, s);
+  const Real g0 = start.x - r;  // < 0: no motion rises from the barrier
+  const Real parabola = -2.0 * g0 / (start.v + sqrt(largest(Real(start.v * start.v - 2.0 * start.a * g0), Real(0.0))));
+  Real h = polynomial_root(start, g0, least(largest(parabola, Real(0.0)), farthest), Real(0.0), farthest, 2);
+  Arrival<Real> out{P, Q, Real(1.0), Real(0.0), c, s, Real(0.0), Mask<Real>(crossing & !crossing)};
+  Mask<Real> seeking = crossing;
+  for (int round = 0; round < 12 && any(seeking); ++round) {
+    Turn<Real> by = turn(m, h);
+    const Real P1 = by.turn_c * P + by.turn_s * Q, Q1 = by.turn_c * Q - by.turn_s * P;
+    const Point<Real> z = point(m, P1, Q1, Real(c * by.force_c - s * by.force_s), Real(s * by.force_c + c * by.force_s));
+    const Real g = z.x - r, inverse = 1.0 / z.v, newton = -g * inverse, chebyshev = newton * (1.0 - 0.5 * newton * z.a * inverse);
+    const Real move = polynomial_root(z, g, chebyshev, Real(-h), Real(farthest - h), 1);
+    const Mask<Real> settled = seeking & (abs(move) < Real(nearly_there)) & (abs(Real(move * z.a)) < nearly_there * z.v);
+    const Real last = select(settled, move, Real(0.0)), d = -m[damping] * last;
+    const Real loss = 1.0 + d * (1.0 + d * (0.5 + d * ((1.0 / 6.0) + d * (1.0 / 24.0))));
+    turn_a_little(Real(m[rate] * last), by.turn_c, by.turn_s);
+    turn_a_little(Real(m[frequency] * last), by.force_c, by.force_s);
+    by.turn_c = loss * by.turn_c;
+    by.turn_s = loss * by.turn_s;
+    h = h + move;
+    out.P = select(settled, by.turn_c * P + by.turn_s * Q, out.P);
+    out.Q = select(settled, by.turn_c * Q - by.turn_s * P, out.Q);
+    out.turn_c = select(settled, by.turn_c, out.turn_c);
+    out.turn_s = select(settled, by.turn_s, out.turn_s);
+    out.c = select(settled, c * by.force_c - s * by.force_s, out.c);
+    out.s = select(settled, s * by.force_c + c * by.force_s, out.s);
+    out.h = select(settled, h, out.h);
+    out.found = out.found | settled;
+    seeking = seeking & !settled;
   }
   return out;
 }
 
 /// A = B A for the 2x2 tangent of the period so far; det is multiplied by that of B.
-template <class Real>
-void compose(Memory<Real>& m, const Mask<Real>& where, const Real& b00, const Real& b01, const Real& b10, const Real& b11) {
+template <class Real> void compose(const SomeLanes<Real>& m, const Real& b00, const Real& b01, const Real& b10, const Real& b11) {
   const Real a00 = m[phi_00], a01 = m[phi_01], a10 = m[phi_10], a11 = m[phi_11];
-  m.set(phi_00, where, Real(b00 * a00 + b01 * a10));
-  m.set(phi_01, where, Real(b00 * a01 + b01 * a11));
-  m.set(phi_10, where, Real(b10 * a00 + b11 * a10));
-  m.set(phi_11, where, Real(b10 * a01 + b11 * a11));
-  m.set(det, where, Real(m[det] * (b00 * b11 - b01 * b10)));
+  m.set(phi_00, Real(b00 * a00 + b01 * a10));
+  m.set(phi_01, Real(b00 * a01 + b01 * a11));
+  m.set(phi_10, Real(b10 * a00 + b11 * a10));
+  m.set(phi_11, Real(b10 * a01 + b11 * a11));
+  m.set(det, Real(m[det] * (b00 * b11 - b01 * b10)));
 }
 
-/// A flight begins at (x, v) with the forcing's phase (c, s).
-template <class Real>
-void depart(Memory<Real>& m, const Mask<Real>& where, const Real& x, const Real& v, const Real& c, const Real& s,
-            bool from_barrier) {
-  const Real w = m[frequency], k = m[stiffness], b = m[damping];
-  const Real d = x - (m[cosine] * c + m[sine] * s + m[offset]), e = v - w * (m[sine] * c - m[cosine] * s);
-  // |d''| <= sqrt(d'''^2 + k d''^2)/sqrt(k): an energy, which only decays; it is below the sum of the two.
-  const Real d2 = -2.0 * b * e - k * d, d3 = -2.0 * b * d2 - k * e, h = m[march_step];
-  const Real bend = abs(d2) + abs(d3) * m[inverse_root_k] + m[forced2];
-  m.set(start_p, where, d);
-  m.set(start_q, where, Real((e + b * d) * m[inverse_rate]));
-  m.set(spiral_c, where, Real(1.0));
-  m.set(spiral_s, where, Real(0.0));
-  m.set(phase_c, where, c);
-  m.set(phase_s, where, s);
-  m.set(flown, where, Real(0.0));
-  m.set(marched, where, Real(0.0));
-  m.set(level, where, Real(1.0));
-  m.set(tried, where, Real(0.0));
-  m.set(cushion, where, Real(0.125 * bend * (h * h)));
-  m.set(at_barrier, where, Real(from_barrier ? 1.0 : 0.0));
-  m.assign(where, Task::marching);
+/// A flight, or its part in a period, is over: the tangent, from the spiral (E, F), and the integral of trace(f_x).
+template <class Real, bool Tangent>
+void end_flight(const SomeLanes<Real>& m, const Real& E, const Real& F, const Real& duration) {
+  const Real b = m[damping];
+  m.set(divergence, Real(m[divergence] - 2.0 * b * duration));
+  if constexpr (Tangent) {
+    const Real S = F * m[inverse_rate];
+    compose(m, Real(E + b * S), S, Real(-m[stiffness] * S), Real(E - b * S));
+  }
 }
 
-/// A motion on the barrier leaves it with speed v < 0: a flight, unless it would be a short one.
+/// A motion on the barrier leaves it with speed v < 0 and the time m[rest] left: a flight, unless it would be a short one or ends
+/// with the period.
 template <class Real> void leave_barrier(Memory<Real>& m, const Mask<Real>& where, const Real& v, const Real& c, const Real& s) {
   const Real r = m[barrier], pressing = m[amplitude] * c + m[constant] - 2.0 * m[damping] * v - m[stiffness] * r;
-  const Mask<Real> goes = where & (v < Real(-slowest_impact)) & (Real(-2.0 * v) > shortest_flight * pressing);
-  depart(m, goes, r, v, c, s, true);
+  const Real left = m[rest], h = m[cell];
+  Real whole = floor(Real(left * m[inverse_cell])), part = left - whole * h;
+  const Mask<Real> there = part < 1e-9 * h;
+  whole = select(there, Real(whole - 1.0), whole);
+  part = select(there, Real(part + h), part);
+  const Mask<Real> goes =
+      where & (v < Real(-slowest_impact)) & (Real(-2.0 * v) > shortest_flight * pressing) & (whole >= Real(0.0));
+  begin_flight(SomeLanes<Real>{m, goes}, r, v, c, s);
+  m.set(next_point, goes, Real(m[cells] - whole));
+  m.set(ahead, goes, part);
+  m.set(trial, goes, part);
+  m.set(tried, goes, Real(0.0));
+  m.set(off_barrier, goes, Real(1.0));
+  m.assign(goes, Task::flight);
   m.assign(where & !goes, Task::given_up);
 }
 
-/// Ends the flights of all lanes whose task is Task::crossing, and gives (as masks) those that reached the barrier, at speed `v`
-/// and phase (c, s), and those that came to the end of the period, at (x, v).
+/// The lanes that have come to the barrier, at speed `v` and the forcing's phase (c, s).
 template <class Real> struct Landing {
-  Mask<Real> at_barrier, at_end;
-  Real x, v, c, s;
+  Mask<Real> where;
+  Real v, c, s;
 };
+/// Ends the flights of all lanes whose task is Task::crossing.
 template <class Real, bool Tangent> Landing<Real> land(Memory<Real>& m) {
-  const Mask<Real> ending = m.is(Task::crossing);
-  const FlightEnd<Real> end = flight_end(m);
-  const Real P = end.E * m[start_p] + end.F * m[start_q], Q = end.E * m[start_q] - end.F * m[start_p], w = m[frequency];
-  const Real x = P + (m[cosine] * end.c + m[sine] * end.s) + m[offset];
-  const Real v = (m[rate] * Q - m[damping] * P) + w * (m[sine] * end.c - m[cosine] * end.s);
-  const Real duration = m[flown] + end.h, b = m[damping], k = m[stiffness];
-  const Mask<Real> short_hop = (m[at_barrier] > Real(0.5)) & (duration < Real(shortest_flight));
-  const Mask<Real> good = end.at_barrier & (v > Real(slowest_impact)) & !short_hop;
-  const Mask<Real> flown_out = good | end.at_end;
-  m.set(rest, good, Real(m[rest] - end.h));
-  m.set(divergence, flown_out, Real(m[divergence] - 2.0 * b * duration));
-  if constexpr (Tangent) {
-    const Real S = end.F * m[inverse_rate];
-    compose(m, flown_out, Real(end.E + b * S), S, Real(-k * S), Real(end.E - b * S));
-  }
-  m.assign(ending & !flown_out, Task::given_up);
-  return {good, end.at_end, x, v, end.c, end.s};
+  const Mask<Real> crossing = m.is(Task::crossing);
+  const Arrival<Real> end = arrival<Real>(m);
+  const Real v = (m[rate] * end.Q - m[damping] * end.P) + m[frequency] * (m[sine] * end.c - m[cosine] * end.s);
+  const Real duration = m[flown] + end.h;
+  const Mask<Real> short_hop = (m[off_barrier] > Real(0.5)) & (duration < Real(shortest_flight));
+  const Mask<Real> good = end.found & (v > Real(slowest_impact)) & !short_hop;
+  m.set(rest, good, Real((m[cells] - m[next_point]) * m[cell] + (m[ahead] - end.h)));
+  const Real E = m[spiral_c], F = m[spiral_s];
+  end_flight<Real, Tangent>(SomeLanes<Real>{m, good}, Real(end.turn_c * E - end.turn_s * F),
+                            Real(end.turn_c * F + end.turn_s * E), duration);
+  m.assign(crossing & !good, Task::given_up);
+  return {good, v, end.c, end.s};
 }
 
 }  // namespace graze::lanes

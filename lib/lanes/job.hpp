@@ -4,15 +4,13 @@
 #pragma once
 
 #include <graze/lib/hertz_contact.hpp>
+#include <graze/lib/termination.hpp>
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 
 namespace graze::lanes {
-
-/// Steps of a flight: from `longest` down by halves.
-inline constexpr std::size_t levels = 7, marching_level = 2;
 
 /// Coefficients of a motion. The flight is x'' + 2 damping x' + stiffness x = amplitude cos(frequency t) + constant, underdamped,
 /// with the particular solution cosine cos + sine sin + offset and rate^2 = stiffness - damping^2.
@@ -33,15 +31,27 @@ enum Coefficient : std::size_t {
   forced6,  ///< and of the sixth
   barrier,
   period,
-  longest,     ///< longest step of a flight
-  march_step,  ///< that of marching_level
+  cells,  ///< of a period, see Grid; their length, and one over it
+  cell,
+  inverse_cell,
   restitution,
+  rebound_volume,  ///< ln|det| of the tangent of an impact with it
   contact_stiffness,
   contact_damping,
-  turns,  ///< of each level: e^(-damping h) (cos, sin)(rate h), (cos, sin)(frequency h)
-  coefficients = turns + 4 * levels
+  coefficients
 };
 using Coefficients = std::array<double, coefficients>;
+
+/// A forcing period in cells of equal length, in which no angle turns by more than `widest_cell`: what the lanes know of the
+/// instants between them.
+inline constexpr double widest_cell = 0.45;
+inline constexpr std::size_t points_ahead = 32;
+struct alignas(64) Grid {
+  std::array<double, points_ahead> turn_c{}, turn_s{};  ///< over k cells: e^(-damping t) (cos, sin)(rate t)
+  const double* forced = nullptr;                       ///< position of the particular solution; beyond the period: infinity
+  const double* phase_c = nullptr;                      ///< cosine and sine of the forcing's phase
+  const double* phase_s = nullptr;
+};
 
 struct ContactPieces;
 
@@ -51,22 +61,25 @@ struct SpeedsMet {
   std::array<std::int64_t, count> of_band{};
 };
 
-struct Motion {
-  double x = 0.0, v = 0.0;
-  const Coefficients* coefficients = nullptr;
-  std::size_t periods = 1;               ///< to be carried
-  const ContactPieces* table = nullptr;  ///< of contacts; may be null
-  SpeedsMet* met = nullptr;              ///< what to write the speeds of entry down in; may be null
-};
-
 /// What one forcing period did to one motion.
 struct Period {
   double x = 0.0, v = 0.0;      ///< at its end
   std::array<double, 4> Phi{};  ///< row by row, if asked for
-  double det = 0.0;             ///< of Phi, factor by factor
-  double divergence = 0.0;      ///< integral of trace(f_x), flights and contacts; impacts not counted
+  double det = 0.0;             ///< of Phi, if asked for, factor by factor
+  double liouville = 0.0;       ///< ln|det Phi| from Liouville's identity
   std::int32_t impacts = 0;     ///< impacts and entries into contact
-  bool carried = false;         ///< false: a contact too weak or a motion too close to the barrier for the lanes
+  Termination termination = Termination::failed;
+  bool by_propagator = false;  ///< the lanes left it to the Propagator
+};
+
+struct Motion {
+  double x = 0.0, v = 0.0;
+  const Coefficients* coefficients = nullptr;
+  const Grid* grid = nullptr;
+  std::size_t periods = 1;               ///< to be carried
+  Period* results = nullptr;             ///< of as many periods
+  const ContactPieces* table = nullptr;  ///< of contacts; may be null
+  SpeedsMet* met = nullptr;              ///< what to write the speeds of entry down in; may be null
 };
 
 enum class Law { restitution, hertz };
@@ -77,8 +90,9 @@ struct Job {
   bool tangent = true;
   const Motion* motions = nullptr;
   std::size_t count = 0;
-  std::size_t stride = 0;     ///< at least the periods of each motion
-  Period* results = nullptr;  ///< period n of motion m at m * stride + n; behind one that was not carried nothing is written
+  /// Of each motion, how many periods were carried: fewer than asked for where an impact is too weak or the motion too close to
+  /// the barrier for the lanes.
+  std::size_t* carried = nullptr;
 };
 
 /// A Hertz contact: forcing's phase (c, s) and speed at entry, and how long to follow it; and how it stands then.

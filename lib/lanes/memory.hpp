@@ -7,27 +7,27 @@
 
 namespace graze::lanes {
 
-/// What a lane is at; `marching` and `flight`: in flight, far from the barrier and perhaps not.
-enum class Task { idle, marching, flight, crossing, contact, given_up };
+/// What a lane is at. In flight: `marching`, on the grid; `flight`, near the barrier; `crossing`, in a step that ends at it;
+/// `period_end`.
+enum class Task { idle, marching, flight, crossing, period_end, contact, given_up };
 
 enum Field : std::size_t {
-  // A flight: deviation from the particular solution when it began, as e^(-b s) (P cos(q s) + Q sin(q s)); the spiral
-  // e^(-b s) (cos(q s), sin(q s)) since then; cosine and sine of the forcing's phase.
-  start_p,
-  start_q,
+  // A flight: deviation from the particular solution, as P cos(q s) + Q sin(q s) a time s on but for the decay; the spiral
+  // e^(-b t) (cos(q t), sin(q t)) since the flight or the period began; cosine and sine of the forcing's phase.
+  transient_p,
+  transient_q,
   spiral_c,
   spiral_s,
   phase_c,
   phase_s,
-  flown,         ///< time since it began
-  marched,       ///< steps of the march that are not in it yet
-  rest,          ///< time left of the forcing period
-  level,         ///< of the step, see `levels`
+  flown,       ///< time since then
+  next_point,  ///< of the grid: number, and time up to it (none where the task is `marching`: the motion is there)
+  ahead,
+  trial,         ///< length of the next step, at most up to that point
   tried,         ///< 1: the step before was too long
-  cushion,       ///< how far x may rise above a chord of the marching step
-  at_barrier,    ///< 1: it began there (where the gap is zero, not what rounding says)
-  reach,         ///< how far the certificate of a crossing holds
-  may_cross,     ///< 1: the speed is positive as far as that
+  ceiling,       ///< below it at both ends of a cell, a motion does not reach the barrier in between
+  off_barrier,   ///< 1: it began there (where the gap is zero, not what rounding says)
+  rest,          ///< time left of the forcing period, where a flight ends and during a contact
   contact_time,  ///< a contact: as HertzState
   contact_divergence,
   depth,
@@ -52,6 +52,8 @@ template <class Real> struct Memory {
   alignas(64) double field[fields][W];
   alignas(64) double task[W];
   std::size_t motion[W], period[W];
+  std::int64_t cells[W];  ///< of a period
+  const Grid* grid[W];
   const ContactPieces* table[W];
   SpeedsMet* met[W];
   int impacts[W];
@@ -68,6 +70,15 @@ template <class Real> struct Memory {
     put(task, Real(select(mask, Real(static_cast<double>(t)), take<Real>(task))));
   }
   void assign(std::size_t lane, Task t) { task[lane] = static_cast<double>(t); }
+};
+
+/// Some of the lanes: what is set leaves the others alone.
+template <class Real> struct SomeLanes {
+  Memory<Real>& m;
+  Mask<Real> where;
+  Real operator[](Field f) const { return m[f]; }
+  Real operator[](Coefficient c) const { return m[c]; }
+  void set(Field f, const Real& value) const { m.set(f, where, value); }
 };
 
 /// A motion in free flight at an instant: its transient and its forced part, and their derivatives.

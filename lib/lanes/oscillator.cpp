@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <vector>
 
 namespace graze::lanes {
 
@@ -92,20 +94,40 @@ Coefficients coefficients_of(const Description& oscillator) {
   q[forced6] = std::hypot(q[cosine], q[sine]) * std::pow(w, 6);
   q[barrier] = oscillator.barrier;
   q[period] = 2.0 * std::numbers::pi / w;
-  q[longest] = 2.5 / std::max(w, std::sqrt(k));
-  q[march_step] = std::ldexp(q[longest], -static_cast<int>(marching_level));
+  q[cells] = std::ceil(q[period] * std::max(w, std::sqrt(k)) / widest_cell);
+  q[cell] = q[period] / q[cells];
+  q[inverse_cell] = q[cells] / q[period];
   q[restitution] = oscillator.restitution;
+  q[rebound_volume] = oscillator.law == Law::restitution ? 2.0 * std::log(oscillator.restitution) : 0.0;
   q[contact_stiffness] = oscillator.hertz.value[HertzContact::stiffness];
   q[contact_damping] = oscillator.hertz.value[HertzContact::contact_damping];
-  double h = q[longest];
-  for (std::size_t level = 0; level < levels; ++level, h *= 0.5) {
-    double* turn = &q[turns + 4 * level];
-    turn[0] = std::exp(-b * h) * std::cos(q[rate] * h);
-    turn[1] = std::exp(-b * h) * std::sin(q[rate] * h);
-    turn[2] = std::cos(w * h);
-    turn[3] = std::sin(w * h);
-  }
   return q;
+}
+
+std::shared_ptr<const Grid> grid_of(const Coefficients& q) {
+  struct Values {
+    Grid grid;
+    std::vector<double> forced, phase_c, phase_s;
+  };
+  const auto values = std::make_shared<Values>();
+  auto& [grid, forced, phase_c, phase_s] = *values;
+  for (std::size_t i = 0; i < points_ahead; ++i) {
+    const double t = static_cast<double>(i) * q[cell], fall = std::exp(-q[damping] * t);
+    grid.turn_c[i] = fall * std::cos(q[rate] * t);
+    grid.turn_s[i] = fall * std::sin(q[rate] * t);
+  }
+  const auto n = static_cast<std::size_t>(q[cells]);
+  for (std::size_t k = 0; k <= n; ++k) {
+    const double angle = 2.0 * std::numbers::pi * (static_cast<double>(k) / q[cells]);
+    phase_c.push_back(k == n ? 1.0 : std::cos(angle));
+    phase_s.push_back(k == n ? 0.0 : std::sin(angle));
+    forced.push_back(q[cosine] * phase_c[k] + q[sine] * phase_s[k] + q[offset]);
+  }
+  forced.resize(n + 1 + points_ahead, std::numeric_limits<double>::infinity());
+  grid.forced = forced.data();
+  grid.phase_c = phase_c.data();
+  grid.phase_s = phase_s.data();
+  return {values, &grid};
 }
 
 }  // namespace
@@ -113,8 +135,9 @@ Coefficients coefficients_of(const Description& oscillator) {
 std::optional<Oscillator> lane_oscillator(const HybridSystem& system, const Vector& p) {
   const std::optional<Description> description = describe(system, p);
   if (!description) return std::nullopt;
-  return Oscillator{description->law, coefficients_of(*description), description->hit,
-                    description->law == Law::restitution ? 2.0 * std::log(description->restitution) : 0.0};
+  const Coefficients coefficients = coefficients_of(*description);
+  if (coefficients[cells] > most_cells) return std::nullopt;
+  return Oscillator{description->law, coefficients, grid_of(coefficients), description->hit};
 }
 
 }  // namespace graze::lanes

@@ -1,25 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The oscillators of which the lanes know the equations: linear and underdamped in free flight, before one barrier at the right,
-// rigid with a coefficient of restitution or of Hertz's law.
+// rigid with a coefficient of restitution or of Hertz's law; whose forcing is not so slow that its period has more than
+// `most_cells` cells.
 #pragma once
 
 #include <graze/lib/hybrid_system.hpp>
 #include <graze/lib/lanes/job.hpp>
 
+#include <memory>
 #include <optional>
 
 namespace graze::lanes {
 
+inline constexpr double most_cells = 4000;
+
 struct Oscillator {
   Law law = Law::restitution;
   Coefficients coefficients{};
-  std::size_t hit = 0;             ///< index of the event in which a contact begins
-  double log_volume_change = 0.0;  ///< ln|det S| of an impact
-
-  /// ln|det Phi| of a period from Liouville's identity.
-  double liouville(const Period& period) const {
-    return period.divergence + (period.impacts > 0 && log_volume_change != 0.0 ? period.impacts * log_volume_change : 0.0);
-  }
+  std::shared_ptr<const Grid> grid;
+  std::size_t hit = 0;  ///< index of the event in which a contact begins
 };
 
 /// nullopt: the lanes do not know the system at these parameters.

@@ -12,14 +12,13 @@ namespace graze::lanes {
 
 /// x'+ = -k_r x'-, with its saltation matrix [[-k_r, 0], [(a+ + k_r a-)/v, -k_r]].
 template <class Real, bool Tangent> void rebound(Memory<Real>& m, const Landing<Real>& landing) {
-  const Mask<Real>& where = landing.at_barrier;
   const Real k = m[restitution], v = landing.v, after = -k * v;
   if constexpr (Tangent) {
     const Real pull = m[amplitude] * landing.c + m[constant] - m[stiffness] * m[barrier];
     const Real a_minus = pull - 2.0 * m[damping] * v, a_plus = pull - 2.0 * m[damping] * after;
-    compose(m, where, Real(-k), Real(0.0), Real((a_plus + k * a_minus) / v), Real(-k));
+    compose(SomeLanes<Real>{m, landing.where}, Real(-k), Real(0.0), Real((a_plus + k * a_minus) / v), Real(-k));
   }
-  leave_barrier(m, where, after, landing.c, landing.s);
+  leave_barrier(m, landing.where, after, landing.c, landing.s);
 }
 
 /// A contact begins at depth y^2 and speed v.
@@ -120,7 +119,8 @@ template <class Real, bool Tangent> Surfacing<Real> press(Memory<Real>& m, doubl
     m.set(q_0, pressed, next.q_0);
     m.set(q_1, pressed, next.q_1);
     const Real q_of_dx = law.b2 + law.loss * y * y * y;
-    compose(m, ended, next.dx_0, next.dx_1, Real(next.q_0 - q_of_dx * next.dx_0), Real(next.q_1 - q_of_dx * next.dx_1));
+    compose(SomeLanes<Real>{m, ended}, next.dx_0, next.dx_1, Real(next.q_0 - q_of_dx * next.dx_0),
+            Real(next.q_1 - q_of_dx * next.dx_1));
   }
   m.set(divergence, ended, Real(m[divergence] + next.divergence));
   m.set(rest, surfaced, Real(duration - next.time));

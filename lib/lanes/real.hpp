@@ -5,6 +5,7 @@
 
 #include <xsimd/xsimd.hpp>
 
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <type_traits>
@@ -21,18 +22,27 @@ template <class Real> using Mask = typename MaskType<Real>::type;
 // Always inlined: a copy of them compiled for one processor must not serve another.
 [[gnu::always_inline]] inline double select(bool mask, double a, double b) { return mask ? a : b; }
 [[gnu::always_inline]] inline bool any(bool mask) { return mask; }
-[[gnu::always_inline]] inline int count(bool mask) { return mask ? 1 : 0; }
-template <class T, class A> int count(const xsimd::batch_bool<T, A>& mask) {
+[[gnu::always_inline]] inline unsigned bits(bool mask) { return mask ? 1U : 0U; }
+/// Bit i: that of lane i.
+template <class T, class A> unsigned bits(const xsimd::batch_bool<T, A>& mask) {
 #if XSIMD_WITH_AVX512F
-  if constexpr (std::is_same_v<A, xsimd::avx512f>) return __builtin_popcount(mask.data);
+  if constexpr (std::is_same_v<A, xsimd::avx512f>) return mask.data;
 #endif
 #if XSIMD_WITH_AVX2
-  if constexpr (std::is_same_v<A, xsimd::avx2>) return __builtin_popcount(static_cast<unsigned>(_mm256_movemask_pd(mask.data)));
+  if constexpr (std::is_same_v<A, xsimd::avx2>) return static_cast<unsigned>(_mm256_movemask_pd(mask.data));
 #endif
   using Batch = xsimd::batch<T, A>;
-  return static_cast<int>(xsimd::hadd(xsimd::select(mask, Batch(1.0), Batch(0.0))));
+  alignas(64) double one[Batch::size];
+  xsimd::select(mask, Batch(1.0), Batch(0.0)).store_aligned(one);
+  unsigned all = 0;
+  for (std::size_t i = 0; i < Batch::size; ++i) all |= one[i] > 0.5 ? 1U << i : 0U;
+  return all;
 }
-using std::abs, std::sqrt, xsimd::abs, xsimd::sqrt;
+template <class Mask> int count(const Mask& mask) { return std::popcount(bits(mask)); }
+template <class Mask, class Function> void for_each(const Mask& mask, const Function& function) {
+  for (unsigned lanes = bits(mask); lanes != 0; lanes &= lanes - 1) function(static_cast<std::size_t>(std::countr_zero(lanes)));
+}
+using std::abs, std::floor, std::sqrt, xsimd::abs, xsimd::floor, xsimd::sqrt;
 using xsimd::any;
 using xsimd::select;
 [[gnu::always_inline]] inline double least(double a, double b) { return a < b ? a : b; }
@@ -92,12 +102,16 @@ inline constexpr double inverse_factorial[] = {1.0,
                                                1.0 / 1307674368000.0,
                                                1.0 / 20922789888000.0};
 
-/// cos and sin for 0 <= angle <= 3 to a few units in the last place: Taylor polynomials at a quarter of it (left out:
-/// 0.75^17/17! = 2e-17), squared twice as a complex number.
-template <class Real> void circle(const Real& angle, Real& c, Real& s) {
-  const Real x = 0.25 * angle, square = x * x;
+/// cos and sin for 0 <= angle <= 0.75 to a few units in the last place (left out: 0.75^17/17! = 2e-17).
+template <class Real> void small_circle(const Real& angle, Real& c, Real& s) {
+  const Real square = angle * angle;
   c = polynomial(inverse_even, square);
-  s = x * polynomial(inverse_odd, square);
+  s = angle * polynomial(inverse_odd, square);
+}
+
+/// The same for 0 <= angle <= 3: at a quarter of it, squared twice as a complex number.
+template <class Real> void circle(const Real& angle, Real& c, Real& s) {
+  small_circle(Real(0.25 * angle), c, s);
   for (int twice = 0; twice < 2; ++twice) {
     const Real both = c * s;
     c = (c - s) * (c + s);
@@ -105,10 +119,7 @@ template <class Real> void circle(const Real& angle, Real& c, Real& s) {
   }
 }
 
-/// e^-x for 0 <= x <= 3, in the same way.
-template <class Real> Real decay(const Real& x) {
-  const Real sum = polynomial(inverse_factorial, Real(-0.25 * x)), square = sum * sum;
-  return square * square;
-}
+/// e^-x for 0 <= x <= 0.75.
+template <class Real> Real decay(const Real& x) { return polynomial(inverse_factorial, Real(-x)); }
 
 }  // namespace graze::lanes

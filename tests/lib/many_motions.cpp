@@ -61,7 +61,8 @@ Difference compare(const HybridSystem& system, const std::vector<Vector>& parame
           worst.tangent =
               std::max(worst.tangent, std::abs(many.Phi[static_cast<std::size_t>(i)] - one.Phi(i / 2, i % 2)) / (size * size));
         if (std::isfinite(one.liouville)) worst.volume = std::max(worst.volume, std::abs(many.liouville - one.liouville));
-        if (std::isfinite(many.log_det)) worst.volume = std::max(worst.volume, std::abs(many.log_det - many.liouville));
+        const double log_det = std::log(std::abs(many.det));
+        if (std::isfinite(log_det)) worst.volume = std::max(worst.volume, std::abs(log_det - many.liouville));
         int impacts = 0;
         for (const std::size_t event : one.event_sequence) impacts += begins_contact(system.events[event].kind) ? 1 : 0;
         worst.impacts += impacts != many.impacts ? 1 : 0;

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Termination: how a run ended.
+#pragma once
+
+#include <string_view>
+
+namespace graze {
+
+/// How a run or a stretch of it ended; a run that was not carried out counts as failed.
+enum class Termination { failed, time, event_limit, inadmissible_start, integration_failed, grazing, interrupted };
+
+/// A sentence for each.
+std::string_view termination_text(Termination reason);
+
+}  // namespace graze
