@@ -65,6 +65,8 @@ bool writes_files(const OutputOptions& options) {
   return !options.json.empty() || !options.csv.empty() || !options.plot.empty() || !options.out.empty();
 }
 
+bool wants_table(const OutputOptions& options) { return !options.csv.empty() || !options.out.empty(); }
+
 void check_outputs(const OutputOptions& options, const std::string& input) {
   if (options.json == "-" && options.csv == "-") throw std::invalid_argument("--json - and --csv - cannot both go to stdout");
   if (!options.out.empty()) {

@@ -38,6 +38,9 @@ void check_outputs(const OutputOptions& options, const std::string& input = {});
 /// Whether the result goes anywhere but, as a text, to stdout.
 bool writes_files(const OutputOptions& options);
 
+/// Whether its table goes anywhere.
+bool wants_table(const OutputOptions& options);
+
 /// Writes the files, then prints the result on console.out: the text, or the JSON or CSV if that was sent there. Returns `code`,
 /// or instead of 0, 2 if something could not be written (each with a sentence on console.err), 130 if drawing was interrupted.
 int deliver(const Result& result, const OutputOptions& options, const std::string& command, int code, const Console& console);

@@ -2,8 +2,8 @@
 #include <graze/continuation/sweep.hpp>
 
 #include <fmt/format.h>
-#include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
+#include <oneapi/tbb/task_group.h>
 
 #include <algorithm>
 #include <cmath>
@@ -34,33 +34,43 @@ class OneWay {
 
   bool ended() const { return ended_ || final_ == values_.size(); }
 
-  /// Follows the attractor to the end, or until enough rows wait for their average; these are `open`.
-  void go_ahead() {
-    open_.clear();
-    while (!ended_ && rows_.size() < values_.size() && open_.size() < most_open) {
+  /// Follows the attractor to the end, or until enough rows wait for their average, which is taken meanwhile. `tell` is told how
+  /// many rows are done, or taken back, and the value of the last.
+  template <class Tell> void go_on(const Tell& tell) {
+    rows_.reserve(values_.size());  // they stay where they are
+    std::vector<std::size_t> open;
+    oneapi::tbb::task_group averages;
+    while (!ended_ && rows_.size() < values_.size() && open.size() < most_open) {
       auto row = next();
       if (!row) {
         ended_ = true;
         break;
       }
-      if (row->attractor.type != AttractorType::periodic) open_.push_back(rows_.size());
       rows_.push_back(std::move(*row));
+      if (rows_.back().attractor.type == AttractorType::periodic) {
+        tell(1, rows_.back().value);
+        continue;
+      }
+      open.push_back(rows_.size() - 1);
+      averages.run([this, &tell, &one = rows_.back()] {
+        one.attractor.state = one.end;
+        average_on_attractor(system_, parameters(one.value), one.attractor, finding_);
+        tell(1, one.value);
+      });
     }
+    averages.wait();
+    const auto before = static_cast<std::ptrdiff_t>(rows_.size());
+    settle(open);
+    const std::ptrdiff_t more = static_cast<std::ptrdiff_t>(rows_.size()) - before;
+    if (more != 0) tell(more, rows_.empty() ? values_.front() : rows_.back().value);
   }
 
-  std::size_t open() const { return open_.size(); }
+  std::vector<SweepRow>& rows() { return rows_; }
 
-  /// Returns the value of the row.
-  double average(std::size_t k) {
-    SweepRow& row = rows_[open_[k]];
-    row.attractor.state = row.end;
-    average_on_attractor(system_, parameters(row.value), row.attractor, finding_);
-    return row.value;
-  }
-
+ private:
   /// Keeps the rows up to the first one whose average was interrupted, or turned out to end on an orbit.
-  void settle() {
-    for (const std::size_t k : open_) {
+  void settle(const std::vector<std::size_t>& open) {
+    for (const std::size_t k : open) {
       SweepRow& row = rows_[k];
       const LyapunovStop stop = row.attractor.time_average.stop;
       if (stop == LyapunovStop::interrupted || stop == LyapunovStop::failed || stop == LyapunovStop::not_run) {
@@ -77,10 +87,6 @@ class OneWay {
     final_ = rows_.size();
   }
 
-  std::vector<SweepRow>& rows() { return rows_; }
-  double last_value() const { return rows_.empty() ? values_.front() : rows_.back().value; }
-
- private:
   Vector parameters(double value) const {
     Vector p = p_;
     p[static_cast<Eigen::Index>(parameter_)] = value;
@@ -134,7 +140,6 @@ class OneWay {
   SweepDirection direction_;
   std::vector<double> values_;
   std::vector<SweepRow> rows_;
-  std::vector<std::size_t> open_;
   std::size_t final_ = 0;
   bool ended_ = false;
 };
@@ -160,27 +165,21 @@ std::vector<SweepRow> sweep(const HybridSystem& system, const Vector& p, const V
   std::vector<OneWay> ways;
   for (const SweepDirection direction : options.directions) ways.emplace_back(system, p, start, options, direction, so_far);
   oneapi::tbb::task_arena arena(std::max(1, options.threads));
-  const auto together = [&](std::size_t count, const auto& body) {
-    arena.execute([&] { oneapi::tbb::parallel_for(std::size_t{0}, count, body, oneapi::tbb::simple_partitioner()); });
+  std::mutex telling;
+  auto done = static_cast<std::ptrdiff_t>(so_far.size());
+  const auto tell = [&](std::ptrdiff_t more, double value) {
+    const std::lock_guard lock(telling);
+    done += more;
+    if (options.progress) options.progress(static_cast<std::size_t>(done), value);
   };
-  while (!std::all_of(ways.begin(), ways.end(), [](const OneWay& way) { return way.ended(); })) {
-    together(ways.size(), [&](std::size_t d) { ways[d].go_ahead(); });
-    std::vector<std::pair<std::size_t, std::size_t>> open;
-    for (std::size_t d = 0; d < ways.size(); ++d)
-      for (std::size_t k = 0; k < ways[d].open(); ++k) open.emplace_back(d, k);
-    std::size_t done = 0;
-    for (OneWay& way : ways) done += way.rows().size();
-    done -= open.size();
-    std::mutex telling;
-    const auto tell = [&](std::size_t more, double value) {
-      const std::lock_guard lock(telling);
-      done += more;
-      if (options.progress) options.progress(done, value);
-    };
-    if (open.empty() && done > 0) tell(0, ways.front().last_value());
-    together(open.size(), [&](std::size_t i) { tell(1, ways[open[i].first].average(open[i].second)); });
-    for (OneWay& way : ways) way.settle();
-  }
+  arena.execute([&] {
+    oneapi::tbb::task_group group;
+    for (OneWay& way : ways)
+      group.run([&] {
+        while (!way.ended()) way.go_on(tell);
+      });
+    group.wait();
+  });
   std::vector<SweepRow> all;
   for (OneWay& way : ways) std::move(way.rows().begin(), way.rows().end(), std::back_inserter(all));
   return all;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/basins.hpp>
 #include <graze/floquet/known_attractors.hpp>
+#include <graze/floquet/scout.hpp>
 #include <graze/floquet/side_by_side.hpp>
 #include <graze/floquet/spread_order.hpp>
 
@@ -9,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <mutex>
 #include <numeric>
 
@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t most_attractors = 200;  // more are a parameter at which nothing can be told apart
 constexpr double return_distance = 1e-3;      // relative to 1 + |x|: so near a return, an orbit is looked for
 constexpr int first_look = 64;                // periods
-constexpr std::size_t side_by_side = 32;      // motions of one thread
+constexpr std::size_t side_by_side = 64;      // motions of one thread
 constexpr std::int64_t usual_periods = 40;    // until a motion is recognised: says whether a table of contacts pays
 
 struct Run {
@@ -35,7 +35,8 @@ struct Run {
 class Search {
  public:
   Search(const HybridSystem& system, const Vector& p, const std::vector<Vector>& starts, const BasinOptions& options, Basins out)
-      : system_(system), p_(p), starts_(starts), options_(options), T_(forcing_period(system, p)), out_(std::move(out)) {
+      : system_(system), p_(p), starts_(starts), options_(options), scout_(system, p, starts, usual_periods, options.flow),
+        out_(std::move(out)) {
     for (CoexistingAttractor& found : out_.attractors) known_.add(describe(found));
     told_ = static_cast<std::size_t>(std::count_if(out_.outcomes.begin(), out_.outcomes.end(),
                                                    [](const StartOutcome& outcome) { return outcome.fate != Fate::not_run; }));
@@ -43,7 +44,6 @@ class Search {
 
   Basins search() {
     const std::vector<std::size_t> order = spread_order(starts_.size());
-    prepare_table(order);
     oneapi::tbb::task_arena arena(std::max(1, options_.threads));
     std::size_t begin = 0;
     for (std::size_t round = 0; begin < order.size(); ++round) {
@@ -60,18 +60,7 @@ class Search {
   }
 
  private:
-  /// A table of contacts for all threads, of the speeds met from the first starts: the same whatever was done before.
-  void prepare_table(const std::vector<std::size_t>& order) {
-    if (!ManyMotions::applies(system_, p_, options_.flow)) return;
-    scout_ = std::make_unique<ManyMotions>(system_, options_.flow);
-    std::vector<MotionStart> motions;
-    const std::size_t set = scout_->add_parameters(p_);
-    for (std::size_t i = 0; i < std::min<std::size_t>(64, order.size()); ++i)
-      motions.push_back({set, starts_[order[i]][0], starts_[order[i]][1]});
-    table_ = scouted_table(*scout_, motions, usual_periods * static_cast<std::int64_t>(starts_.size()));
-  }
-
-  static std::size_t round_size(std::size_t round) { return round < 3 ? std::size_t{16} << (2 * round) : 512; }
+  static std::size_t round_size(std::size_t round) { return std::size_t{16} << (2 * std::min<std::size_t>(round, 4)); }
 
   /// False: interrupted, and nothing of the round is kept.
   bool do_round(const std::vector<std::size_t>& todo) {
@@ -221,7 +210,7 @@ class Search {
     }
     ManyMotions many(system_, options_.flow);
     const std::size_t set = many.add_parameters(p_);
-    if (table_) many.use(set, *table_);
+    if (scout_.table()) many.use(set, *scout_.table());
     carry_side_by_side(many, std::vector(watches.size(), set), watches, cancelled);
   }
 
@@ -314,14 +303,7 @@ class Search {
       known.orbit = trapping_region(system_, p_, attractor.state, attractor.period, options_.flow);
       states = known.orbit.centres;
     } else {
-      Propagator propagator(system_, p_, {}, options_.flow);
-      Transition transition;
-      states.push_back(attractor.state);
-      for (int k = 1; k < options_.periods; ++k) {
-        carry(propagator, 0.0, T_, states.back(), {.sensitivity = Sensitivity::none}, transition);
-        if (transition.termination != Termination::time) break;
-        states.push_back(transition.x1);
-      }
+      states = scout_.states(attractor.state, static_cast<std::size_t>(std::max(1, options_.periods)));
       known.cells = VisitedCells(states);
     }
     if (all) *all = states;
@@ -377,11 +359,9 @@ class Search {
   const Vector& p_;
   const std::vector<Vector>& starts_;
   const BasinOptions& options_;
-  double T_;
+  Scout scout_;
   Basins out_;
   KnownAttractors known_;
-  std::unique_ptr<ManyMotions> scout_;  // keeps the table
-  const ContactTable* table_ = nullptr;
   std::mutex telling_;
   std::size_t told_ = 0;
 };

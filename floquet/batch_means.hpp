@@ -23,22 +23,17 @@ class BatchMeans {
     batches_.push_back(open_ / static_cast<double>(length_));
     open_ = 0.0;
     in_open_ = 0;
-    if (batches_.size() < most) return;
-    for (std::size_t i = 0; i < most / 2; ++i) batches_[i] = 0.5 * (batches_[2 * i] + batches_[2 * i + 1]);
-    batches_.resize(most / 2);
-    length_ *= 2;
+    if (batches_.size() == most) {
+      for (std::size_t i = 0; i < most / 2; ++i) batches_[i] = 0.5 * (batches_[2 * i] + batches_[2 * i + 1]);
+      batches_.resize(most / 2);
+      length_ *= 2;
+    }
+    error_ = error_of_batches();
   }
 
   double mean() const { return mean_; }
   /// Infinite until there are enough batches.
-  double standard_error() const {
-    const std::size_t n = batches_.size();
-    if (n < most / 4) return std::numeric_limits<double>::infinity();
-    double average = 0.0, sum = 0.0;
-    for (const double batch : batches_) average += batch / static_cast<double>(n);
-    for (const double batch : batches_) sum += (batch - average) * (batch - average);
-    return std::sqrt(sum / static_cast<double>(n - 1) / static_cast<double>(n));
-  }
+  double standard_error() const { return error_; }
   /// Integrated correlation time in terms of the series: error^2 = 2 tau variance / count; 1/2 for independent terms.
   double correlation_time() const {
     const double variance = count_ > 1 ? squares_ / static_cast<double>(count_ - 1) : 0.0, error = standard_error();
@@ -47,9 +42,19 @@ class BatchMeans {
 
  private:
   static constexpr std::size_t most = 64;
+
+  double error_of_batches() const {
+    const std::size_t n = batches_.size();
+    if (n < most / 4) return std::numeric_limits<double>::infinity();
+    double average = 0.0, sum = 0.0;
+    for (const double batch : batches_) average += batch / static_cast<double>(n);
+    for (const double batch : batches_) sum += (batch - average) * (batch - average);
+    return std::sqrt(sum / static_cast<double>(n - 1) / static_cast<double>(n));
+  }
+
   std::vector<double> batches_;
   std::int64_t count_ = 0, length_ = 1, in_open_ = 0;
-  double mean_ = 0.0, squares_ = 0.0, open_ = 0.0;
+  double mean_ = 0.0, squares_ = 0.0, open_ = 0.0, error_ = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace graze

@@ -12,19 +12,25 @@ using Row = std::array<double, 7>;  // of d_k, d_0, d_{k+1} and the right-hand s
 
 /// Makes the first two columns of four rows triangular by two reflections.
 void reflect(std::array<Row, 4>& A) {
+#pragma GCC unroll 2
   for (std::size_t c = 0; c < 2; ++c) {
     double square = 0.0;
+#pragma GCC unroll 4
     for (std::size_t i = c; i < 4; ++i) square += A[i][c] * A[i][c];
     const double length = std::copysign(std::sqrt(square), A[c][c]);
     if (length == 0.0) continue;
     std::array<double, 4> u{};
+#pragma GCC unroll 4
     for (std::size_t i = c; i < 4; ++i) u[i] = A[i][c];
     u[c] += length;
     const double scale = 1.0 / (length * u[c]);
+#pragma GCC unroll 7
     for (std::size_t j = c; j < 7; ++j) {
       double along = 0.0;
+#pragma GCC unroll 4
       for (std::size_t i = c; i < 4; ++i) along += u[i] * A[i][j];
       along *= scale;
+#pragma GCC unroll 4
       for (std::size_t i = c; i < 4; ++i) A[i][j] -= along * u[i];
     }
   }

@@ -4,6 +4,8 @@
 #include <graze/floquet/settling_orbit.hpp>
 #include <graze/floquet/side_by_side.hpp>
 
+#include <Eigen/Eigenvalues>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -15,6 +17,9 @@ namespace {
 
 /// A settled state returns this closely after one period of its orbit, relative to 1 + |x|; Newton decides, not this.
 constexpr double worth_trying = 0.03;
+
+/// A return whose tangent grows by more than this is not one to a stable orbit: its distance cannot account for that.
+constexpr double hopeless_growth = 1e3;
 
 /// Returns that orbit_of_close_returns tries.
 constexpr std::size_t most_tries = 3;
@@ -48,6 +53,12 @@ bool approaches(const HybridSystem& system, const Vector& p, const PeriodicOrbit
   options.flow = flow;
   const Settled later = settle(system, p, x, options);
   return later.termination == Termination::time && distance(orbit, later.state) < closer * before;
+}
+
+/// The largest modulus of its eigenvalues; NaN where they cannot be found.
+double spectral_radius(const Matrix& A) {
+  if (!A.allFinite()) return std::numeric_limits<double>::quiet_NaN();
+  return A.eigenvalues().cwiseAbs().maxCoeff();
 }
 
 /// The stable orbit of period n (or a divisor) that the motion through these states comes closer to.
@@ -288,11 +299,14 @@ std::optional<PeriodicOrbit> settling_orbit(const HybridSystem& system, const Ve
     return std::nullopt;
   };
   Transition transition;
+  Matrix growth = Matrix::Identity(state.size(), state.size());
   for (int n = 1; n <= max_period; ++n) {
-    carry(propagator, 0.0, T, states.back(), {.sensitivity = Sensitivity::none}, transition);
+    carry(propagator, 0.0, T, states.back(), {.sensitivity = Sensitivity::state}, transition);
     if (transition.termination != Termination::time) break;
     const Vector next = transition.x1;
-    if ((next - state).lpNorm<Eigen::Infinity>() < worth_trying * scale) worth.push_back(n);
+    growth = transition.Phi * growth;
+    if ((next - state).lpNorm<Eigen::Infinity>() < worth_trying * scale && !(spectral_radius(growth) > hopeless_growth))
+      worth.push_back(n);
     if (worth.size() == together)
       if (auto orbit = look()) return orbit;
     states.push_back(next);

@@ -63,15 +63,4 @@ bool carry_side_by_side(ManyMotions& many, const std::vector<std::size_t>& sets,
   return false;
 }
 
-/// A table of contacts of the speeds met from these starts (of one parameter set), kept by `scout`; null where none is made, or
-/// where it does not pay for so many periods.
-inline const ContactTable* scouted_table(ManyMotions& scout, const std::vector<MotionStart>& starts, std::int64_t expected) {
-  if (starts.empty() || expected < ManyMotions::periods_for_table) return nullptr;
-  constexpr std::size_t periods = 256;
-  scout.expect(starts.front().parameters, expected);
-  std::vector<PeriodResult> results;
-  scout.carry(starts, periods, false, results);
-  return scout.table(starts.front().parameters);
-}
-
 }  // namespace graze

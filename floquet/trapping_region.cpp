@@ -67,8 +67,9 @@ double norm_in(const Matrix& H, const Vector& d) { return std::sqrt(std::max(0.0
 bool TrappingRegion::holds(const Vector& x) const {
   if (!(size > 0.0)) return false;
   for (std::size_t k = 0; k < centres.size(); ++k) {
+    if (!((x - centres[k]).lpNorm<Eigen::Infinity>() <= size)) continue;
     const Vector d = x - centres[k];
-    if (d.lpNorm<Eigen::Infinity>() <= size && d.dot(metrics[k] * d) <= size * size) return true;
+    if (d.dot(metrics[k] * d) <= size * size) return true;
   }
   return false;
 }

@@ -3,18 +3,37 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <utility>
 
 namespace graze {
 
 namespace {
 
-std::size_t distinct(std::vector<std::uint64_t> list) {
-  std::sort(list.begin(), list.end());
-  return static_cast<std::size_t>(std::unique(list.begin(), list.end()) - list.begin());
+template <class Iterator> std::size_t distinct(Iterator begin, Iterator end) {
+  CellSet set;
+  for (; begin != end; ++begin) set.insert(*begin);
+  return set.size();
 }
 
 }  // namespace
+
+std::size_t CellSet::place(std::uint64_t number) const {
+  std::size_t i = (number * 0x9e3779b97f4a7c15U) >> (64 - bits_);  // the golden ratio scatters neighbours
+  while (slots_[i] != 0 && slots_[i] != number) i = (i + 1) & (slots_.size() - 1);
+  return i;
+}
+
+bool CellSet::insert(std::uint64_t number) {
+  std::uint64_t& slot = slots_[place(number)];
+  if (slot == number) return false;
+  slot = number;
+  if (4 * ++size_ < 3 * slots_.size()) return true;
+  const std::vector<std::uint64_t> before = std::exchange(slots_, std::vector<std::uint64_t>(2 * slots_.size()));
+  ++bits_;
+  for (const std::uint64_t one : before)
+    if (one != 0) slots_[place(one)] = one;
+  return true;
+}
 
 VisitedCells::VisitedCells(const std::vector<Vector>& states) {
   if (states.empty()) return;
@@ -26,21 +45,20 @@ VisitedCells::VisitedCells(const std::vector<Vector>& states) {
   for (; across > coarsest; across /= 2) {
     choose(states, across);
     VisitedCells part = *this;
-    part.cells_.clear();
-    for (const Vector& x : first) part.cells_.push_back(cell(x));
-    std::sort(part.cells_.begin(), part.cells_.end());
+    part.cells_ = {};
+    for (const Vector& x : first) part.cells_.insert(cell(x));
     if (part.share(second) >= known_again) break;
   }
   choose(states, across);
   std::vector<std::uint64_t> path;
-  for (const Vector& x : states) path.push_back(cell(x));
-  least_in_window_ = distinct(path);
-  for (std::size_t begin = 0; begin + window <= path.size(); begin += window)
-    least_in_window_ = std::min(least_in_window_, distinct({path.begin() + static_cast<std::ptrdiff_t>(begin),
-                                                            path.begin() + static_cast<std::ptrdiff_t>(begin) + window}));
-  std::sort(path.begin(), path.end());
-  path.erase(std::unique(path.begin(), path.end()), path.end());
-  cells_ = std::move(path);
+  cells_ = {};
+  for (const Vector& x : states) {
+    path.push_back(cell(x));
+    cells_.insert(path.back());
+  }
+  least_in_window_ = cells_.size();
+  for (auto begin = path.begin(); path.end() - begin >= window; begin += window)
+    least_in_window_ = std::min(least_in_window_, distinct(begin, begin + window));
 }
 
 void VisitedCells::choose(const std::vector<Vector>& states, int across) {
@@ -55,15 +73,13 @@ void VisitedCells::choose(const std::vector<Vector>& states, int across) {
 }
 
 std::uint64_t VisitedCells::cell(const Vector& x) const {
-  std::uint64_t number = 0;
+  std::uint64_t number = 1;
   for (Eigen::Index i = 0; i < x.size(); ++i) {
     const double place = std::clamp(std::floor((x[i] - low_[i]) / size_[i]), -2.0, 1000.0);
     number = number * 1009 + static_cast<std::uint64_t>(place + 2.0);
   }
   return number;
 }
-
-bool VisitedCells::holds(const Vector& x) const { return std::binary_search(cells_.begin(), cells_.end(), cell(x)); }
 
 double VisitedCells::share(const std::vector<Vector>& states) const {
   if (states.empty()) return 0.0;
@@ -73,13 +89,13 @@ double VisitedCells::share(const std::vector<Vector>& states) const {
 
 bool Strand::add(const VisitedCells& cells, const Vector& x) {
   const std::uint64_t number = cells.cell(x);
-  if (!cells.holds(x)) {
+  if (!cells.holds(number)) {
     met_.clear();
     return false;
   }
   met_.push_back(number);
   if (met_.size() < VisitedCells::window) return false;
-  const bool enough = 2 * distinct(met_) >= cells.least_in_window();
+  const bool enough = 2 * distinct(met_.begin(), met_.end()) >= cells.least_in_window();
   met_.clear();
   return enough;
 }

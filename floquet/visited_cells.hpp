@@ -14,6 +14,23 @@
 
 namespace graze {
 
+/// Numbers of cells, none of which is 0: a hash table with open addressing.
+class CellSet {
+ public:
+  /// False: it was there.
+  bool insert(std::uint64_t number);
+  bool holds(std::uint64_t number) const { return slots_[place(number)] == number; }
+  std::size_t size() const { return size_; }
+
+ private:
+  /// Where it is, or would be.
+  std::size_t place(std::uint64_t number) const;
+
+  std::vector<std::uint64_t> slots_ = std::vector<std::uint64_t>(std::size_t{1} << 7);  // 0: free
+  int bits_ = 7;                                                                        // of an index of them
+  std::size_t size_ = 0;
+};
+
 class VisitedCells {
  public:
   static constexpr int window = 64;  ///< forcing periods
@@ -22,7 +39,8 @@ class VisitedCells {
   /// `states`: at forcing phase 0 after 0, 1, 2, ... periods on the attractor.
   explicit VisitedCells(const std::vector<Vector>& states);
 
-  bool holds(const Vector& x) const;
+  bool holds(const Vector& x) const { return cells_.holds(cell(x)); }
+  bool holds(std::uint64_t number) const { return cells_.holds(number); }
   /// Share of the states that lie in the cells.
   double share(const std::vector<Vector>& states) const;
   /// A number that belongs to the cell of x alone.
@@ -35,7 +53,7 @@ class VisitedCells {
   void choose(const std::vector<Vector>& states, int across);
 
   Vector low_, size_;
-  std::vector<std::uint64_t> cells_;  // in order
+  CellSet cells_;
   std::size_t least_in_window_ = 0;
 };
 

@@ -49,7 +49,7 @@ struct ManyMotions::Set {
 };
 
 bool ManyMotions::applies(const HybridSystem& system, const Vector& p, const FlowOptions& options) {
-  return options.kind == FlowKind::automatic && lanes::lane_oscillator(system, p).has_value();
+  return options.kind == FlowKind::automatic && lanes::lanes_know(system, p);
 }
 
 ManyMotions::ManyMotions(const HybridSystem& system, const FlowOptions& options, LaneWidth width)

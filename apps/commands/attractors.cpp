@@ -274,8 +274,9 @@ int run(const Options& given, const Console& console) {
   result.json["attractors"] = Json::array();
   for (std::size_t i = 0; i < basins.attractors.size(); ++i)
     result.json["attractors"].push_back(found_json(basins.attractors[i], i + 1));
-  result.json["basins"] = basins_json(options, axes, starts, basins.outcomes);
-  result.table = starts_table(starts, basins);
+  // Of many starts these are large.
+  if (writes_files(options.output)) result.json["basins"] = basins_json(options, axes, starts, basins.outcomes);
+  if (wants_table(options.output)) result.table = starts_table(starts, basins);
   result.text = describe(problem) + "\n\n" + (basins.attractors.empty() ? message + "\n" : overview(basins));
   if (status != Status::done) console.err << "graze attractors: " << message << "\n";
   return deliver(result, options.output, "attractors", exit_code(status), console);

@@ -148,7 +148,7 @@ int present(const Options& options, const MapPlan& plan, const Json& head, const
   rest.json = options.output.json;
   rest.csv = options.output.csv;
   if (!rest.json.empty()) result.json["layers"] = map_json(plan, counts, rows);
-  if (!rest.csv.empty()) result.table = map_table(plan, rows);
+  if (wants_table(rest)) result.table = map_table(plan, rows);
   result.text = map_model(plan) + "\n\n" + map_overview(plan, counts);
   return deliver(result, rest, "map", code, console);
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <limits>
 #include <numbers>
 #include <vector>
@@ -104,39 +105,58 @@ Coefficients coefficients_of(const Description& oscillator) {
   return q;
 }
 
+/// z^k for k = 0, 1, ..., each of two earlier ones: after few products.
+std::vector<std::complex<double>> powers(std::complex<double> z, std::size_t count) {
+  std::vector<std::complex<double>> out{1.0, z};
+  for (std::size_t k = 2; k < count; ++k) {
+    const std::complex<double> a = out[k / 2], b = out[k - k / 2];
+    out.emplace_back(a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real());
+  }
+  return out;
+}
+
 std::shared_ptr<const Grid> grid_of(const Coefficients& q) {
   struct Values {
     Grid grid;
-    std::vector<double> forced, phase_c, phase_s;
+    std::vector<double> numbers;
   };
   const auto values = std::make_shared<Values>();
-  auto& [grid, forced, phase_c, phase_s] = *values;
+  auto& [grid, numbers] = *values;
+  const auto turns = powers(std::polar(std::exp(-q[damping] * q[cell]), q[rate] * q[cell]), points_ahead);
   for (std::size_t i = 0; i < points_ahead; ++i) {
-    const double t = static_cast<double>(i) * q[cell], fall = std::exp(-q[damping] * t);
-    grid.turn_c[i] = fall * std::cos(q[rate] * t);
-    grid.turn_s[i] = fall * std::sin(q[rate] * t);
+    grid.turn_c[i] = turns[i].real();
+    grid.turn_s[i] = turns[i].imag();
   }
   const auto n = static_cast<std::size_t>(q[cells]);
+  auto phases = powers(std::polar(1.0, 2.0 * std::numbers::pi / q[cells]), n);
+  phases.push_back(1.0);
+  numbers.resize(3 * (n + 1) + points_ahead, std::numeric_limits<double>::infinity());
+  double *const phase_c = numbers.data(), *const phase_s = phase_c + n + 1, *const forced = phase_s + n + 1;
   for (std::size_t k = 0; k <= n; ++k) {
-    const double angle = 2.0 * std::numbers::pi * (static_cast<double>(k) / q[cells]);
-    phase_c.push_back(k == n ? 1.0 : std::cos(angle));
-    phase_s.push_back(k == n ? 0.0 : std::sin(angle));
-    forced.push_back(q[cosine] * phase_c[k] + q[sine] * phase_s[k] + q[offset]);
+    phase_c[k] = phases[k].real();
+    phase_s[k] = phases[k].imag();
+    forced[k] = q[cosine] * phase_c[k] + q[sine] * phase_s[k] + q[offset];
   }
-  forced.resize(n + 1 + points_ahead, std::numeric_limits<double>::infinity());
-  grid.forced = forced.data();
-  grid.phase_c = phase_c.data();
-  grid.phase_s = phase_s.data();
+  grid.forced = forced;
+  grid.phase_c = phase_c;
+  grid.phase_s = phase_s;
   return {values, &grid};
 }
 
+bool has_grid(const Coefficients& q) { return q[cells] <= most_cells; }
+
 }  // namespace
+
+bool lanes_know(const HybridSystem& system, const Vector& p) {
+  const std::optional<Description> description = describe(system, p);
+  return description && has_grid(coefficients_of(*description));
+}
 
 std::optional<Oscillator> lane_oscillator(const HybridSystem& system, const Vector& p) {
   const std::optional<Description> description = describe(system, p);
   if (!description) return std::nullopt;
   const Coefficients coefficients = coefficients_of(*description);
-  if (coefficients[cells] > most_cells) return std::nullopt;
+  if (!has_grid(coefficients)) return std::nullopt;
   return Oscillator{description->law, coefficients, grid_of(coefficients), description->hit};
 }
 

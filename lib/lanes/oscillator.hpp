@@ -21,6 +21,8 @@ struct Oscillator {
   std::size_t hit = 0;  ///< index of the event in which a contact begins
 };
 
+/// Whether the lanes know the system at these parameters.
+bool lanes_know(const HybridSystem& system, const Vector& p);
 /// nullopt: the lanes do not know the system at these parameters.
 std::optional<Oscillator> lane_oscillator(const HybridSystem& system, const Vector& p);
 

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/scout.hpp>
+#include <graze/floquet/spread_order.hpp>
+
+#include <algorithm>
+
+namespace graze {
+
+Scout::Scout(const HybridSystem& system, const Vector& p, const std::vector<Vector>& starts, std::int64_t expected,
+             const FlowOptions& flow)
+    : system_(system), p_(p), flow_(flow) {
+  expected *= static_cast<std::int64_t>(starts.size());
+  if (expected < ManyMotions::periods_for_table || !ManyMotions::applies(system, p, flow)) return;
+  constexpr std::size_t first = 64, periods = 256;
+  many_ = std::make_unique<ManyMotions>(system, flow);
+  many_->expect(many_->add_parameters(p), expected);
+  std::vector<MotionStart> motions;
+  for (const std::size_t i : spread_order(starts.size())) {
+    motions.push_back({0, starts[i][0], starts[i][1]});
+    if (motions.size() == first) break;
+  }
+  std::vector<PeriodResult> results;
+  many_->carry(motions, periods, false, results);
+  table_ = many_->table(0);
+}
+
+std::vector<Vector> Scout::states(const Vector& start, std::size_t count) const {
+  std::vector<Vector> states{start};
+  if (table_) {
+    std::vector<PeriodResult> results;
+    many_->carry({{0, start[0], start[1]}}, std::max<std::size_t>(count, 1) - 1, false, results);
+    for (const PeriodResult& one : results)
+      if (one.termination == Termination::time) states.push_back(Vector{{one.x, one.v}});
+    return states;
+  }
+  Propagator propagator(system_, p_, {}, flow_);
+  const double T = forcing_period(system_, p_);
+  Transition transition;
+  while (states.size() < count) {
+    carry(propagator, 0.0, T, states.back(), {.sensitivity = Sensitivity::none}, transition);
+    if (transition.termination != Termination::time) break;
+    states.push_back(transition.x1);
+  }
+  return states;
+}
+
+}  // namespace graze

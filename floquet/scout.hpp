@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Scout: goes ahead of many motions of one oscillator and one set of parameters: finds out how fast the first of them meet the
+// barrier, and keeps a table of contacts of those speeds for all, where one pays.
+#pragma once
+
+#include <graze/lib/many_motions.hpp>
+
+#include <memory>
+#include <vector>
+
+namespace graze {
+
+class Scout {
+ public:
+  /// `starts`: of all motions, at forcing phase 0; `expected`: forcing periods that a motion takes. The table depends on nothing
+  /// else.
+  Scout(const HybridSystem& system, const Vector& p, const std::vector<Vector>& starts, std::int64_t expected,
+        const FlowOptions& flow = {});
+
+  /// Null: the lanes do not know the oscillator, or it does not pay.
+  const ContactTable* table() const { return table_; }
+  /// The states at forcing phase 0 of a motion, from its start on; fewer than `count` where it cannot be carried on.
+  std::vector<Vector> states(const Vector& start, std::size_t count) const;
+
+ private:
+  const HybridSystem& system_;
+  const Vector& p_;
+  FlowOptions flow_;
+  std::unique_ptr<ManyMotions> many_;
+  const ContactTable* table_ = nullptr;
+};
+
+}  // namespace graze
