@@ -76,7 +76,7 @@ template <class Real, bool Tangent> class Carrier {
   void hit(const Landing<Real>& landing) {
     for_each(landing.where, [&](std::size_t lane) { ++memory_.impacts[lane]; });
     if (job_.law == Law::restitution) return rebound<Real, Tangent>(memory_, landing);
-    if (met_) note_speeds(landing);
+    if (met_) note_speeds(memory_, landing);
     Mask<Real> touching = landing.where;
     if (tables_) touching = touching & !pass_known(landing);
     if (any(touching)) touch(memory_, touching, Real(0.0), landing.v, landing.c, landing.s);
@@ -93,16 +93,6 @@ template <class Real, bool Tangent> class Carrier {
       if (any(goes_on)) end_spanning<Real, Tangent>(memory_, goes_on, contact, before);
     }
     return contact.ends | contact.spans;
-  }
-
-  void note_speeds(const Landing<Real>& landing) {
-    alignas(64) double speed[W];
-    put(speed, landing.v);
-    for_each(landing.where, [&](std::size_t lane) {
-      if (!memory_.met[lane]) return;
-      const std::int64_t band = band_of<Real>(speed[lane]) - SpeedsMet::lowest, last = SpeedsMet::count - 1;
-      ++memory_.met[lane]->of_band[static_cast<std::size_t>(band < 0 ? 0 : band > last ? last : band)];
-    });
   }
 
   void end_in_flight() {

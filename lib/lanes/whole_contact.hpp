@@ -108,6 +108,17 @@ template <class Real, bool Tangent> KnownContact<Real> known_contact(const Memor
   return out;
 }
 
+/// Writes down how fast the barrier was met, of motions whose table is still to be made.
+template <class Real> void note_speeds(const Memory<Real>& m, const Landing<Real>& landing) {
+  alignas(64) double speed[width<Real>];
+  put(speed, landing.v);
+  for_each(landing.where, [&](std::size_t lane) {
+    if (!m.met[lane]) return;
+    const std::int64_t band = band_of<Real>(speed[lane]) - SpeedsMet::lowest, last = SpeedsMet::count - 1;
+    ++m.met[lane]->of_band[static_cast<std::size_t>(band < 0 ? 0 : band > last ? last : band)];
+  });
+}
+
 /// A contact is over: by table, within the period.
 template <class Real, bool Tangent> void leave_known(Memory<Real>& m, const KnownContact<Real>& contact) {
   if constexpr (Tangent)

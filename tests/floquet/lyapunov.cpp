@@ -3,6 +3,7 @@
 // errors against the scatter of independent runs.
 #include <graze/floquet/attractor.hpp>
 #include <graze/floquet/batch_means.hpp>
+#include <graze/floquet/log_product.hpp>
 #include <graze/floquet/lyapunov.hpp>
 #include <graze/floquet/lyapunov_lanes.hpp>
 #include <graze/floquet/settle.hpp>
@@ -203,6 +204,42 @@ TEST_CASE("exponents averaged over several motions side by side") {
   CHECK(bounded.stop == LyapunovStop::standard_error);
   CHECK(bounded.standard_errors[0] < 1.5e-3);
   CHECK(bounded.periods < 40000);
+}
+
+TEST_CASE("exponents averaged with contacts from a table are those without") {
+  const HybridSystem system = make_oscillator("linear", "hertz");
+  Vector p = default_parameters(system.parameters);
+  p[oscillator_parameter::eta] = 0.711;
+  p[static_cast<Eigen::Index>(parameter_index(system.parameters, "b_H"))] = 0.1;
+  LyapunovOptions options;
+  options.motions = 16;
+  options.standard_error = 0.0;
+  options.max_periods = 200000;
+  const LyapunovSpectrum with_table = lyapunov_spectrum(system, p, vector({-0.379, -0.717}), options);
+  options.flow.tolerance = 1e-14;  // finer than a table is
+  options.max_periods = 60000;
+  const LyapunovSpectrum in_steps = lyapunov_spectrum(system, p, vector({-0.379, -0.717}), options);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double joint = std::hypot(with_table.standard_errors[i], in_steps.standard_errors[i]);
+    CHECK(std::abs(with_table.exponents[i] - in_steps.exponents[i]) < 3.0 * joint);
+    CHECK(joint < 1e-3);
+  }
+  CHECK(with_table.liouville_residual < 1e-9);
+}
+
+TEST_CASE("products of many factors have the logarithm of their sum") {
+  LogProduct product;
+  double sum = 0.0;
+  for (int i = 1; i < 2000; ++i) {
+    const double factor = (i % 2 == 0 ? -1.0 : 1.0) * std::pow(10.0, 40.0 * std::sin(0.01 * i));
+    product.multiply(factor);
+    sum += std::log(std::abs(factor));
+  }
+  CHECK(product.value() == Approx(sum).epsilon(1e-12));
+  product.multiply(0.0);
+  CHECK(product.value() == -std::numeric_limits<double>::infinity());
+  product.multiply(std::numeric_limits<double>::quiet_NaN());
+  CHECK(std::isnan(product.value()));
 }
 
 TEST_CASE("one motion in lanes has the exponents of a motion") {

@@ -8,6 +8,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <random>
 
 using namespace graze;
@@ -107,6 +108,45 @@ TEST_CASE("motions in lanes with a table agree with motions without") {
   CHECK(volume < 1e-12);
   CHECK(impacts == 0);
   CHECK(compared > 500);
+}
+
+TEST_CASE("a table next to grazing leaves weak contacts to the lanes") {
+  // Of many periods, those with a contact slower than the table goes down to: against the Propagator.
+  const HybridSystem system = make_oscillator("linear", "hertz");
+  const Vector p = hertz_parameters(0.711, 0.1);
+  constexpr double slowest = 0.25;
+  const ContactTable contacts(system, p, {slowest, 1.9});
+  ManyMotions many(system);
+  many.use(many.add_parameters(p), contacts);
+  const auto starts = random_starts(40000, p[oscillator_parameter::r]);
+  std::vector<PeriodResult> results;
+  many.carry(starts, 1, true, results);
+  Propagator propagator(system, p);
+  Transition one;
+  double state = 0.0, tangent = 0.0, weakest = 1.0;
+  int weak = 0;
+  for (std::size_t m = 0; m < starts.size(); ++m) {
+    carry(propagator, 0.0, forcing_period(system, p), vector({starts[m].x, starts[m].v}),
+          {.sensitivity = Sensitivity::state, .keep_events = true}, one);
+    const auto slow = std::find_if(one.events.begin(), one.events.end(), [](const EventRecord& event) {
+      return begins_contact(event.kind) && event.normal_speed < slowest;
+    });
+    if (slow == one.events.end()) continue;
+    ++weak;
+    weakest = std::min(weakest, slow->normal_speed);
+    int entries = 0;
+    for (const EventRecord& event : one.events) entries += begins_contact(event.kind) ? 1 : 0;
+    REQUIRE(results[m].termination == Termination::time);
+    CHECK(results[m].impacts == entries);
+    const double size = 1.0 + one.Phi.norm();
+    state = std::max(state, std::hypot(results[m].x - one.x1[0], results[m].v - one.x1[1]) / size);
+    for (Eigen::Index i = 0; i < 4; ++i)
+      tangent = std::max(tangent, std::abs(results[m].Phi[static_cast<std::size_t>(i)] - one.Phi(i / 2, i % 2)) / (size * size));
+  }
+  CHECK(weak > 300);
+  CHECK(weakest < 1e-2);
+  CHECK(state < 1e-12);
+  CHECK(tangent < 1e-11);
 }
 
 TEST_CASE("lanes of any width give the same with a table to the last bit") {

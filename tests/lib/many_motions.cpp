@@ -201,6 +201,31 @@ TEST_CASE("a Hertz contact may begin and end with a period in lanes") {
   CHECK(worst.impacts == 0);
 }
 
+TEST_CASE("lanes carry slow and fast, weakly and strongly damped motions") {
+  // Grids of 3 to 700 cells a period, and angles within a cell up to its bound for either frequency.
+  const char* law = GENERATE("newton", "hertz");
+  const HybridSystem system = oscillator(law);
+  std::vector<Vector> parameters;
+  ManyMotions many(system);
+  for (const double eta : {0.02, 0.25, 0.9, 6.0, 20.0})
+    for (const double b : {0.0, 0.3, 0.95}) {
+      parameters.push_back(with(system, {{"eta", eta}, {"b", b}, {"r", 0.4}, {"xi", eta > 1.0 ? 5.0 * eta : 1.0}}));
+      many.add_parameters(parameters.back());
+    }
+  const auto starts = random_starts(15 * 8, 0.4, parameters.size());
+  constexpr std::size_t periods = 4;
+  std::vector<PeriodResult> results;
+  many.carry(starts, periods, true, results);
+  const Difference worst = compare(system, parameters, starts, periods, results);
+  CHECK(worst.state < 1e-12);
+  CHECK(worst.tangent < 1e-11);
+  // The determinant of a contact is a difference of products of its entries, of which damping leaves little.
+  CHECK(worst.volume < (std::string(law) == "newton" ? 2e-12 : 1e-8));
+  CHECK(worst.impacts == 0);
+  CHECK(worst.other_endings == 0);
+  CHECK(many.left_over() < many.carried() / 4);
+}
+
 TEST_CASE("what the lanes do not know is told") {
   FlowOptions general;
   general.kind = FlowKind::general;
@@ -210,6 +235,7 @@ TEST_CASE("what the lanes do not know is told") {
   CHECK_FALSE(ManyMotions::applies(newton, default_parameters(newton.parameters), general));
   CHECK_FALSE(ManyMotions::applies(newton, with(newton, {{"b", 1.1}})));
   CHECK_FALSE(ManyMotions::applies(newton, with(newton, {{"beta", 0.5}})));
+  CHECK_FALSE(ManyMotions::applies(newton, with(newton, {{"eta", 0.003}})));  // more cells a period than a grid may have
   CHECK_FALSE(ManyMotions::applies(beam, default_parameters(beam.parameters)));
   CHECK_FALSE(ManyMotions::applies(elastic, default_parameters(elastic.parameters)));
   ManyMotions many(beam);
