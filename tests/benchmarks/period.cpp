@@ -1,24 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The floor, counted in multiplications and additions; what a thousand of them take at the machine's peak, peak.cpp measures.
 //
-// Newton at eta = 0.711, with its 0.74 impacts a period and the 2x2 sensitivity. Free flight is a turn of two complex numbers,
-// the transient and the forcing: 12 steps that bound it against the barrier (20 operations each: two turns, the position, a
-// comparison) bring it near; 4 looks with a certificate (a point with its derivatives 45, the Bernstein coefficients of position
-// and speed 90) bracket an impact or the end of the period; 1.8 ends have to be met exactly (two sines, two cosines, an
-// exponential 110, a point 45, a parabola with two steps of Newton's method 60), the flight's matrix and the saltation and two
-// products 60. Together 240 + 540 + 490 = 1300 operations.
+// Newton at eta = 0.711, with its 0.7 impacts a period and the 2x2 sensitivity. Free flight is a turn of two complex numbers, the
+// transient and the forcing, of which the second is known at the points of a grid of 20 cells a period: 24 of them looked at on the
+// way (5 operations each) and two turns over what lies between them bring the motion near the barrier and away from it; 1.8 steps
+// with a certificate (a point with its derivatives 45, the Bernstein coefficients of position and speed 85, two sines, two cosines
+// and an exponential 100, the step 45) bracket an impact or lead back to the grid; 0.7 impacts have to be met exactly (sines and
+// exponential 100, two points 90, two roots 120, the flight's matrix, the saltation, two products and the next flight 140). The end
+// of the period is a point of the grid: the flight's matrix, a product, the next flight, 70. Together 150 + 480 + 320 + 70 = 1020
+// operations.
 //
 // Damped Hertz at eta = 0.711, with its 0.7 contacts a period: 12.8 steps of the series of order 16 at 1e-12 (9.8 at 1e-10), in
 // each 12 products of series of 136 terms, two operations a term, 16 sets of sums of 45 and ten sums of 32: 4300 operations,
-// 38000 a period (30000 at 1e-10). The flights add 1500. Where multiplication and addition are fused, four quantities at once, a
+// 38000 a period (30000 at 1e-10). The flights add 1000. Where multiplication and addition are fused, four quantities at once, a
 // step is 460 of those and 640 on single numbers. A table of contacts (for long averages at fixed parameters) has 16 x 16 terms
 // at the most in place of 12.8 x 4300 operations: some 1500 with the sensitivity.
 //
 // How far from it: see the table, rows peak/lanes=N (operations on N numbers at once) and period/*; on an AMD EPYC of 2.6 GHz a
-// thousand operations take 172 ns one at a time, 86 in SSE2, 48 in AVX2, 35 in AVX-512. One lane of Newton, which goes one at a
-// time, has its floor at 220 ns and takes 360 (1.6 times that: what one operation waits for another); eight lanes at 45 ns and
-// 170 with 32 periods at a call. One lane of damped Hertz at 1e-10 has its floor at 9.8 x (460 x 0.19 + 640 x 0.17) ns and the
-// flights, 2.2 us, and takes 2.8; eight lanes at 1.1 us and 1.5.
+// thousand operations take 172 ns one at a time, 86 in SSE2, 46 in AVX2, 34 in AVX-512. One lane of Newton, which goes one at a
+// time, has its floor at 175 ns and takes 207 with 32 periods at a call, 255 with one; eight lanes at 35 ns and 80 (on average five
+// of them have something to do), 110 with one period at a call. One lane of damped Hertz at 1e-10 has its floor at 9.8 x
+// (460 x 0.19 + 640 x 0.17) ns and the flights, 2.1 us, and takes 2.8; eight lanes at 1.1 us and 1.3.
 //
 // What does a forcing period cost, with its 2x2 sensitivity? Over 200 periods on the attractor, every solver at the loosest
 // tolerance that delivers 1e-10. `miscounted`: of 200 runs next to grazing, those with a wrong number of impacts at that
