@@ -2,11 +2,11 @@
 // ManyMotions: many motions (other starts, other parameters) carried over whole forcing periods side by side, in the lanes of the
 // SIMD registers that the processor has (SSE2, AVX2 or AVX-512 on x86; found out when the program starts).
 //
-// For a linear oscillator in free flight (underdamped) before one barrier at its right, rigid with a coefficient of restitution
-// or of Hertz's law (damped or not). The lanes use the formulas of LinearFlow and HertzFlow, and give the same result to the last
-// bit whatever their number. They leave to the Propagator what is delicate (a grazing, an impact slower than 1e-4, a chattering
-// or sticking mass): nothing is missed there that the Propagator would not miss. Against it they agree within 1e-12 (1 + |Phi|)
-// over a period.
+// For a linear oscillator in free flight (underdamped, and forced at no less than 1/286 of the frequency at which it would swing
+// undamped by itself) before one barrier at its right, rigid with a coefficient of restitution or of Hertz's law (damped or not).
+// The lanes use the formulas of LinearFlow and HertzFlow, and give the same result to the last bit whatever their number. They
+// leave to the Propagator what is delicate (a grazing, an impact slower than 1e-4, a chattering or sticking mass): nothing is
+// missed there that the Propagator would not miss. Against it they agree within 1e-12 (1 + |Phi|) over a period.
 #pragma once
 
 #include <graze/lib/contact_table.hpp>
@@ -42,8 +42,8 @@ class ManyMotions {
   /// Announces that about so many forcing periods will be carried of a parameter set. From `periods_for_table` on a table of its
   /// contacts pays (Hertz's law, tolerance >= 1e-13): it is made of the speeds met in the first contacts, for all that follow.
   void expect(std::size_t parameters, std::int64_t periods);
-  /// (A table costs 70 ms and saves 1 us of a chaotic period at b = 0.05, eta = 0.711, with the tangent 1.9 us: even at 70000 and
-  /// 38000.)
+  /// (A table costs 70 ms and saves 0.7 us of a chaotic period at b = 0.05, eta = 0.711, with the tangent 1.5 us: even at 100000
+  /// and 47000.)
   static constexpr std::int64_t periods_for_table = 100000;
 
   /// A table of contacts made before, of the same parameters: keep it alive. @throws std::invalid_argument where it is of others.

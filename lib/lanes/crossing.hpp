@@ -10,8 +10,8 @@ namespace graze::lanes {
 /// A flight shorter than this off the barrier, and an impact slower than this, are given up (their rounding wants care).
 inline constexpr double shortest_flight = 0.06, slowest_impact = 1e-4;
 
-/// A correction d of a crossing below this, in which the speed changes by no more than that part, is the last: the polynomial of
-/// degree 5 leaves out d^6/720, and Chebyshev's and Newton's steps with e = (a/v) d leave e^5 d/8.
+/// A correction d of a crossing is the last where it is below this part of a cell and e = (a/v) d below it, too: the polynomial
+/// of degree 5 leaves out (d sqrt(k))^6/720, and Chebyshev's and Newton's steps leave e^5 d/8.
 inline constexpr double nearly_there = 2e-3;
 
 /// Steps of Newton's method from h for a root of x - r = g + v h + a h^2/2 + ... in [lowest, highest].
@@ -26,7 +26,7 @@ Real polynomial_root(const Point<Real>& z, const Real& g, Real h, const Real& lo
   return h;
 }
 
-/// (c, s) turned by a small angle (0.005: left out 2e-17).
+/// (c, s) turned by a small angle (0.001: left out 1e-21).
 template <class Real> void turn_a_little(const Real& angle, Real& c, Real& s) {
   const Real square = angle * angle, before = c;
   const Real cosine_of = 1.0 - square * (0.5 - (1.0 / 24.0) * square);
@@ -57,7 +57,7 @@ template <class Real> Arrival<Real> arrival(const Memory<Real>& m) {
     const Point<Real> z = point(m, P1, Q1, Real(c * by.force_c - s * by.force_s), Real(s * by.force_c + c * by.force_s));
     const Real g = z.x - r, inverse = 1.0 / z.v, newton = -g * inverse, chebyshev = newton * (1.0 - 0.5 * newton * z.a * inverse);
     const Real move = polynomial_root(z, g, chebyshev, Real(-h), Real(farthest - h), 1);
-    const Mask<Real> settled = seeking & (abs(move) < Real(nearly_there)) & (abs(Real(move * z.a)) < nearly_there * z.v);
+    const Mask<Real> settled = seeking & (abs(move) < nearly_there * m[cell]) & (abs(Real(move * z.a)) < nearly_there * z.v);
     const Real last = select(settled, move, Real(0.0)), d = -m[damping] * last;
     const Real loss = 1.0 + d * (1.0 + d * (0.5 + d * ((1.0 / 6.0) + d * (1.0 / 24.0))));
     turn_a_little(Real(m[rate] * last), by.turn_c, by.turn_s);
