@@ -96,8 +96,8 @@ template <class Real, std::size_t N> auto below_zero(Real (&b)[N]) {
   return (worst <= Real(0.0)) & (b[N - 1] < Real(0.0));
 }
 
-/// How the transient, with its decay, and the forcing turn in a time h >= 0 of at most a cell.
 static_assert(widest_cell <= 0.45, "small_circle and decay are no good beyond that");
+/// How the transient, with its decay, and the forcing turn in a time h >= 0 of at most a cell.
 template <class Real> struct Turn { Real turn_c, turn_s, force_c, force_s; };
 template <class Real> [[gnu::always_inline]] inline Turn<Real> turn(const Memory<Real>& m, const Real& h) {
   Turn<Real> out;
