@@ -2,13 +2,13 @@
 // The floor, counted in multiplications and additions; what a thousand of them take at the machine's peak, peak.cpp measures.
 //
 // Newton at eta = 0.711, with its 0.7 impacts a period and the 2x2 sensitivity. Free flight is a turn of two complex numbers, the
-// transient and the forcing, of which the second is known at the points of a grid of 20 cells a period: 24 of them looked at on the
-// way (5 operations each) and two turns over what lies between them bring the motion near the barrier and away from it; 1.8 steps
-// with a certificate (a point with its derivatives 45, the Bernstein coefficients of position and speed 85, two sines, two cosines
-// and an exponential 100, the step 45) bracket an impact or lead back to the grid; 0.7 impacts have to be met exactly (sines and
-// exponential 100, two points 90, two roots 120, the flight's matrix, the saltation, two products and the next flight 140). The end
-// of the period is a point of the grid: the flight's matrix, a product, the next flight, 70. Together 150 + 480 + 320 + 70 = 1020
-// operations.
+// transient and the forcing, of which the second is known at the points of a grid of 20 cells a period: 24 of them looked at on
+// the way (5 operations each) and two turns over what lies between them bring the motion near the barrier and away from it; 1.8
+// steps with a certificate (a point with its derivatives 45, the Bernstein coefficients of position and speed 85, two sines, two
+// cosines and an exponential 100, the step 45) bracket an impact or lead back to the grid; 0.7 impacts have to be met exactly
+// (sines and exponential 100, two points 90, two roots 120, the flight's matrix, the saltation, two products and the next flight
+// 140). The end of the period is a point of the grid: the flight's matrix, a product, the next flight, 70. Together 150 + 480 +
+// 320 + 70 = 1020 operations.
 //
 // Damped Hertz at eta = 0.711, with its 0.7 contacts a period: 12.8 steps of the series of order 16 at 1e-12 (9.8 at 1e-10), in
 // each 12 products of series of 136 terms, two operations a term, 16 sets of sums of 45 and ten sums of 32: 4300 operations,
@@ -18,8 +18,8 @@
 //
 // How far from it: see the table, rows peak/lanes=N (operations on N numbers at once) and period/*; on an AMD EPYC of 2.6 GHz a
 // thousand operations take 172 ns one at a time, 86 in SSE2, 46 in AVX2, 34 in AVX-512. One lane of Newton, which goes one at a
-// time, has its floor at 175 ns and takes 207 with 32 periods at a call, 255 with one; eight lanes at 35 ns and 80 (on average five
-// of them have something to do), 110 with one period at a call. One lane of damped Hertz at 1e-10 has its floor at 9.8 x
+// time, has its floor at 175 ns and takes 207 with 32 periods at a call, 255 with one; eight lanes at 35 ns and 80 (on average
+// five of them have something to do), 110 with one period at a call. One lane of damped Hertz at 1e-10 has its floor at 9.8 x
 // (460 x 0.19 + 640 x 0.17) ns and the flights, 2.1 us, and takes 2.8; eight lanes at 1.1 us and 1.3.
 //
 // What does a forcing period cost, with its 2x2 sensitivity? Over 200 periods on the attractor, every solver at the loosest
