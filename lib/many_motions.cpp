@@ -9,6 +9,7 @@
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 
 namespace graze {
 
@@ -132,10 +133,14 @@ void ManyMotions::carry(const std::vector<MotionStart>& starts, std::size_t peri
   // where one was given up, the Propagator carries that period, and the lanes take over again.
   struct Going {
     std::size_t motion, done;
-    double x, v;
+  };
+  const auto state = [&](const Going& one) {
+    if (one.done == 0) return std::pair(starts[one.motion].x, starts[one.motion].v);
+    const PeriodResult& last = results[one.motion * periods + one.done - 1];
+    return std::pair(last.x, last.v);
   };
   std::vector<Going> going, next;
-  for (std::size_t m = 0; m < starts.size(); ++m) going.push_back({m, 0, starts[m].x, starts[m].v});
+  for (std::size_t m = 0; m < starts.size(); ++m) going.push_back({m, 0});
   std::vector<lanes::Motion> motions;
   std::vector<std::size_t> carried;
   while (!going.empty()) {
@@ -143,8 +148,9 @@ void ManyMotions::carry(const std::vector<MotionStart>& starts, std::size_t peri
     for (const Going& one : going) {
       Set& set = *sets_[starts[one.motion].parameters];
       if (set.awaits_table) make_table(set);
+      const auto [x, v] = state(one);
       const std::size_t left = periods - one.done;
-      motions.push_back({one.x, one.v, &set.oscillator.coefficients, set.oscillator.grid.get(),
+      motions.push_back({x, v, &set.oscillator.coefficients, set.oscillator.grid.get(),
                          set.awaits_table ? std::min(left, periods_between_looks) : left,
                          &results[one.motion * periods + one.done], set.table ? &set.pieces : nullptr,
                          set.awaits_table ? &set.met : nullptr});
@@ -155,22 +161,20 @@ void ManyMotions::carry(const std::vector<MotionStart>& starts, std::size_t peri
         {sets_.front()->oscillator.law, options_.tolerance, tangent, motions.data(), motions.size(), carried.data()});
     next.clear();
     for (std::size_t i = 0; i < going.size(); ++i) {
-      auto [motion, done, x, v] = going[i];
-      PeriodResult* const of_motion = &results[motion * periods];
-      done += carried[i];
+      Going one = going[i];
+      PeriodResult* const of_motion = &results[one.motion * periods];
+      one.done += carried[i];
       carried_ += carried[i];
-      Termination ended = Termination::time;
       if (carried[i] < motions[i].periods) {
-        PeriodResult& left_over = of_motion[done++];
-        carry_one_period(*sets_[starts[motion].parameters], carried[i] > 0 ? (&left_over)[-1].x : x,
-                         carried[i] > 0 ? (&left_over)[-1].v : v, tangent, left_over);
-        ended = left_over.termination;
+        const auto [x, v] = state(one);
+        PeriodResult& left_over = of_motion[one.done++];
+        carry_one_period(*sets_[starts[one.motion].parameters], x, v, tangent, left_over);
         ++left_over_;
         ++carried_;
+        if (left_over.termination != Termination::time)
+          for (; one.done < periods; ++one.done) (of_motion[one.done] = {}).termination = left_over.termination;
       }
-      if (ended != Termination::time)
-        for (; done < periods; ++done) (of_motion[done] = {}).termination = ended;
-      if (done < periods) next.push_back({motion, done, of_motion[done - 1].x, of_motion[done - 1].v});
+      if (one.done < periods) next.push_back(one);
     }
     going.swap(next);
   }

@@ -16,12 +16,11 @@ template <class Real, bool Tangent> class Carrier {
  public:
   explicit Carrier(const Job& job) : job_(job) {
     if (job.law == Law::hertz) ratio_ = std::pow(job.tolerance, 1.0 / static_cast<double>(detail::hertz_order));
-    if constexpr (W > 1) {  // idle lanes compute along
+    if constexpr (W > 1)  // idle lanes compute along
       for (auto& row : memory_.coefficient)
         for (double& one : row) one = 1.0;
-      for (auto& row : memory_.field)
-        for (double& one : row) one = 0.0;
-    }
+    for (auto& row : memory_.field)
+      for (double& one : row) one = 0.0;
     for (std::size_t i = 0; i < job.count; ++i) {
       tables_ = tables_ || job.motions[i].table;
       met_ = met_ || job.motions[i].met;
@@ -96,10 +95,11 @@ template <class Real, bool Tangent> class Carrier {
   }
 
   void end_in_flight() {
-    const SomeLanes<Real> m{memory_, memory_.is(Task::period_end)};
+    const Memory<Real>& m = memory_;
+    const Mask<Real> where = m.is(Task::period_end);
     const Real P = m[transient_p], Q = m[transient_q];
-    end_flight<Real, Tangent>(m, m[spiral_c], m[spiral_s], m[flown]);
-    end_periods(m.where, Real(P + m[cosine] + m[offset]), Real((m[rate] * Q - m[damping] * P) + m[frequency] * m[sine]),
+    end_flight<Real, Tangent>(memory_, where, m[spiral_c], m[spiral_s], m[flown]);
+    end_periods(where, Real(P + m[cosine] + m[offset]), Real((m[rate] * Q - m[damping] * P) + m[frequency] * m[sine]),
                 Real(-1.0));
   }
 
@@ -143,11 +143,11 @@ template <class Real, bool Tangent> class Carrier {
     for (const Field zero : {phi_01, phi_10, divergence}) memory_.set(zero, where, Real(0.0));
     const Mask<Real> pressed = where & (y >= Real(0.0));
     if (any(pressed)) touch(memory_, pressed, y, v, Real(1.0), Real(0.0));
-    const SomeLanes<Real> m{memory_, Mask<Real>(where & !pressed)};
-    begin_flight(m, x, v, Real(1.0), Real(0.0));
-    m.set(next_point, Real(0.0));
-    m.set(off_barrier, Real(0.0));
-    memory_.assign(m.where, Task::marching);
+    const Mask<Real> flying = where & !pressed;
+    begin_flight(memory_, flying, x, v, Real(1.0), Real(0.0));
+    memory_.set(next_point, flying, Real(0.0));
+    memory_.set(off_barrier, flying, Real(0.0));
+    memory_.assign(flying, Task::marching);
   }
 
   /// Puts the next motion, if there is one, in a lane.
@@ -157,7 +157,6 @@ template <class Real, bool Tangent> class Carrier {
     memory_.motion[lane] = taken_++;
     memory_.period[lane] = 0;
     memory_.grid[lane] = motion.grid;
-    memory_.cells[lane] = static_cast<std::int64_t>((*motion.coefficients)[cells]);
     memory_.table[lane] = motion.table;
     memory_.met[lane] = motion.met;
     memory_.impacts[lane] = 0;

@@ -79,23 +79,24 @@ template <class Real> Arrival<Real> arrival(const Memory<Real>& m) {
 }
 
 /// A = B A for the 2x2 tangent of the period so far; det is multiplied by that of B.
-template <class Real> void compose(const SomeLanes<Real>& m, const Real& b00, const Real& b01, const Real& b10, const Real& b11) {
+template <class Real>
+void compose(Memory<Real>& m, const Mask<Real>& where, const Real& b00, const Real& b01, const Real& b10, const Real& b11) {
   const Real a00 = m[phi_00], a01 = m[phi_01], a10 = m[phi_10], a11 = m[phi_11];
-  m.set(phi_00, Real(b00 * a00 + b01 * a10));
-  m.set(phi_01, Real(b00 * a01 + b01 * a11));
-  m.set(phi_10, Real(b10 * a00 + b11 * a10));
-  m.set(phi_11, Real(b10 * a01 + b11 * a11));
-  m.set(det, Real(m[det] * (b00 * b11 - b01 * b10)));
+  m.set(phi_00, where, Real(b00 * a00 + b01 * a10));
+  m.set(phi_01, where, Real(b00 * a01 + b01 * a11));
+  m.set(phi_10, where, Real(b10 * a00 + b11 * a10));
+  m.set(phi_11, where, Real(b10 * a01 + b11 * a11));
+  m.set(det, where, Real(m[det] * (b00 * b11 - b01 * b10)));
 }
 
 /// A flight, or its part in a period, is over: the tangent, from the spiral (E, F), and the integral of trace(f_x).
 template <class Real, bool Tangent>
-void end_flight(const SomeLanes<Real>& m, const Real& E, const Real& F, const Real& duration) {
+void end_flight(Memory<Real>& m, const Mask<Real>& where, const Real& E, const Real& F, const Real& duration) {
   const Real b = m[damping];
-  m.set(divergence, Real(m[divergence] - 2.0 * b * duration));
+  m.set(divergence, where, Real(m[divergence] - 2.0 * b * duration));
   if constexpr (Tangent) {
     const Real S = F * m[inverse_rate];
-    compose(m, Real(E + b * S), S, Real(-m[stiffness] * S), Real(E - b * S));
+    compose(m, where, Real(E + b * S), S, Real(-m[stiffness] * S), Real(E - b * S));
   }
 }
 
@@ -110,7 +111,7 @@ template <class Real> void leave_barrier(Memory<Real>& m, const Mask<Real>& wher
   part = select(there, Real(part + h), part);
   const Mask<Real> goes =
       where & (v < Real(-slowest_impact)) & (Real(-2.0 * v) > shortest_flight * pressing) & (whole >= Real(0.0));
-  begin_flight(SomeLanes<Real>{m, goes}, r, v, c, s);
+  begin_flight(m, goes, r, v, c, s);
   m.set(next_point, goes, Real(m[cells] - whole));
   m.set(ahead, goes, part);
   m.set(trial, goes, part);
@@ -135,8 +136,7 @@ template <class Real, bool Tangent> Landing<Real> land(Memory<Real>& m) {
   const Mask<Real> good = end.found & (v > Real(slowest_impact)) & !short_hop;
   m.set(rest, good, Real((m[cells] - m[next_point]) * m[cell] + (m[ahead] - end.h)));
   const Real E = m[spiral_c], F = m[spiral_s];
-  end_flight<Real, Tangent>(SomeLanes<Real>{m, good}, Real(end.turn_c * E - end.turn_s * F),
-                            Real(end.turn_c * F + end.turn_s * E), duration);
+  end_flight<Real, Tangent>(m, good, Real(end.turn_c * E - end.turn_s * F), Real(end.turn_c * F + end.turn_s * E), duration);
   m.assign(crossing & !good, Task::given_up);
   return {good, v, end.c, end.s};
 }

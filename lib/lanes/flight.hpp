@@ -20,21 +20,22 @@ inline constexpr double too_close = 1e-12;
 inline constexpr double shortest_step = 1.0 / 50.0;
 
 /// A flight begins at (x, v) with the forcing's phase (c, s).
-template <class Real> void begin_flight(const SomeLanes<Real>& m, const Real& x, const Real& v, const Real& c, const Real& s) {
+template <class Real>
+void begin_flight(Memory<Real>& m, const Mask<Real>& where, const Real& x, const Real& v, const Real& c, const Real& s) {
   const Real w = m[frequency], k = m[stiffness], b = m[damping], h = m[cell];
   const Real d = x - (m[cosine] * c + m[sine] * s + m[offset]), e = v - w * (m[sine] * c - m[cosine] * s);
   // |d''| <= sqrt(d'''^2 + k d''^2)/sqrt(k): an energy, which only decays; it is below the sum of the two. And x rises above a
   // chord by |x''| h^2/8 at the most.
   const Real d2 = -2.0 * b * e - k * d, d3 = -2.0 * b * d2 - k * e;
   const Real bend = abs(d2) + abs(d3) * m[inverse_root_k] + m[forced2];
-  m.set(transient_p, d);
-  m.set(transient_q, Real((e + b * d) * m[inverse_rate]));
-  m.set(spiral_c, Real(1.0));
-  m.set(spiral_s, Real(0.0));
-  m.set(phase_c, c);
-  m.set(phase_s, s);
-  m.set(flown, Real(0.0));
-  m.set(ceiling, Real(m[barrier] - 0.125 * bend * (h * h)));
+  m.set(transient_p, where, d);
+  m.set(transient_q, where, Real((e + b * d) * m[inverse_rate]));
+  m.set(spiral_c, where, Real(1.0));
+  m.set(spiral_s, where, Real(0.0));
+  m.set(phase_c, where, c);
+  m.set(phase_s, where, s);
+  m.set(flown, where, Real(0.0));
+  m.set(ceiling, where, Real(m[barrier] - 0.125 * bend * (h * h)));
 }
 
 /// How many cells from point k of the grid on, one after the other, have both ends below the ceiling: less than points_ahead.
@@ -74,8 +75,9 @@ template <class Real, bool Tangent> void march(Memory<Real>& m) {
     m.field[flown][lane] += static_cast<double>(over) * cell_length;
     m.field[phase_c][lane] = grid.phase_c[k];
     m.field[phase_s][lane] = grid.phase_s[k];
-    const bool ends = k == m.cells[lane], sees_no_end = !ends & (over == points_ahead - 1);
-    m.field[next_point][lane] = static_cast<double>(k + (sees_no_end ? 0 : 1));
+    const auto point = static_cast<double>(k);
+    const bool ends = point == m.coefficient[cells][lane], sees_no_end = !ends & (over == points_ahead - 1);
+    m.field[next_point][lane] = point + (sees_no_end ? 0.0 : 1.0);
     m.field[ahead][lane] = m.field[trial][lane] = cell_length;
     m.field[tried][lane] = 0.0;
     static constexpr double task[] = {static_cast<double>(Task::flight), static_cast<double>(Task::period_end),

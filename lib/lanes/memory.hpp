@@ -52,7 +52,6 @@ template <class Real> struct Memory {
   alignas(64) double field[fields][W];
   alignas(64) double task[W];
   std::size_t motion[W], period[W];
-  std::int64_t cells[W];  ///< of a period
   const Grid* grid[W];
   const ContactPieces* table[W];
   SpeedsMet* met[W];
@@ -70,15 +69,6 @@ template <class Real> struct Memory {
     put(task, Real(select(mask, Real(static_cast<double>(t)), take<Real>(task))));
   }
   void assign(std::size_t lane, Task t) { task[lane] = static_cast<double>(t); }
-};
-
-/// Some of the lanes: what is set leaves the others alone.
-template <class Real> struct SomeLanes {
-  Memory<Real>& m;
-  Mask<Real> where;
-  Real operator[](Field f) const { return m[f]; }
-  Real operator[](Coefficient c) const { return m[c]; }
-  void set(Field f, const Real& value) const { m.set(f, where, value); }
 };
 
 /// A motion in free flight at an instant: its transient and its forced part, and their derivatives.

@@ -14,6 +14,12 @@ namespace graze::lanes {
 
 namespace {
 
+/// Of a forcing period.
+double cells_of(const LinearOscillator& free) {
+  const double w = free.frequency;
+  return std::ceil(2.0 * std::numbers::pi / w * std::max(w, std::sqrt(free.stiffness)) / widest_cell);
+}
+
 struct Description {
   LinearOscillator free;
   Law law = Law::restitution;
@@ -55,7 +61,7 @@ std::optional<Description> describe(const HybridSystem& system, const Vector& p)
   if (!linear || !hit || !hit->guard.level || hit->guard.level->coordinate != 0 || hit->guard.level->sign < 0.0)
     return std::nullopt;
   if (!LinearFlow::applies(system, free_mode, {}, *linear) || linear->stiffness <= linear->damping * linear->damping ||
-      linear->frequency != p[static_cast<Eigen::Index>(*system.forcing_frequency)])
+      linear->frequency != p[static_cast<Eigen::Index>(*system.forcing_frequency)] || !(cells_of(*linear) <= most_cells))
     return std::nullopt;
   Description out;
   out.free = *linear;
@@ -95,7 +101,7 @@ Coefficients coefficients_of(const Description& oscillator) {
   q[forced6] = std::hypot(q[cosine], q[sine]) * std::pow(w, 6);
   q[barrier] = oscillator.barrier;
   q[period] = 2.0 * std::numbers::pi / w;
-  q[cells] = std::ceil(q[period] * std::max(w, std::sqrt(k)) / widest_cell);
+  q[cells] = cells_of(free);
   q[cell] = q[period] / q[cells];
   q[inverse_cell] = q[cells] / q[period];
   q[restitution] = oscillator.restitution;
@@ -110,7 +116,7 @@ std::vector<std::complex<double>> powers(std::complex<double> z, std::size_t cou
   std::vector<std::complex<double>> out{1.0, z};
   for (std::size_t k = 2; k < count; ++k) {
     const std::complex<double> a = out[k / 2], b = out[k - k / 2];
-    out.emplace_back(a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real());
+    out.push_back(a * b);
   }
   return out;
 }
@@ -143,20 +149,14 @@ std::shared_ptr<const Grid> grid_of(const Coefficients& q) {
   return {values, &grid};
 }
 
-bool has_grid(const Coefficients& q) { return q[cells] <= most_cells; }
-
 }  // namespace
 
-bool lanes_know(const HybridSystem& system, const Vector& p) {
-  const std::optional<Description> description = describe(system, p);
-  return description && has_grid(coefficients_of(*description));
-}
+bool lanes_know(const HybridSystem& system, const Vector& p) { return describe(system, p).has_value(); }
 
 std::optional<Oscillator> lane_oscillator(const HybridSystem& system, const Vector& p) {
   const std::optional<Description> description = describe(system, p);
   if (!description) return std::nullopt;
   const Coefficients coefficients = coefficients_of(*description);
-  if (!has_grid(coefficients)) return std::nullopt;
   return Oscillator{description->law, coefficients, grid_of(coefficients), description->hit};
 }
 

@@ -16,7 +16,7 @@ template <class Real, bool Tangent> void rebound(Memory<Real>& m, const Landing<
   if constexpr (Tangent) {
     const Real pull = m[amplitude] * landing.c + m[constant] - m[stiffness] * m[barrier];
     const Real a_minus = pull - 2.0 * m[damping] * v, a_plus = pull - 2.0 * m[damping] * after;
-    compose(SomeLanes<Real>{m, landing.where}, Real(-k), Real(0.0), Real((a_plus + k * a_minus) / v), Real(-k));
+    compose(m, landing.where, Real(-k), Real(0.0), Real((a_plus + k * a_minus) / v), Real(-k));
   }
   leave_barrier(m, landing.where, after, landing.c, landing.s);
 }
@@ -119,8 +119,7 @@ template <class Real, bool Tangent> Surfacing<Real> press(Memory<Real>& m, doubl
     m.set(q_0, pressed, next.q_0);
     m.set(q_1, pressed, next.q_1);
     const Real q_of_dx = law.b2 + law.loss * y * y * y;
-    compose(SomeLanes<Real>{m, ended}, next.dx_0, next.dx_1, Real(next.q_0 - q_of_dx * next.dx_0),
-            Real(next.q_1 - q_of_dx * next.dx_1));
+    compose(m, ended, next.dx_0, next.dx_1, Real(next.q_0 - q_of_dx * next.dx_0), Real(next.q_1 - q_of_dx * next.dx_1));
   }
   m.set(divergence, ended, Real(m[divergence] + next.divergence));
   m.set(rest, surfaced, Real(duration - next.time));

@@ -54,6 +54,7 @@ template <class Real, bool Tangent> class PieceSums {
   }
 };
 
+/// Of the contacts that begin with the landings.
 template <class Real, bool Tangent> KnownContact<Real> known_contact(const Memory<Real>& m, const Landing<Real>& landing) {
   constexpr std::size_t W = width<Real>;
   alignas(64) double here[W], time[W], speed[W], left[W], ends[W] = {}, spans[W] = {}, angle[W] = {};
@@ -121,8 +122,7 @@ template <class Real> void note_speeds(const Memory<Real>& m, const Landing<Real
 
 /// A contact is over: by table, within the period.
 template <class Real, bool Tangent> void leave_known(Memory<Real>& m, const KnownContact<Real>& contact) {
-  if constexpr (Tangent)
-    compose(SomeLanes<Real>{m, contact.ends}, contact.Phi[0], contact.Phi[1], contact.Phi[2], contact.Phi[3]);
+  if constexpr (Tangent) compose(m, contact.ends, contact.Phi[0], contact.Phi[1], contact.Phi[2], contact.Phi[3]);
   m.set(divergence, contact.ends, Real(m[divergence] + contact.divergence));
   m.set(rest, contact.ends, Real(m[rest] - contact.duration));
   leave_barrier(m, contact.ends, contact.v_out, contact.c, contact.s);
@@ -131,7 +131,7 @@ template <class Real, bool Tangent> void leave_known(Memory<Real>& m, const Know
 /// Of a contact that spans the end of the period, the part before it,
 template <class Real, bool Tangent> void begin_spanning(Memory<Real>& m, const KnownContact<Real>& contact) {
   const auto& Phi = contact.begun_Phi;
-  if constexpr (Tangent) compose(SomeLanes<Real>{m, contact.spans}, Phi[0], Phi[1], Phi[2], Phi[3]);
+  if constexpr (Tangent) compose(m, contact.spans, Phi[0], Phi[1], Phi[2], Phi[3]);
   m.set(divergence, contact.spans, Real(m[divergence] + contact.begun_divergence));
 }
 
@@ -141,7 +141,7 @@ void end_spanning(Memory<Real>& m, const Mask<Real>& where, const KnownContact<R
   if constexpr (Tangent) {
     const auto &A = contact.Phi, &B = contact.begun_Phi;
     const Real inverse = 1.0 / select(where, Real(B[0] * B[3] - B[1] * B[2]), Real(1.0));
-    compose(SomeLanes<Real>{m, where}, Real(inverse * (A[0] * B[3] - A[1] * B[2])), Real(inverse * (A[1] * B[0] - A[0] * B[1])),
+    compose(m, where, Real(inverse * (A[0] * B[3] - A[1] * B[2])), Real(inverse * (A[1] * B[0] - A[0] * B[1])),
             Real(inverse * (A[2] * B[3] - A[3] * B[2])), Real(inverse * (A[3] * B[0] - A[2] * B[1])));
   }
   m.set(divergence, where, Real(contact.divergence - contact.begun_divergence));
