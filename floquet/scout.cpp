@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/scout.hpp>
 #include <graze/floquet/spread_order.hpp>
+#include <graze/floquet/stroboscopic_states.hpp>
 
 #include <algorithm>
 
@@ -25,22 +26,12 @@ Scout::Scout(const HybridSystem& system, const Vector& p, const std::vector<Vect
 }
 
 std::vector<Vector> Scout::states(const Vector& start, std::size_t count) const {
+  if (!table_) return stroboscopic_states(system_, p_, start, count, flow_);
+  std::vector<PeriodResult> results;
+  many_->carry({{0, start[0], start[1]}}, std::max<std::size_t>(count, 1) - 1, false, results);
   std::vector<Vector> states{start};
-  if (table_) {
-    std::vector<PeriodResult> results;
-    many_->carry({{0, start[0], start[1]}}, std::max<std::size_t>(count, 1) - 1, false, results);
-    for (const PeriodResult& one : results)
-      if (one.termination == Termination::time) states.push_back(Vector{{one.x, one.v}});
-    return states;
-  }
-  Propagator propagator(system_, p_, {}, flow_);
-  const double T = forcing_period(system_, p_);
-  Transition transition;
-  while (states.size() < count) {
-    carry(propagator, 0.0, T, states.back(), {.sensitivity = Sensitivity::none}, transition);
-    if (transition.termination != Termination::time) break;
-    states.push_back(transition.x1);
-  }
+  for (const PeriodResult& one : results)
+    if (one.termination == Termination::time) states.push_back(Vector{{one.x, one.v}});
   return states;
 }
 

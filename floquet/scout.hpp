@@ -19,7 +19,8 @@ class Scout {
 
   /// Null: the lanes do not know the oscillator, or it does not pay.
   const ContactTable* table() const { return table_; }
-  /// The states at forcing phase 0 of a motion, from its start on; fewer than `count` where it cannot be carried on.
+  /// The states at forcing phase 0 of a motion, from its start on; fewer than `count` where it cannot be carried on. By
+  /// one thread at a time.
   std::vector<Vector> states(const Vector& start, std::size_t count) const;
 
  private:

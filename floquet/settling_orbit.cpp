@@ -3,6 +3,7 @@
 #include <graze/floquet/settle.hpp>
 #include <graze/floquet/settling_orbit.hpp>
 #include <graze/floquet/side_by_side.hpp>
+#include <graze/floquet/stroboscopic_states.hpp>
 
 #include <Eigen/Eigenvalues>
 
@@ -97,15 +98,7 @@ void find_returns(double nearness, int max_period, Returns& out) {
 
 Returns close_returns(const HybridSystem& system, const Vector& p, const Vector& state, int max_period, double nearness,
                       const FlowOptions& flow) {
-  Returns out{{state}, {}};
-  Propagator propagator(system, p, {}, flow);
-  const double T = forcing_period(system, p);
-  Transition transition;
-  for (int n = 1; n <= max_period; ++n) {
-    carry(propagator, 0.0, T, out.states.back(), {.sensitivity = Sensitivity::none}, transition);
-    if (transition.termination != Termination::time) break;
-    out.states.push_back(transition.x1);
-  }
+  Returns out{stroboscopic_states(system, p, state, static_cast<std::size_t>(std::max(0, max_period)) + 1, flow), {}};
   find_returns(nearness, max_period, out);
   return out;
 }

@@ -150,7 +150,7 @@ TEST_CASE("the orbit a motion is settling on is that of Newton's method tried re
     std::optional<PeriodicOrbit> expected;
     constexpr int longest = 24;
     for (int n = 1; n <= longest && !expected; ++n) {
-      carry(propagator, 0.0, T, states.back(), {.sensitivity = Sensitivity::state}, transition);
+      carry(propagator, 0.0, T, states.back(), {.sensitivity = Sensitivity::state}, transition);  // as settling_orbit does
       const Vector next = transition.x1;
       if ((next - state).lpNorm<Eigen::Infinity>() < 0.03 * scale) {
         const PeriodicOrbit orbit = shoot(system, p, states, n);

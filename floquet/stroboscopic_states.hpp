@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The states of a motion at forcing phase 0, one forcing period after the other.
+#pragma once
+
+#include <graze/lib/transition.hpp>
+
+#include <vector>
+
+namespace graze {
+
+/// `count` of them from `start` on, or fewer where the motion cannot be carried on.
+inline std::vector<Vector> stroboscopic_states(const HybridSystem& system, const Vector& p, const Vector& start,
+                                               std::size_t count, const FlowOptions& flow) {
+  Propagator propagator(system, p, {}, flow);
+  const double T = forcing_period(system, p);
+  Transition transition;
+  std::vector<Vector> states{start};
+  while (states.size() < count) {
+    carry(propagator, 0.0, T, states.back(), {.sensitivity = Sensitivity::none}, transition);
+    if (transition.termination != Termination::time) break;
+    states.push_back(transition.x1);
+  }
+  return states;
+}
+
+}  // namespace graze
