@@ -89,6 +89,7 @@ TEST_CASE("verify compares soft contacts with the rigid stop") {
   const Json& hard = json["orbits"][0]["hard_limit"];
   CHECK(hard["steps"].size() == 7);
   CHECK(hard["steps"][0]["k_H"].get<double>() == Approx(1e3));
+  // 2/5 in the limit: at the largest k_H what is left of the next order is below 1e-3.
   CHECK(hard["steps"][6]["order"].get<double>() == Approx(0.4).margin(1e-3));
   CHECK(hard["restitution"].size() == 48);
   for (const char* kind : {"checks", "restitution", "hard-limit"})
