@@ -154,29 +154,12 @@ std::string wrapped(const std::string& text) {
   return out + rest;
 }
 
-/// Rows "x y red green blue alpha" for gnuplot's style rgbalpha: each cell as so many elements that its edges stay sharp however
-/// the image is enlarged.
-std::string cell_data(const Cells& cells) {
-  constexpr std::size_t wide = 800, high = 500;
-  const std::size_t nx = cells.x.size(), ny = cells.y.size();
-  const std::size_t kx = std::max<std::size_t>(1, wide / nx), ky = std::max<std::size_t>(1, high / ny);
-  const auto place = [](const std::vector<double>& values, std::size_t k, std::size_t i) {
-    const double step = (values.back() - values.front()) / static_cast<double>(values.size() - 1);
-    return values.front() + step * ((static_cast<double>(i) + 0.5) / static_cast<double>(k) - 0.5);
-  };
-  std::vector<std::string> colours;
-  for (const std::string& name : cells.colours) {
-    const unsigned long rgb = std::stoul(name.substr(1), nullptr, 16);
-    colours.push_back(fmt::format("{} {} {} 255", rgb >> 16, rgb >> 8 & 255, rgb & 255));
-  }
-  std::string out;
-  for (std::size_t j = 0; j < ny * ky; ++j)
-    for (std::size_t i = 0; i < nx * kx; ++i) {
-      const int colour = cells.colour[j / ky * nx + i / kx];
-      fmt::format_to(std::back_inserter(out), "{} {} {}\n", place(cells.x, kx, i), place(cells.y, ky, j),
-                     colour < 0 ? "255 255 255 0" : colours[static_cast<std::size_t>(colour)]);
-    }
-  return out;
+/// For gnuplot's plot command; its data follow that.
+std::string image_plot(const Image& image) {
+  return fmt::format("'-' binary array=({},{}) dx={} dy={} origin=({},{}) format='%uchar%uchar%uchar%uchar' using 1:2:3:4 "
+                     "with rgbalpha notitle",
+                     image.columns, image.rows, exact(image.step[0]), exact(image.step[1]), exact(image.first[0]),
+                     exact(image.first[1]));
 }
 
 /// Marks, their words where there is room for them, and lines that lead from far words to their marks.
@@ -225,6 +208,7 @@ std::string barriers(const Picture& picture) {
 /// What gnuplot is told of one pair of axes: the data, the settings, and at last the plot.
 struct Drawn {
   std::string data, settings, plot;
+  std::string images = {};  ///< their bytes, which stand right after the plot
 };
 
 /// `prefix`: of the names of its data; `columns`, `rows`: elements of an image.
@@ -261,17 +245,17 @@ Drawn axes(const Picture& picture, const std::string& prefix, int columns, int r
     out.plot = fmt::format("${}circle using 1:2 with lines lc rgb '#888888' lw 1.2 title 'unit circle'", prefix);
   }
   const auto add = [&plot = out.plot](const std::string& text) { plot += (plot.empty() ? "" : ", \\\n     ") + text; };
-  if (picture.cells) {
-    out.data += "$" + prefix + "cells << END\n" + cell_data(*picture.cells) + "END\n";
-    add(fmt::format("${}cells using 1:2:3:4:5:6 with rgbalpha notitle", prefix));
-  }
+  const auto add_image = [&](const Image& one) {
+    add(image_plot(one));
+    out.images += one.rgba;
+  };
+  if (picture.cells) add_image(image_of(*picture.cells));
   const std::array<double, 2> x = extent(picture, 0, x_range), y = extent(picture, 1, y_range);
   if (image) {
     Raster raster(x, y, columns, rows);
     for (const Curve& curve : picture.curves)
       if (is_dense(curve)) raster.paint(curve);
-    out.data += "$" + prefix + "raster << END\n" + raster.data() + "END\n";
-    add(fmt::format("${}raster using 1:2:3:4:5:6 with rgbalpha notitle", prefix));
+    add_image(raster.image());
   }
   for (std::size_t i = 0; i < picture.curves.size(); ++i) {
     const Curve& curve = picture.curves[i];
@@ -297,7 +281,7 @@ Drawn axes(const Picture& picture, const std::string& prefix, int columns, int r
 std::string single(const Picture& picture, const std::string& format) {
   const Drawn drawn = axes(picture, "", 800, 500);
   return terminal(format, {}) + "\nset encoding utf8\n" + drawn.settings + legend(picture, 0.5, 0.015) +
-         fmt::format("set bmargin {}\n", lines_below(picture, true)) + drawn.data + drawn.plot;
+         fmt::format("set bmargin {}\n", lines_below(picture, true)) + drawn.data + drawn.plot + drawn.images;
 }
 
 /// Several on one: below each other with a common x axis, or side by side.
@@ -329,7 +313,7 @@ std::string several(const std::vector<Picture>& pictures, bool below, const std:
         fmt::format("set lmargin at screen {}\nset rmargin at screen {}\nset bmargin at screen {}\nset tmargin at screen {}\n",
                     from_x / sheet.width, to_x / sheet.width, from_y / sheet.height, to_y / sheet.height);
     if (!names_x) commands += "set format x ''\nunset xlabel\n";
-    commands += drawn.plot;
+    commands += drawn.plot + drawn.images;
   }
   return terminal(format, sheet) + "\nset encoding utf8\n" + data + "set multiplot\n" + commands + "unset multiplot\n";
 }

@@ -9,11 +9,13 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <oneapi/tbb/global_control.h>
 
 #include <algorithm>
 #include <cctype>
 #include <map>
 #include <new>
+#include <optional>
 
 namespace graze::apps {
 
@@ -123,6 +125,10 @@ int run_program(const std::vector<std::string>& arguments, std::ostream& out, st
       return 2;
     }
     name += " " + used().get_name();
+    // What asks for no number of threads of its own keeps to it, too.
+    std::optional<oneapi::tbb::global_control> limit;
+    if (global.threads > 0)
+      limit.emplace(oneapi::tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(global.threads));
     return runs.at(&used())({out, err, global.quiet, global.threads});
   } catch (const CLI::Success& request) {  // --help, --version
     const int code = app.exit(request, out, err);

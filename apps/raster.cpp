@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/raster.hpp>
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 namespace graze::apps {
 
@@ -21,6 +18,15 @@ double place(double value, const std::array<double, 2>& range, int count) {
 
 bool is_line(const Curve& curve) {
   return curve.stroke == Stroke::solid || curve.stroke == Stroke::dashed || curve.stroke == Stroke::dotted;
+}
+
+using Rgba = std::array<char, 4>;
+constexpr Rgba nothing = {};
+
+/// Of "#rrggbb"; of another name black.
+Rgba rgba(const std::string& name) {
+  const unsigned long rgb = name.size() == 7 && name[0] == '#' ? std::stoul(name.substr(1), nullptr, 16) : 0;
+  return {static_cast<char>(rgb >> 16 & 255), static_cast<char>(rgb >> 8 & 255), static_cast<char>(rgb & 255), '\xff'};
 }
 
 }  // namespace
@@ -99,19 +105,43 @@ std::size_t Raster::painted() const {
   return static_cast<std::size_t>(std::count_if(cells_.begin(), cells_.end(), [](unsigned char cell) { return cell > 0; }));
 }
 
-std::string Raster::data() const {
-  std::vector<std::string> colours = {"255 255 255 0"};
-  for (const std::string& name : colours_) {
-    const unsigned long rgb = name.size() == 7 && name[0] == '#' ? std::stoul(name.substr(1), nullptr, 16) : 0;  // else black
-    colours.push_back(fmt::format("{} {} {} 255", rgb >> 16, rgb >> 8 & 255, rgb & 255));
+Image Raster::image() const {
+  std::vector<Rgba> colours = {nothing};
+  for (const std::string& name : colours_) colours.push_back(rgba(name));
+  Image out{columns_, rows_, {}, {(x_[1] - x_[0]) / columns_, (y_[1] - y_[0]) / rows_}, {}};
+  out.first = {x_[0] + 0.5 * out.step[0], y_[0] + 0.5 * out.step[1]};
+  out.rgba.reserve(4 * cells_.size());
+  for (const unsigned char cell : cells_) out.rgba.append(colours[cell].data(), 4);
+  return out;
+}
+
+Image image_of(const Cells& cells) {
+  constexpr std::size_t wide = usual_columns, high = usual_rows;
+  const std::size_t nx = cells.x.size(), ny = cells.y.size();
+  const std::size_t kx = std::max<std::size_t>(1, wide / nx), ky = std::max<std::size_t>(1, high / ny);
+  Image out;
+  out.columns = static_cast<int>(nx * kx);
+  out.rows = static_cast<int>(ny * ky);
+  const auto lay_out = [&](std::size_t axis, const std::vector<double>& values, std::size_t parts) {
+    const double cell = (values.back() - values.front()) / static_cast<double>(values.size() - 1);
+    out.step[axis] = cell / static_cast<double>(parts);
+    out.first[axis] = values.front() - 0.5 * cell + 0.5 * out.step[axis];
+  };
+  lay_out(0, cells.x, kx);
+  lay_out(1, cells.y, ky);
+  std::vector<Rgba> colours;
+  for (const std::string& name : cells.colours) colours.push_back(rgba(name));
+  out.rgba.reserve(4 * nx * kx * ny * ky);
+  for (std::size_t j = 0; j < ny; ++j) {
+    const std::size_t begin = out.rgba.size();
+    for (std::size_t i = 0; i < nx; ++i) {
+      const int colour = cells.colour[j * nx + i];
+      for (std::size_t k = 0; k < kx; ++k)
+        out.rgba.append(colour < 0 ? nothing.data() : colours[static_cast<std::size_t>(colour)].data(), 4);
+    }
+    const std::string row = out.rgba.substr(begin);
+    for (std::size_t k = 1; k < ky; ++k) out.rgba += row;
   }
-  std::string out;
-  out.reserve(cells_.size() * 40);
-  const double width = (x_[1] - x_[0]) / columns_, height = (y_[1] - y_[0]) / rows_;
-  for (int j = 0; j < rows_; ++j)
-    for (int i = 0; i < columns_; ++i)
-      fmt::format_to(std::back_inserter(out), "{} {} {}\n", x_[0] + (i + 0.5) * width, y_[0] + (j + 0.5) * height,
-                     colours[cells_[static_cast<std::size_t>(j * columns_ + i)]]);
   return out;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Curves of so many points that gnuplot would draw for minutes, turned into the picture elements that they touch: as an image
-// they cost the same however many there are. Nothing that could be seen is lost.
+// Images: coloured cells, and curves of so many points that gnuplot would draw for minutes, turned into the picture elements that
+// they touch: these cost the same however many there are. Nothing that could be seen is lost.
 #pragma once
 
 #include <graze/apps/picture.hpp>
@@ -17,6 +17,16 @@ bool is_dense(const Curve& curve);
 /// The points of a line without those that cannot be told from the one before; short curves stay as they are.
 std::vector<std::array<double, 3>> thinned(const Curve& curve, const std::array<double, 2>& x, const std::array<double, 2>& y);
 
+/// Picture elements of equal size, as gnuplot reads them.
+struct Image {
+  int columns = 0, rows = 0;
+  std::array<double, 2> first{}, step{};  ///< x and y of the middle of the first, and of the way to the next column and row
+  std::string rgba;                       ///< four bytes each, row by row
+};
+
+/// Each cell as so many elements that its edges stay sharp however the image is enlarged.
+Image image_of(const Cells& cells);
+
 /// Picture elements touched by curves; those painted later lie on top.
 class Raster {
  public:
@@ -24,8 +34,7 @@ class Raster {
   /// for.
   Raster(const std::array<double, 2>& x, const std::array<double, 2>& y, int columns = 800, int rows = 500);
   void paint(const Curve& curve);
-  /// Rows "x y red green blue alpha" for gnuplot's style rgbalpha.
-  std::string data() const;
+  Image image() const;
   /// Elements painted.
   std::size_t painted() const;
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/parameter_map.hpp>
+#include <graze/lib/in_parallel.hpp>
 
 #include <fmt/format.h>
-#include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
@@ -63,13 +63,10 @@ class Rows {
       return std::vector<Task>(tasks.begin() + static_cast<std::ptrdiff_t>(begin),
                                tasks.begin() + static_cast<std::ptrdiff_t>(end));
     };
-    // Isolated: a thread that waits here must not begin with something else meanwhile.
-    oneapi::tbb::this_task_arena::isolate([&] {
-      oneapi::tbb::parallel_for(std::size_t{0}, groups(free.size()) + groups(heads.size()), [&](std::size_t k) {
-        if (k < groups(heads.size())) return follow(group(heads, k));
-        std::vector<Task> tasks = group(free, k - groups(heads.size()));
-        run(tasks);
-      });
+    in_parallel(groups(free.size()) + groups(heads.size()), [&](std::size_t k) {
+      if (k < groups(heads.size())) return follow(group(heads, k));
+      std::vector<Task> tasks = group(free, k - groups(heads.size()));
+      run(tasks);
     });
     return points;
   }

@@ -3,6 +3,7 @@
 #include <graze/floquet/lyapunov_lanes.hpp>
 #include <graze/floquet/settle.hpp>
 #include <graze/floquet/side_by_side.hpp>
+#include <graze/lib/in_parallel.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -140,8 +141,12 @@ void conclude(const HybridSystem& system, const Vector& p, LyapunovSpectrum aver
   attractor.state = attractor.time_average.state;
   std::vector<Vector> ends = attractor.time_average.others;
   ends.insert(ends.begin(), attractor.state);
-  for (const Vector& end : ends) {  // one that has settled tells that the chaos was transient
-    if (auto orbit = orbit_at_the_end(system, p, end, options)) return settle_on(attractor, std::move(*orbit));
+  const std::size_t together = options.lyapunov.all_threads ? ends.size() : 1;
+  std::vector<std::optional<PeriodicOrbit>> orbits(together);
+  for (std::size_t begin = 0; begin < ends.size(); begin += together) {
+    in_parallel(together, [&](std::size_t i) { orbits[i] = orbit_at_the_end(system, p, ends[begin + i], options); });
+    for (auto& orbit : orbits)  // one that has settled tells that the chaos was transient
+      if (orbit) return settle_on(attractor, std::move(*orbit));
     if (cancelled(options)) return;
   }
   take_average(std::move(attractor.time_average), options, attractor);

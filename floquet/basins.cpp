@@ -44,16 +44,13 @@ class Search {
 
   Basins search() {
     const std::vector<std::size_t> order = spread_order(starts_.size());
-    oneapi::tbb::task_arena arena(std::max(1, options_.threads));
     std::size_t begin = 0;
     for (std::size_t round = 0; begin < order.size(); ++round) {
       const std::size_t end = std::min(order.size(), begin + round_size(round));
       std::vector<std::size_t> todo;
       std::copy_if(order.begin() + static_cast<std::ptrdiff_t>(begin), order.begin() + static_cast<std::ptrdiff_t>(end),
                    std::back_inserter(todo), [&](std::size_t i) { return out_.outcomes[i].fate == Fate::not_run; });
-      bool whole = false;
-      arena.execute([&] { whole = do_round(todo); });
-      if (!whole) break;
+      if (!do_round(todo)) break;
       begin = end;
     }
     return finish();
@@ -280,6 +277,8 @@ class Search {
     finding.lyapunov.standard_error = 0.0;  // all periods: it may settle yet
     finding.lyapunov.max_periods = options_.periods;
     finding.lyapunov.flow = options_.flow;
+    finding.lyapunov.all_threads = true;
+    finding.lyapunov.table = scout_.table();
     finding.lyapunov.cancelled = options_.cancelled;
     Attractor attractor = find_attractor(system_, p_, run.state, finding);
     run.periods += attractor.time_average.periods;
@@ -373,7 +372,8 @@ Basins find_attractors(const HybridSystem& system, const Vector& p, const std::v
   check_basins(system, starts, options, so_far);
   Basins out = so_far;
   out.outcomes.resize(starts.size());
-  return Search(system, p, starts, options, std::move(out)).search();
+  oneapi::tbb::task_arena arena(std::max(1, options.threads));
+  return arena.execute([&] { return Search(system, p, starts, options, std::move(out)).search(); });
 }
 
 }  // namespace graze

@@ -167,11 +167,14 @@ class Average {
 std::vector<LyapunovSpectrum> lane_spectra(const HybridSystem& system, const std::vector<AverageStart>& starts,
                                            const LyapunovOptions& options) {
   ManyMotions many(system, options.flow);
+  if (options.all_threads) many.use_all_threads();
   std::vector<Average> averages;
   averages.reserve(starts.size());
   for (const AverageStart& start : starts) {
     initial_mode(system, 0.0, start.state, start.p);
-    averages.emplace_back(start, many.add_parameters(start.p), options, forcing_period(system, start.p));
+    const std::size_t set = many.add_parameters(start.p);
+    if (options.table) many.use(set, *options.table);
+    averages.emplace_back(start, set, options, forcing_period(system, start.p));
   }
   std::vector<MotionStart> motions;
   std::vector<PeriodResult> results;

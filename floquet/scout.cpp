@@ -14,6 +14,7 @@ Scout::Scout(const HybridSystem& system, const Vector& p, const std::vector<Vect
   if (expected < ManyMotions::periods_for_table || !ManyMotions::applies(system, p, flow)) return;
   constexpr std::size_t first = 64, periods = 256;
   many_ = std::make_unique<ManyMotions>(system, flow);
+  many_->use_all_threads();
   many_->expect(many_->add_parameters(p), expected);
   std::vector<MotionStart> motions;
   for (const std::size_t i : spread_order(starts.size())) {

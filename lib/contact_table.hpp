@@ -39,8 +39,8 @@ class ContactTable {
   /// Whether the lanes know such a system, and its contact is of Hertz's law.
   static bool applies(const HybridSystem& system, const Vector& p);
 
-  /// The same to the last bit whatever the width. @throws std::invalid_argument where applies() is false, and for a range that is
-  /// empty or not within [2^-20, 2^20].
+  /// Made on all threads of the caller's arena (oneTBB); the same to the last bit whatever the width and their number. @throws
+  /// std::invalid_argument where applies() is false, and for a range that is empty or not within [2^-20, 2^20].
   ContactTable(const HybridSystem& system, const Vector& p, const SpeedRange& speeds, LaneWidth width = LaneWidth::widest);
 
   /// The contact that begins at 0 <= t < T with speed v > 0; nothing where it is not covered.
@@ -52,7 +52,7 @@ class ContactTable {
   lanes::ContactPieces pieces() const;
 
  private:
-  struct Builder;
+  void tabulate(std::vector<std::uint16_t>& cells, const ContactTable* whole, LaneWidth width);
   lanes::Coefficients oscillator_{};
   double period_ = 0.0;
   std::int64_t lowest_band_ = 0, bands_ = 0;

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/lib/in_parallel.hpp>
 #include <graze/lib/many_motions.hpp>
 
 #include <graze/lib/lanes/oscillator.hpp>
 
 #include <fmt/format.h>
+#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -20,6 +22,8 @@ constexpr std::int64_t contacts_before_table = 2000;
 constexpr double too_few = 0.001;
 /// Forcing periods between two looks at whether a table can be made.
 constexpr std::size_t periods_between_looks = 64;
+/// So many motions fill the lanes of a thread.
+constexpr std::size_t fewest_on_a_thread = 8;
 /// The series of the lanes are as good as the table at this tolerance; whoever wants a smaller one wants more.
 constexpr double finest_tolerance = 1e-13;
 
@@ -124,6 +128,21 @@ void ManyMotions::carry_one_period(Set& set, double x, double v, bool tangent, P
                                                [&](std::size_t e) { return begins_contact(system_->events[e].kind); }));
 }
 
+void ManyMotions::carry_in_lanes(const std::vector<lanes::Motion>& motions, bool tangent,
+                                 std::vector<std::size_t>& carried) const {
+  carried.assign(motions.size(), 0);
+  const auto carry = [&](std::size_t begin, std::size_t end) {
+    const LaneWidth width = width_ == LaneWidth::widest ? width_for(end - begin) : width_;
+    lane_kernels(width).carry({sets_.front()->oscillator.law, options_.tolerance, tangent, motions.data() + begin, end - begin,
+                               carried.data() + begin});
+  };
+  // Those that write down what they meet write into the same place.
+  const bool apart = all_threads_ && std::none_of(motions.begin(), motions.end(), [](const auto& motion) { return motion.met; });
+  const auto threads = static_cast<std::size_t>(std::max(1, oneapi::tbb::this_task_arena::max_concurrency()));
+  const std::size_t parts = apart ? std::clamp<std::size_t>(motions.size() / fewest_on_a_thread, 1, threads) : 1;
+  in_parallel(parts, [&](std::size_t i) { carry(i * motions.size() / parts, (i + 1) * motions.size() / parts); });
+}
+
 void ManyMotions::carry(const std::vector<MotionStart>& starts, std::size_t periods, bool tangent,
                         std::vector<PeriodResult>& results) {
   for (const MotionStart& start : starts) set_of(start.parameters);
@@ -155,10 +174,7 @@ void ManyMotions::carry(const std::vector<MotionStart>& starts, std::size_t peri
                          &results[one.motion * periods + one.done], set.table ? &set.pieces : nullptr,
                          set.awaits_table ? &set.met : nullptr});
     }
-    carried.assign(motions.size(), 0);
-    const LaneWidth width = width_ == LaneWidth::widest ? width_for(motions.size()) : width_;
-    lane_kernels(width).carry(
-        {sets_.front()->oscillator.law, options_.tolerance, tangent, motions.data(), motions.size(), carried.data()});
+    carry_in_lanes(motions, tangent, carried);
     next.clear();
     for (std::size_t i = 0; i < going.size(); ++i) {
       Going one = going[i];

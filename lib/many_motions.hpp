@@ -51,6 +51,9 @@ class ManyMotions {
   /// The table in use; none: null.
   const ContactTable* table(std::size_t parameters) const;
 
+  /// Motions are carried on all threads of the caller's arena (oneTBB) from now on, where they are many.
+  void use_all_threads() { all_threads_ = true; }
+
   /// Carries each motion over `periods` forcing periods; what period k did to motion m is at m * periods + k. A motion that
   /// cannot be carried on stops there: what would follow has the same termination. @throws std::invalid_argument for unknown
   /// parameters.
@@ -64,6 +67,7 @@ class ManyMotions {
   struct Set;
   Set& set_of(std::size_t parameters) const;
   void make_table(Set& set);
+  void carry_in_lanes(const std::vector<lanes::Motion>& motions, bool tangent, std::vector<std::size_t>& carried) const;
   void carry_one_period(Set& set, double x, double v, bool tangent, PeriodResult& out);
 
   const HybridSystem* system_;
@@ -71,6 +75,7 @@ class ManyMotions {
   LaneWidth width_;
   std::vector<std::unique_ptr<Set>> sets_;
   Transition transition_;
+  bool all_threads_ = false;
   std::size_t left_over_ = 0, carried_ = 0;
 };
 

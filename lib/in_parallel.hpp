@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What can be done at the same time, on the threads of the caller's arena (oneTBB).
+#pragma once
+
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <cstddef>
+
+namespace graze {
+
+/// body(0) ... body(n - 1), in any order. A thread that waits for the rest does not begin with anything else meanwhile, which it
+/// might have to finish first.
+template <class Body> void in_parallel(std::size_t n, const Body& body) {
+  if (n == 1) return body(std::size_t{0});
+  oneapi::tbb::this_task_arena::isolate([&] { oneapi::tbb::parallel_for(std::size_t{0}, n, body); });
+}
+
+}  // namespace graze
