@@ -7,40 +7,50 @@
 
 namespace graze {
 
-bool available(LaneWidth width) {
+namespace {
+
+using namespace lanes;
+
+/// AVX2 and fused multiply-add.
+bool fuses() {
 #ifdef GRAZE_X86_LANES
-  const auto has = xsimd::available_architectures();
-  if (width == LaneWidth::avx2) return has.avx2;
-  if (width == LaneWidth::avx512) return has.avx512f;
+  return xsimd::available_architectures().fma3_avx2;
+#else
+  return false;
 #endif
-  return width != LaneWidth::avx2 && width != LaneWidth::avx512;
+}
+
+LaneWidth widest_available() {
+  for (const LaneWidth width : {LaneWidth::eight, LaneWidth::four})
+    if (available(width)) return width;
+  return LaneWidth::two;
+}
+
+}  // namespace
+
+bool available(LaneWidth width) {
+  if (width == LaneWidth::four) return fuses();
+  if (width == LaneWidth::eight) return fuses() && xsimd::available_architectures().avx512f;
+  return true;
 }
 
 LaneWidth width_for(std::size_t motions) {
   if (motions <= 1) return LaneWidth::one;
-  if (motions <= 2) return LaneWidth::generic;
-  return motions <= 4 && available(LaneWidth::avx2) ? LaneWidth::avx2 : LaneWidth::widest;
+  if (motions <= 2) return LaneWidth::two;
+  return motions <= 4 && available(LaneWidth::four) ? LaneWidth::four : widest_available();
 }
 
 LaneKernels lane_kernels(LaneWidth width) {
   if (!available(width)) throw std::invalid_argument("this processor does not have the lanes asked for");
-  switch (width) {
-  case LaneWidth::one:
-    return {lanes::carry_one, lanes::contacts_one};
-  case LaneWidth::generic:
-    return {lanes::carry_generic, lanes::contacts_generic};
+  if (width == LaneWidth::widest) width = widest_available();
 #ifdef GRAZE_X86_LANES
-  case LaneWidth::avx2:
-    return {lanes::carry_avx2, lanes::contacts_avx2};
-  case LaneWidth::avx512:
-    return {lanes::carry_avx512, lanes::contacts_avx512};
+  if (width == LaneWidth::eight) return {fused::carry_eight, fused::contacts_eight};
+  if (width == LaneWidth::four) return {fused::carry_four, fused::contacts_four};
+  if (width == LaneWidth::two && fuses()) return {fused::carry_two, fused::contacts_two};
+  if (width == LaneWidth::one && fuses()) return {fused::carry_one, fused::contacts_one};
 #endif
-  default:
-    break;
-  }
-  for (const LaneWidth wide : {LaneWidth::avx512, LaneWidth::avx2})
-    if (available(wide)) return lane_kernels(wide);
-  return lane_kernels(LaneWidth::generic);
+  if (width == LaneWidth::two || width == LaneWidth::plain_two) return {plain::carry_two, plain::contacts_two};
+  return {plain::carry_one, plain::contacts_one};
 }
 
 }  // namespace graze

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/lib/lane_width.hpp>
 #include <graze/lib/transition.hpp>
 
 #include <fmt/format.h>
@@ -163,7 +164,8 @@ bool carry_in_lane(Propagator& propagator, double t0, double t1, const Vector& x
   const lanes::Motion motion{x0[0], x0[1], &lane->coefficients, lane->grid.get(), 1, &period};
   const bool tangent = options.sensitivity == Sensitivity::state;
   std::size_t carried = 0;
-  lanes::carry_one({lane->law, propagator.options().tolerance, tangent, &motion, 1, &carried});
+  static const LaneKernels one_lane = lane_kernels(LaneWidth::one);
+  one_lane.carry({lane->law, propagator.options().tolerance, tangent, &motion, 1, &carried});
   if (carried == 0 || static_cast<std::size_t>(period.impacts) > options.max_events) return false;
   propagator.count_time(t1);
   out.factors.clear();

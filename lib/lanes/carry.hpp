@@ -10,7 +10,7 @@
 
 #include <cmath>
 
-namespace graze::lanes {
+namespace graze::lanes::inline GRAZE_ARITHMETIC {
 
 template <class Real, bool Tangent> class Carrier {
  public:
@@ -194,4 +194,4 @@ template <class Real> void carry(const Job& job) {
     Carrier<Real, false>(job).run();
 }
 
-}  // namespace graze::lanes
+}  // namespace graze::lanes::inline GRAZE_ARITHMETIC

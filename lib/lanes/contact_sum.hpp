@@ -7,7 +7,7 @@
 
 #include <bit>
 
-namespace graze::lanes {
+namespace graze::lanes::inline GRAZE_ARITHMETIC {
 
 /// Exponent of 2 of a positive normal number.
 template <class Real> [[gnu::always_inline]] inline std::int64_t band_of(double v) {
@@ -52,13 +52,13 @@ template <class Real>
     for (; j + 1 < n; j += 2, term += 2, T += 2 * stride) {
       const Real one = Real(T[0]), two = Real(T[stride]);
       for (std::size_t i = 0; i < chunks; ++i) {
-        even[i] = even[i] + take<Real>(term[0].at + i * W) * one;
-        odd[i] = odd[i] + take<Real>(term[1].at + i * W) * two;
+        even[i] = madd(take<Real>(term[0].at + i * W), one, even[i]);
+        odd[i] = madd(take<Real>(term[1].at + i * W), two, odd[i]);
       }
     }
     if (j < n) {
       const Real one = Real(T[0]);
-      for (std::size_t i = 0; i < chunks; ++i) even[i] = even[i] + take<Real>(term->at + i * W) * one;
+      for (std::size_t i = 0; i < chunks; ++i) even[i] = madd(take<Real>(term->at + i * W), one, even[i]);
       ++term;
     }
     const double first = T_time[2 * k * stride], second = T_time[(2 * k + 1) * stride];
@@ -70,7 +70,7 @@ template <class Real>
       } else {
         weight = Real(i * W < 4 ? first : second);
       }
-      total[i] = total[i] + weight * (even[i] + odd[i]);
+      total[i] = madd(weight, Real(even[i] + odd[i]), total[i]);
     }
   }
   alignas(64) double sum[8];
@@ -78,4 +78,4 @@ template <class Real>
   for (std::size_t f = 0; f < 4; ++f) out[f] = sum[f] + sum[4 + f];
 }
 
-}  // namespace graze::lanes
+}  // namespace graze::lanes::inline GRAZE_ARITHMETIC

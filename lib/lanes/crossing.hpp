@@ -5,7 +5,7 @@
 
 #include <graze/lib/lanes/flight.hpp>
 
-namespace graze::lanes {
+namespace graze::lanes::inline GRAZE_ARITHMETIC {
 
 /// A flight shorter than this off the barrier, and an impact slower than this, are given up (their rounding wants care).
 inline constexpr double shortest_flight = 0.06, slowest_impact = 1e-4;
@@ -141,4 +141,4 @@ template <class Real, bool Tangent> Landing<Real> land(Memory<Real>& m) {
   return {good, v, end.c, end.s};
 }
 
-}  // namespace graze::lanes
+}  // namespace graze::lanes::inline GRAZE_ARITHMETIC

@@ -112,13 +112,21 @@ struct ContactJob {
   ContactExit* exits = nullptr;
 };
 
-void carry_one(const Job& job);      ///< one lane
-void carry_generic(const Job& job);  ///< what every processor of the kind has
-void carry_avx2(const Job& job);
-void carry_avx512(const Job& job);
+namespace plain {  // what every processor of the kind has, in one lane and in two
+void carry_one(const Job& job);
+void carry_two(const Job& job);
 void contacts_one(const ContactJob& job);
-void contacts_generic(const ContactJob& job);
-void contacts_avx2(const ContactJob& job);
-void contacts_avx512(const ContactJob& job);
+void contacts_two(const ContactJob& job);
+}  // namespace plain
+namespace fused {  // with fused multiply-add; in four lanes with AVX2, in eight with AVX-512
+void carry_one(const Job& job);
+void carry_two(const Job& job);
+void carry_four(const Job& job);
+void carry_eight(const Job& job);
+void contacts_one(const ContactJob& job);
+void contacts_two(const ContactJob& job);
+void contacts_four(const ContactJob& job);
+void contacts_eight(const ContactJob& job);
+}  // namespace fused
 
 }  // namespace graze::lanes

@@ -8,7 +8,7 @@
 
 #include <utility>
 
-namespace graze::lanes {
+namespace graze::lanes::inline GRAZE_ARITHMETIC {
 
 /// x'+ = -k_r x'-, with its saltation matrix [[-k_r, 0], [(a+ + k_r a-)/v, -k_r]].
 template <class Real, bool Tangent> void rebound(Memory<Real>& m, const Landing<Real>& landing) {
@@ -127,4 +127,4 @@ template <class Real, bool Tangent> Surfacing<Real> press(Memory<Real>& m, doubl
   return {surfaced, late, y, next.v, next.c, next.s};
 }
 
-}  // namespace graze::lanes
+}  // namespace graze::lanes::inline GRAZE_ARITHMETIC

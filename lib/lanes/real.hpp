@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Real: a number of one motion (double), or the same number of as many motions as a SIMD register holds (xsimd::batch). What the
-// lanes do is written once for both, without fused multiply-add: the result is the same to the last bit on any machine.
+// lanes do is written once for both, and once compiled with fused multiply-add and once without (GRAZE_FUSED; the code of either
+// in a namespace of its own). Only what is written as madd() is fused: the result is the same to the last bit in any number of
+// lanes, and on all machines that fuse.
 #pragma once
 
 #include <xsimd/xsimd.hpp>
@@ -10,7 +12,13 @@
 #include <cstddef>
 #include <type_traits>
 
-namespace graze::lanes {
+#ifdef GRAZE_FUSED
+#define GRAZE_ARITHMETIC with_fma
+#else
+#define GRAZE_ARITHMETIC without_fma
+#endif
+
+namespace graze::lanes::inline GRAZE_ARITHMETIC {
 
 template <class Real> inline constexpr std::size_t width = Real::size;
 template <> inline constexpr std::size_t width<double> = 1;
@@ -60,16 +68,43 @@ template <class Real> Real take(const double* from) {
 [[gnu::always_inline]] inline void put(double* to, double value) { *to = value; }
 template <class Real> void put(double* to, const Real& value) { value.store_aligned(to); }
 
+/// a b + c.
+[[gnu::always_inline]] inline double madd(double a, double b, double c) {
+#ifdef GRAZE_FUSED
+  return __builtin_fma(a, b, c);
+#else
+  return a * b + c;
+#endif
+}
+template <class Real> [[gnu::always_inline]] inline Real madd(const Real& a, const Real& b, const Real& c) {
+#ifdef GRAZE_FUSED
+#if XSIMD_WITH_AVX512F
+  if constexpr (width<Real> == 8) return _mm512_fmadd_pd(a, b, c);
+#endif
+  if constexpr (width<Real> == 4) return _mm256_fmadd_pd(a, b, c);
+  if constexpr (width<Real> == 2) return _mm_fmadd_pd(a, b, c);
+#else
+  return a * b + c;
+#endif
+}
+/// a b + c d and a b - c d.
+template <class Real> [[gnu::always_inline]] inline Real dot(const Real& a, const Real& b, const Real& c, const Real& d) {
+  return madd(a, b, Real(c * d));
+}
+template <class Real> [[gnu::always_inline]] inline Real wedge(const Real& a, const Real& b, const Real& c, const Real& d) {
+  return madd(a, b, Real(-(c * d)));
+}
+
 /// a[0] + a[1] x + ...: even and odd powers side by side, half as long a chain.
 template <class Real, std::size_t N> Real polynomial(const double (&a)[N], const Real& x) {
   constexpr std::size_t even_top = (N - 1) / 2 * 2, odd_top = N / 2 * 2 - 1;
   const Real square = x * x;
   Real even = Real(a[even_top]), odd = Real(a[odd_top]);
 #pragma GCC unroll 16
-  for (std::size_t k = even_top; k > 0; k -= 2) even = a[k - 2] + square * even;
+  for (std::size_t k = even_top; k > 0; k -= 2) even = madd(square, even, Real(a[k - 2]));
 #pragma GCC unroll 16
-  for (std::size_t k = odd_top; k > 1; k -= 2) odd = a[k - 2] + square * odd;
-  return even + x * odd;
+  for (std::size_t k = odd_top; k > 1; k -= 2) odd = madd(square, odd, Real(a[k - 2]));
+  return madd(x, odd, even);
 }
 
 /// 1/(2 k)! and 1/(2 k + 1)! with alternating signs, 1/k!.
@@ -113,4 +148,4 @@ template <class Real> void circle(const Real& angle, Real& c, Real& s) {
 /// e^-x for 0 <= x <= 0.45 (left out: 0.45^15/15!).
 template <class Real> Real decay(const Real& x) { return polynomial(inverse_factorial, Real(-x)); }
 
-}  // namespace graze::lanes
+}  // namespace graze::lanes::inline GRAZE_ARITHMETIC

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace graze::lanes {
+namespace graze::lanes::inline GRAZE_ARITHMETIC {
 
 inline constexpr double cells_per_angle = static_cast<double>(time_cells) / std::numbers::pi;
 
@@ -193,4 +193,4 @@ template <class Real> void pass_contacts(const ContactJob& job) {
   }
 }
 
-}  // namespace graze::lanes
+}  // namespace graze::lanes::inline GRAZE_ARITHMETIC

@@ -44,7 +44,7 @@ constinit const SeriesKernels series_generic = kernels_for<Generic>();
 
 const SeriesKernels& series_kernels() {
 #ifdef GRAZE_X86_LANES
-  static const bool fused = available(LaneWidth::avx2) && __builtin_cpu_supports("fma");
+  static const bool fused = available(LaneWidth::four);
   if (fused) return series_fused;
 #endif
   return series_generic;

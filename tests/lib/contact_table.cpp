@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Contacts from a table against the same contacts carried in steps, and motions in lanes with it against motions without.
 #include "support/checks.hpp"
+#include "support/lane_widths.hpp"
 
 #include <graze/lib/flow.hpp>
 #include <graze/lib/many_motions.hpp>
 #include <graze/lib/oscillator.hpp>
 
 #include <catch2/catch.hpp>
+#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
+#include <memory>
 #include <random>
 
 using namespace graze;
@@ -150,23 +153,38 @@ TEST_CASE("a table next to grazing leaves weak contacts to the lanes") {
 }
 
 TEST_CASE("lanes of any width give the same with a table to the last bit") {
+  const auto widths = GENERATE(widths_of_processor, plain_widths);
   const HybridSystem system = make_oscillator("linear", "hertz");
   const Vector p = hertz_parameters(0.711, 0.1);
-  std::vector<PeriodResult> reference;
-  for (const LaneWidth width : {LaneWidth::one, LaneWidth::generic, LaneWidth::avx2, LaneWidth::avx512}) {
+  std::vector<PeriodResult> reference, results;
+  for (const LaneWidth width : widths) {
     if (!available(width)) continue;
     const ContactTable contacts(system, p, {0.25, 1.9}, width);
     ManyMotions many(system, {}, width);
     many.use(many.add_parameters(p), contacts);
-    std::vector<PeriodResult> results;
     many.carry(random_starts(61, 2.0), 20, true, results);
     if (reference.empty()) reference = results;
-    bool same = results.size() == reference.size();
-    for (std::size_t i = 0; i < results.size(); ++i)
-      same = same && results[i].x == reference[i].x && results[i].v == reference[i].v && results[i].Phi == reference[i].Phi &&
-             results[i].impacts == reference[i].impacts && results[i].liouville == reference[i].liouville;
-    CHECK(same);
+    CHECK(same_bits(results, reference));
   }
+}
+
+TEST_CASE("a table of contacts is the same to the last bit on any number of threads") {
+  const HybridSystem system = make_oscillator("linear", "hertz");
+  const Vector p = hertz_parameters(0.711, 0.1);
+  std::vector<std::unique_ptr<ContactTable>> tables;
+  for (const int threads : {1, 4})
+    oneapi::tbb::task_arena(threads).execute([&] {
+      tables.push_back(std::make_unique<ContactTable>(system, p, SpeedRange{0.25, 1.9}));
+    });
+  CHECK(tables[0]->report().pieces == tables[1]->report().pieces);
+  CHECK(tables[0]->report().contacts == tables[1]->report().contacts);
+  std::vector<PeriodResult> one, several;
+  for (std::size_t i = 0; i < 2; ++i) {
+    ManyMotions many(system);
+    many.use(many.add_parameters(p), *tables[i]);
+    many.carry(random_starts(61, 2.0), 20, true, i == 0 ? one : several);
+  }
+  CHECK(same_bits(one, several));
 }
 
 TEST_CASE("a table of contacts is made for many periods only") {

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Motions side by side in SIMD lanes against the same motions one by one (Propagator), and against themselves in fewer lanes.
 #include "support/checks.hpp"
+#include "support/lane_widths.hpp"
 
 #include <graze/lib/many_motions.hpp>
 #include <graze/lib/oscillator.hpp>
 
 #include <catch2/catch.hpp>
+#include <oneapi/tbb/task_arena.h>
 
 #include <cstring>
 #include <random>
@@ -80,7 +82,7 @@ TEST_CASE("lanes carry the motions that the Propagator carries") {
   const HybridSystem system = oscillator(law);
   const bool hard = std::string(law) == "newton";
   std::vector<Vector> parameters;
-  ManyMotions many(system);
+  ManyMotions many(system, {}, GENERATE(LaneWidth::widest, LaneWidth::plain_two));
   for (const double eta : {0.55, 0.711, 0.95, 1.4})
     for (const double r : {0.3, 1.0, 2.0}) {
       parameters.push_back(with(system, {{"eta", eta}, {"r", r}, {hard ? "k_r" : "b_H", hard ? restitution : damping}}));
@@ -106,22 +108,31 @@ TEST_CASE("lanes carry the motions that the Propagator carries") {
 
 TEST_CASE("lanes of any width give the same to the last bit") {
   const char* law = GENERATE("newton", "hertz");
+  const auto widths = GENERATE(widths_of_processor, plain_widths);
   const HybridSystem system = oscillator(law);
-  std::vector<PeriodResult> reference;
-  for (const LaneWidth width : {LaneWidth::one, LaneWidth::generic, LaneWidth::avx2, LaneWidth::avx512, LaneWidth::widest}) {
+  std::vector<PeriodResult> reference, results;
+  for (const LaneWidth width : widths) {
     if (!available(width)) continue;
     ManyMotions many(system, {}, width);
     for (const double eta : {0.70, 0.711, 0.93}) many.add_parameters(with(system, {{"eta", eta}}));
-    std::vector<PeriodResult> results;
     many.carry(random_starts(61, 2.0, 3), 11, true, results);
     if (reference.empty()) reference = results;
-    REQUIRE(results.size() == reference.size());
-    bool same = true;
-    for (std::size_t i = 0; i < results.size(); ++i)
-      same = same && results[i].x == reference[i].x && results[i].v == reference[i].v && results[i].Phi == reference[i].Phi &&
-             results[i].impacts == reference[i].impacts && results[i].liouville == reference[i].liouville;
-    CHECK(same);
+    CHECK(same_bits(results, reference));
   }
+}
+
+TEST_CASE("lanes on all threads give the same to the last bit") {
+  const char* law = GENERATE("newton", "hertz");
+  const HybridSystem system = oscillator(law);
+  const auto starts = random_starts(61, 2.0, 3);
+  std::vector<PeriodResult> one, several;
+  for (std::vector<PeriodResult>* results : {&one, &several}) {
+    ManyMotions many(system);
+    for (const double eta : {0.70, 0.711, 0.93}) many.add_parameters(with(system, {{"eta", eta}}));
+    if (results == &several) many.use_all_threads();
+    oneapi::tbb::task_arena(4).execute([&] { many.carry(starts, 11, true, *results); });
+  }
+  CHECK(same_bits(one, several));
 }
 
 TEST_CASE("a motion in lanes does not depend on its company") {

@@ -1,5 +1,0 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/lib/lanes/carry.hpp>
-
-void graze::lanes::carry_one(const Job& job) { carry<double>(job); }
-void graze::lanes::contacts_one(const ContactJob& job) { pass_contacts<double>(job); }
