@@ -4,6 +4,7 @@
 // correlation time are as good as independent: error^2 = variance of the batch means / number of batches.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -14,10 +15,10 @@ namespace graze {
 class BatchMeans {
  public:
   void add(double value) {
-    ++count_;
-    const double before = value - mean_;
-    mean_ += before / static_cast<double>(count_);
-    squares_ += before * (value - mean_);
+    if (count_++ == 0) first_ = value;
+    const double beyond = value - first_;
+    sum_ += beyond;
+    squares_ += beyond * beyond;
     open_ += value;
     if (++in_open_ < length_) return;
     batches_.push_back(open_ / static_cast<double>(length_));
@@ -31,13 +32,16 @@ class BatchMeans {
     error_ = error_of_batches();
   }
 
-  double mean() const { return mean_; }
+  std::int64_t count() const { return count_; }
+  double total() const { return static_cast<double>(count_) * first_ + sum_; }
+  double mean() const { return total() / static_cast<double>(std::max<std::int64_t>(count_, 1)); }
   /// Infinite until there are enough batches.
   double standard_error() const { return error_; }
   /// Integrated correlation time in terms of the series: error^2 = 2 tau variance / count; 1/2 for independent terms.
   double correlation_time() const {
-    const double variance = count_ > 1 ? squares_ / static_cast<double>(count_ - 1) : 0.0, error = standard_error();
-    return variance > 0.0 ? 0.5 * error * error * static_cast<double>(count_) / variance : 0.5;
+    const auto n = static_cast<double>(count_);
+    const double variance = count_ > 1 ? (squares_ - sum_ * sum_ / n) / (n - 1.0) : 0.0, error = standard_error();
+    return variance > 0.0 ? 0.5 * error * error * n / variance : 0.5;
   }
 
  private:
@@ -54,7 +58,8 @@ class BatchMeans {
 
   std::vector<double> batches_;
   std::int64_t count_ = 0, length_ = 1, in_open_ = 0;
-  double mean_ = 0.0, squares_ = 0.0, open_ = 0.0, error_ = std::numeric_limits<double>::infinity();
+  double first_ = 0.0, sum_ = 0.0, squares_ = 0.0;  // the sums: of what is beyond the first value, and of its squares
+  double open_ = 0.0, error_ = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace graze

@@ -96,12 +96,12 @@ class Average {
     strand.at.x = period.x;
     strand.at.v = period.v;
     const double c = period.Phi[0] * strand.c + period.Phi[1] * strand.s, s = period.Phi[2] * strand.c + period.Phi[3] * strand.s;
-    const double length = std::sqrt(c * c + s * s);
+    const double length = std::sqrt(c * c + s * s), inverse = 1.0 / length;
     strand.growth.multiply(length);
     strand.det.multiply(period.det);
     strand.liouville += period.liouville;
-    strand.c = length > 0.0 ? c / length : 1.0;
-    strand.s = length > 0.0 ? s / length : 0.0;
+    strand.c = length > 0.0 ? c * inverse : 1.0;
+    strand.s = length > 0.0 ? s * inverse : 0.0;
     const auto begin_interval = [&] {
       strand.growth = strand.det = {};
       strand.liouville = 0.0;
@@ -124,11 +124,13 @@ class Average {
 
   /// After an orthonormalisation of all motions: whether that is enough.
   void look() {
-    const std::array<double, 2> before = last_;
-    for (std::size_t i = 0; i < 2; ++i) last_[i] = lost_[i] ? 0.0 : exponent(i);
-    const double change = std::max(std::abs(last_[0] - before[0]), std::abs(last_[1] - before[1]));
     const std::int64_t round = options_.interval * static_cast<std::int64_t>(strands_.size());
-    if (options_.change > 0.0 && out_.periods > round && change < options_.change) return stop(LyapunovStop::change);
+    if (options_.change > 0.0) {
+      const std::array<double, 2> before = last_;
+      for (std::size_t i = 0; i < 2; ++i) last_[i] = lost_[i] ? 0.0 : exponent(i);
+      const double change = std::max(std::abs(last_[0] - before[0]), std::abs(last_[1] - before[1]));
+      if (out_.periods > round && change < options_.change) return stop(LyapunovStop::change);
+    }
     if (options_.change == 0.0 && options_.standard_error > 0.0 && settled()) return stop(LyapunovStop::standard_error);
     if (out_.periods + round > options_.max_periods) open_ = false;
   }
@@ -141,14 +143,18 @@ class Average {
   double exponent(std::size_t i) const {
     if (lost_[i]) return -std::numeric_limits<double>::infinity();
     double sum = 0.0;
-    for (const Strand& strand : strands_) sum += strand.means[i].mean();
-    return sum / static_cast<double>(strands_.size()) / interval_time_;
+    std::int64_t count = 0;
+    for (const Strand& strand : strands_) {
+      sum += strand.means[i].total();
+      count += strand.means[i].count();
+    }
+    return sum / static_cast<double>(std::max<std::int64_t>(count, 1)) / interval_time_;
   }
   /// The motions are independent of each other.
   double standard_error(std::size_t i) const {
     if (lost_[i]) return 0.0;
     double squares = 0.0;
-    for (const Strand& strand : strands_) squares += std::pow(strand.means[i].standard_error(), 2);
+    for (const Strand& strand : strands_) squares += strand.means[i].standard_error() * strand.means[i].standard_error();
     return std::sqrt(squares) / static_cast<double>(strands_.size()) / interval_time_;
   }
 

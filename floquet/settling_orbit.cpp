@@ -8,7 +8,9 @@
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <memory>
 
@@ -80,18 +82,26 @@ std::optional<PeriodicOrbit> stable_orbit_near(const HybridSystem& system, const
 
 namespace {
 
-/// Puts in order the periods after which the states return to the first of them, the closest return first.
-void find_returns(double nearness, int max_period, Returns& out) {
+using Pair = std::array<double, 2>;
+
+double size(const Vector& x) { return x.lpNorm<Eigen::Infinity>(); }
+double size(const Pair& x) { return std::max(std::abs(x[0]), std::abs(x[1])); }
+double apart(const Vector& a, const Vector& b) { return (a - b).lpNorm<Eigen::Infinity>(); }
+double apart(const Pair& a, const Pair& b) { return size(Pair{a[0] - b[0], a[1] - b[1]}); }
+
+/// The periods after which states return to the first of them, the closest return first.
+template <class State> std::vector<int> returns_of(const std::vector<State>& states, double nearness, int max_period) {
   constexpr double alike = 1e-10;  // returns this close are as good as each other: the shortest comes first
-  const Vector& state = out.states.front();
-  const double scale = 1.0 + state.lpNorm<Eigen::Infinity>();
-  std::vector<double> distances = {0.0};
-  for (int n = 1; n <= max_period && n < static_cast<int>(out.states.size()); ++n) {
-    distances.push_back(std::max(alike, (out.states[static_cast<std::size_t>(n)] - state).lpNorm<Eigen::Infinity>() / scale));
-    if (distances.back() < nearness) out.periods.push_back(n);
+  const double scale = 1.0 + size(states.front());
+  std::vector<std::pair<double, int>> found;
+  for (int n = 1; n <= max_period && n < static_cast<int>(states.size()); ++n) {
+    const double distance = std::max(alike, apart(states[static_cast<std::size_t>(n)], states.front()) / scale);
+    if (distance < nearness) found.emplace_back(distance, n);
   }
-  std::stable_sort(out.periods.begin(), out.periods.end(),
-                   [&](int a, int b) { return distances[static_cast<std::size_t>(a)] < distances[static_cast<std::size_t>(b)]; });
+  std::sort(found.begin(), found.end());
+  std::vector<int> periods;
+  for (const auto& one : found) periods.push_back(one.second);
+  return periods;
 }
 
 }  // namespace
@@ -99,7 +109,7 @@ void find_returns(double nearness, int max_period, Returns& out) {
 Returns close_returns(const HybridSystem& system, const Vector& p, const Vector& state, int max_period, double nearness,
                       const FlowOptions& flow) {
   Returns out{stroboscopic_states(system, p, state, static_cast<std::size_t>(std::max(0, max_period)) + 1, flow), {}};
-  find_returns(nearness, max_period, out);
+  out.periods = returns_of(out.states, nearness, max_period);
   return out;
 }
 
@@ -116,20 +126,14 @@ std::optional<PeriodicOrbit> orbit_of_close_returns(const HybridSystem& system, 
 
 namespace {
 
-using Pair = std::array<double, 2>;
-
-/// The first n states.
-std::vector<Pair> pairs_of(const std::vector<Vector>& states, int n) {
-  std::vector<Pair> out;
-  for (int k = 0; k < n; ++k) out.push_back({states[static_cast<std::size_t>(k)][0], states[static_cast<std::size_t>(k)][1]});
-  return out;
-}
+Pair pair_of(const Vector& state) { return {state[0], state[1]}; }
+Vector vector_of(const Pair& state) { return Vector{{state[0], state[1]}}; }
 
 /// A motion that is carried for so many periods.
 struct Run {
   int left = 0;
   Vector at;
-  std::vector<Vector>* states = nullptr;  ///< where they are kept, if so
+  std::vector<Pair>* states = nullptr;  ///< where they are kept, if so
   Termination termination = Termination::time;
   bool open() const { return left > 0; }
   const Vector& state() const { return at; }
@@ -141,7 +145,7 @@ struct Run {
     }
     --left;
     at = state;
-    if (states) states->push_back(state);
+    if (states) states->push_back(pair_of(state));
   }
 };
 
@@ -165,7 +169,7 @@ PeriodicOrbit plain_orbit(const HybridSystem& system, const Vector& p, const Lan
   orbit.parameters = p;
   orbit.period = static_cast<int>(found.states.size());
   orbit.duration = orbit.period * forcing_period(system, p);
-  for (const Pair& state : found.states) orbit.states.push_back(Vector{{state[0], state[1]}});
+  for (const Pair& state : found.states) orbit.states.push_back(vector_of(state));
   orbit.nodes = orbit.states;
   orbit.state = orbit.states.front();
   orbit.impacts = found.impacts;
@@ -214,27 +218,28 @@ std::vector<bool> all_approach(ManyMotions& many, const std::vector<std::size_t>
 std::vector<SettlingLook> look_for_orbits(const HybridSystem& system, ManyMotions& many,
                                           const std::vector<SettlingMotion>& motions, double nearness, const FlowOptions& flow) {
   std::vector<SettlingLook> out(motions.size());
-  std::vector<Returns> returns(motions.size());
+  std::vector<std::vector<Pair>> states(motions.size());
   std::vector<Run> runs;
   std::vector<std::size_t> sets;
   for (std::size_t i = 0; i < motions.size(); ++i) {
-    returns[i].states = {motions[i].state};
-    runs.push_back({motions[i].max_period, motions[i].state, &returns[i].states});
+    states[i].reserve(static_cast<std::size_t>(motions[i].max_period) + 1);
+    states[i].push_back(pair_of(motions[i].state));
+    runs.push_back({motions[i].max_period, motions[i].state, &states[i]});
     sets.push_back(motions[i].parameters);
   }
   carry_side_by_side(many, sets, runs, [] { return false; });
   std::vector<std::vector<int>> tries;
   for (std::size_t i = 0; i < motions.size(); ++i) {
-    find_returns(nearness, motions[i].max_period, returns[i]);
-    if (!returns[i].periods.empty()) out[i].closest = returns[i].periods.front();
-    tries.push_back(worth_a_try(returns[i].periods));
+    const std::vector<int> returns = returns_of(states[i], nearness, motions[i].max_period);
+    if (!returns.empty()) out[i].closest = returns.front();
+    tries.push_back(worth_a_try(returns));
   }
   for (std::size_t round = 0;; ++round) {
     std::vector<LaneGuess> guesses;
     std::vector<std::size_t> of;
     for (std::size_t i = 0; i < motions.size(); ++i) {
       if (out[i].orbit || round >= tries[i].size()) continue;
-      guesses.push_back({motions[i].parameters, pairs_of(returns[i].states, tries[i][round])});
+      guesses.push_back({motions[i].parameters, {states[i].begin(), states[i].begin() + tries[i][round]}});
       of.push_back(i);
     }
     if (guesses.empty()) return out;
@@ -246,9 +251,10 @@ std::vector<SettlingLook> look_for_orbits(const HybridSystem& system, ManyMotion
       const SettlingMotion& motion = motions[of[k]];
       const Verdict says = verdict(orbits[k], motion.state);
       if (says == Verdict::delicate) {
-        const auto& states = returns[of[k]].states;
         const int n = tries[of[k]][round];
-        out[of[k]].orbit = stable_orbit_near(system, motion.p, {states.begin(), states.begin() + n}, n, flow);
+        std::vector<Vector> around;
+        std::transform(states[of[k]].begin(), states[of[k]].begin() + n, std::back_inserter(around), vector_of);
+        out[of[k]].orbit = stable_orbit_near(system, motion.p, around, n, flow);
       } else if (says == Verdict::yes) {
         sets_of_good.push_back(motion.parameters);
         states_of_good.push_back(motion.state);
@@ -280,7 +286,9 @@ std::optional<PeriodicOrbit> settling_orbit(const HybridSystem& system, const Ve
         many->add_parameters(p);
       }
       std::vector<LaneGuess> guesses;
-      for (const int n : worth) guesses.push_back({0, pairs_of(states, n)});
+      std::vector<Pair> pairs;
+      std::transform(states.begin(), states.end(), std::back_inserter(pairs), pair_of);
+      for (const int n : worth) guesses.push_back({0, {pairs.begin(), pairs.begin() + n}});
       orbits = shoot_side_by_side(*many, guesses);
     }
     for (std::size_t i = 0; i < worth.size(); ++i) {

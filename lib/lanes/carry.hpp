@@ -27,6 +27,7 @@ template <class Real, bool Tangent> class Carrier {
     }
     Starts starts;
     for (std::size_t lane = 0; lane < W; ++lane) {
+      memory_.coefficients_of[lane] = nullptr;
       memory_.table[lane] = nullptr;
       memory_.met[lane] = nullptr;
       next_motion(lane, starts);
@@ -160,7 +161,10 @@ template <class Real, bool Tangent> class Carrier {
     memory_.table[lane] = motion.table;
     memory_.met[lane] = motion.met;
     memory_.impacts[lane] = 0;
-    for (std::size_t i = 0; i < coefficients; ++i) memory_.coefficient[i][lane] = (*motion.coefficients)[i];
+    if (memory_.coefficients_of[lane] != motion.coefficients) {
+      memory_.coefficients_of[lane] = motion.coefficients;
+      for (std::size_t i = 0; i < coefficients; ++i) memory_.coefficient[i][lane] = (*motion.coefficients)[i];
+    }
     const double into = motion.x - memory_.coefficient[barrier][lane];
     if (job_.law == Law::restitution && into > 0.0) return memory_.assign(lane, Task::given_up);
     starts.x[lane] = motion.x;

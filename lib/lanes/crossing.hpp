@@ -19,8 +19,8 @@ template <class Real>
 Real polynomial_root(const Point<Real>& z, const Real& g, Real h, const Real& lowest, const Real& highest, int times) {
   const Real a = 0.5 * z.a, j = (1.0 / 6.0) * z.j, x4 = (1.0 / 24.0) * z.x4, x5 = (1.0 / 120.0) * z.x5;
   for (int i = 0; i < times; ++i) {
-    const Real value = g + h * (z.v + h * (a + h * (j + h * (x4 + h * x5))));
-    const Real slope = z.v + h * (2.0 * a + h * (3.0 * j + h * (4.0 * x4 + h * (5.0 * x5))));
+    const Real value = madd(h, madd(h, madd(h, madd(h, madd(h, x5, x4), j), a), z.v), g);
+    const Real slope = madd(h, madd(h, madd(h, madd(h, Real(5.0 * x5), Real(4.0 * x4)), Real(3.0 * j)), Real(2.0 * a)), z.v);
     h = least(largest(Real(h - value / slope), lowest), highest);
   }
   return h;
@@ -31,8 +31,8 @@ template <class Real> void turn_a_little(const Real& angle, Real& c, Real& s) {
   const Real square = angle * angle, before = c;
   const Real cosine_of = 1.0 - square * (0.5 - (1.0 / 24.0) * square);
   const Real sine_of = angle * (1.0 - square * ((1.0 / 6.0) - (1.0 / 120.0) * square));
-  c = c * cosine_of - s * sine_of;
-  s = s * cosine_of + before * sine_of;
+  c = wedge(c, cosine_of, s, sine_of);
+  s = dot(s, cosine_of, before, sine_of);
 }
 
 /// Where flights have come to the barrier: transient, turn and phase there, and how long the last step took.
@@ -53,8 +53,8 @@ template <class Real> Arrival<Real> arrival(const Memory<Real>& m) {
   Mask<Real> seeking = crossing;
   for (int round = 0; round < 12 && any(seeking); ++round) {
     Turn<Real> by = turn(m, h);
-    const Real P1 = by.turn_c * P + by.turn_s * Q, Q1 = by.turn_c * Q - by.turn_s * P;
-    const Point<Real> z = point(m, P1, Q1, Real(c * by.force_c - s * by.force_s), Real(s * by.force_c + c * by.force_s));
+    const Real P1 = dot(by.turn_c, P, by.turn_s, Q), Q1 = wedge(by.turn_c, Q, by.turn_s, P);
+    const Point<Real> z = point(m, P1, Q1, wedge(c, by.force_c, s, by.force_s), dot(s, by.force_c, c, by.force_s));
     const Real g = z.x - r, inverse = 1.0 / z.v, newton = -g * inverse, chebyshev = newton * (1.0 - 0.5 * newton * z.a * inverse);
     const Real move = polynomial_root(z, g, chebyshev, Real(-h), Real(farthest - h), 1);
     const Mask<Real> settled = seeking & (abs(move) < nearly_there * m[cell]) & (abs(Real(move * z.a)) < nearly_there * z.v);
@@ -65,12 +65,12 @@ template <class Real> Arrival<Real> arrival(const Memory<Real>& m) {
     by.turn_c = loss * by.turn_c;
     by.turn_s = loss * by.turn_s;
     h = h + move;
-    out.P = select(settled, by.turn_c * P + by.turn_s * Q, out.P);
-    out.Q = select(settled, by.turn_c * Q - by.turn_s * P, out.Q);
+    out.P = select(settled, dot(by.turn_c, P, by.turn_s, Q), out.P);
+    out.Q = select(settled, wedge(by.turn_c, Q, by.turn_s, P), out.Q);
     out.turn_c = select(settled, by.turn_c, out.turn_c);
     out.turn_s = select(settled, by.turn_s, out.turn_s);
-    out.c = select(settled, c * by.force_c - s * by.force_s, out.c);
-    out.s = select(settled, s * by.force_c + c * by.force_s, out.s);
+    out.c = select(settled, wedge(c, by.force_c, s, by.force_s), out.c);
+    out.s = select(settled, dot(s, by.force_c, c, by.force_s), out.s);
     out.h = select(settled, h, out.h);
     out.found = out.found | settled;
     seeking = seeking & !settled;
@@ -82,11 +82,11 @@ template <class Real> Arrival<Real> arrival(const Memory<Real>& m) {
 template <class Real>
 void compose(Memory<Real>& m, const Mask<Real>& where, const Real& b00, const Real& b01, const Real& b10, const Real& b11) {
   const Real a00 = m[phi_00], a01 = m[phi_01], a10 = m[phi_10], a11 = m[phi_11];
-  m.set(phi_00, where, Real(b00 * a00 + b01 * a10));
-  m.set(phi_01, where, Real(b00 * a01 + b01 * a11));
-  m.set(phi_10, where, Real(b10 * a00 + b11 * a10));
-  m.set(phi_11, where, Real(b10 * a01 + b11 * a11));
-  m.set(det, where, Real(m[det] * (b00 * b11 - b01 * b10)));
+  m.set(phi_00, where, dot(b00, a00, b01, a10));
+  m.set(phi_01, where, dot(b00, a01, b01, a11));
+  m.set(phi_10, where, dot(b10, a00, b11, a10));
+  m.set(phi_11, where, dot(b10, a01, b11, a11));
+  m.set(det, where, Real(m[det] * wedge(b00, b11, b01, b10)));
 }
 
 /// A flight, or its part in a period, is over: the tangent, from the spiral (E, F), and the integral of trace(f_x).
@@ -130,13 +130,13 @@ template <class Real> struct Landing {
 template <class Real, bool Tangent> Landing<Real> land(Memory<Real>& m) {
   const Mask<Real> crossing = m.is(Task::crossing);
   const Arrival<Real> end = arrival<Real>(m);
-  const Real v = (m[rate] * end.Q - m[damping] * end.P) + m[frequency] * (m[sine] * end.c - m[cosine] * end.s);
+  const Real v = wedge(m[rate], end.Q, m[damping], end.P) + m[frequency] * wedge(m[sine], end.c, m[cosine], end.s);
   const Real duration = m[flown] + end.h;
   const Mask<Real> short_hop = (m[off_barrier] > Real(0.5)) & (duration < Real(shortest_flight));
   const Mask<Real> good = end.found & (v > Real(slowest_impact)) & !short_hop;
   m.set(rest, good, Real((m[cells] - m[next_point]) * m[cell] + (m[ahead] - end.h)));
   const Real E = m[spiral_c], F = m[spiral_s];
-  end_flight<Real, Tangent>(m, good, Real(end.turn_c * E - end.turn_s * F), Real(end.turn_c * F + end.turn_s * E), duration);
+  end_flight<Real, Tangent>(m, good, wedge(end.turn_c, E, end.turn_s, F), dot(end.turn_c, F, end.turn_s, E), duration);
   m.assign(crossing & !good, Task::given_up);
   return {good, v, end.c, end.s};
 }

@@ -23,10 +23,10 @@ inline constexpr double shortest_step = 1.0 / 50.0;
 template <class Real>
 void begin_flight(Memory<Real>& m, const Mask<Real>& where, const Real& x, const Real& v, const Real& c, const Real& s) {
   const Real w = m[frequency], k = m[stiffness], b = m[damping], h = m[cell];
-  const Real d = x - (m[cosine] * c + m[sine] * s + m[offset]), e = v - w * (m[sine] * c - m[cosine] * s);
+  const Real d = x - (dot(m[cosine], c, m[sine], s) + m[offset]), e = v - w * wedge(m[sine], c, m[cosine], s);
   // |d''| <= sqrt(d'''^2 + k d''^2)/sqrt(k): an energy, which only decays; it is below the sum of the two. And x rises above a
   // chord by |x''| h^2/8 at the most.
-  const Real d2 = -2.0 * b * e - k * d, d3 = -2.0 * b * d2 - k * e;
+  const Real b2 = 2.0 * b, d2 = -dot(b2, e, k, d), d3 = -dot(b2, d2, k, e);
   const Real bend = abs(d2) + abs(d3) * m[inverse_root_k] + m[forced2];
   m.set(transient_p, where, d);
   m.set(transient_q, where, Real((e + b * d) * m[inverse_rate]));
@@ -43,13 +43,13 @@ template <class Real> std::int64_t cells_below(const Grid& grid, std::int64_t k,
   const double* forced = grid.forced + k;
   if constexpr (width<Real> == 1) {
     std::size_t n = 0;
-    while (n < points_ahead && grid.turn_c[n] * P + grid.turn_s[n] * Q + forced[n] < ceiling) ++n;
+    while (n < points_ahead && madd(grid.turn_c[n], P, madd(grid.turn_s[n], Q, forced[n])) < ceiling) ++n;
     return static_cast<std::int64_t>(n) - (n > 0 ? 1 : 0);
   } else {
     unsigned below = 0;
     for (std::size_t i = 0; i < points_ahead; i += width<Real>) {
-      const Real x =
-          take<Real>(&grid.turn_c[i]) * Real(P) + take<Real>(&grid.turn_s[i]) * Real(Q) + Real::load_unaligned(forced + i);
+      const Real without_P = madd(take<Real>(&grid.turn_s[i]), Real(Q), Real(Real::load_unaligned(forced + i)));
+      const Real x = madd(take<Real>(&grid.turn_c[i]), Real(P), without_P);
       below |= bits(x < Real(ceiling)) << i;
     }
     return std::countr_one(below & (below >> 1) & (~0U >> 1));
@@ -65,12 +65,12 @@ template <class Real, bool Tangent> void march(Memory<Real>& m) {
     const auto here = static_cast<std::int64_t>(m.field[next_point][lane]);
     const std::int64_t over = cells_below<Real>(grid, here, P, Q, m.field[ceiling][lane]), k = here + over;
     const double turn_c = grid.turn_c[static_cast<std::size_t>(over)], turn_s = grid.turn_s[static_cast<std::size_t>(over)];
-    m.field[transient_p][lane] = turn_c * P + turn_s * Q;
-    m.field[transient_q][lane] = turn_c * Q - turn_s * P;
+    m.field[transient_p][lane] = dot(turn_c, P, turn_s, Q);
+    m.field[transient_q][lane] = wedge(turn_c, Q, turn_s, P);
     if constexpr (Tangent) {
       const double E = m.field[spiral_c][lane], F = m.field[spiral_s][lane];
-      m.field[spiral_c][lane] = turn_c * E - turn_s * F;
-      m.field[spiral_s][lane] = turn_c * F + turn_s * E;
+      m.field[spiral_c][lane] = wedge(turn_c, E, turn_s, F);
+      m.field[spiral_s][lane] = dot(turn_c, F, turn_s, E);
     }
     m.field[flown][lane] += static_cast<double>(over) * cell_length;
     m.field[phase_c][lane] = grid.phase_c[k];
@@ -138,9 +138,9 @@ template <class Real, bool Tangent> void fly(Memory<Real>& m) {
 
   // Where the step would lead.
   const Turn<Real> by = turn(m, h);
-  const Real P1 = by.turn_c * P + by.turn_s * Q, Q1 = by.turn_c * Q - by.turn_s * P;
-  const Real c1 = c * by.force_c - s * by.force_s, s1 = s * by.force_c + c * by.force_s;
-  const Real x1 = P1 + (m[cosine] * c1 + m[sine] * s1 + m[offset]);
+  const Real P1 = dot(by.turn_c, P, by.turn_s, Q), Q1 = wedge(by.turn_c, Q, by.turn_s, P);
+  const Real c1 = wedge(c, by.force_c, s, by.force_s), s1 = dot(s, by.force_c, c, by.force_s);
+  const Real x1 = P1 + (dot(m[cosine], c1, m[sine], s1) + m[offset]);
   const Mask<Real> crosses = flying & sure & (!below) & (x1 >= r) & (!close);
   const Mask<Real> moves = flying & sure & (!crosses) & (!close), stays = flying & (!sure);
 
@@ -150,8 +150,8 @@ template <class Real, bool Tangent> void fly(Memory<Real>& m) {
   m.set(phase_s, moves, s1);
   if constexpr (Tangent) {
     const Real E = m[spiral_c], F = m[spiral_s];
-    m.set(spiral_c, moves, Real(by.turn_c * E - by.turn_s * F));
-    m.set(spiral_s, moves, Real(by.turn_c * F + by.turn_s * E));
+    m.set(spiral_c, moves, wedge(by.turn_c, E, by.turn_s, F));
+    m.set(spiral_s, moves, dot(by.turn_c, F, by.turn_s, E));
   }
   m.set(flown, moves, Real(m[flown] + h));
   m.set(ahead, moves, Real(left - h));
