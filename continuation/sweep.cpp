@@ -6,7 +6,10 @@
 #include <oneapi/tbb/task_group.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <deque>
+#include <memory>
 #include <mutex>
 #include <stdexcept>
 
@@ -14,8 +17,9 @@ namespace graze {
 
 namespace {
 
-/// Rows that wait for their time average before those behind them are final: enough for all threads, and not too many to lose.
-constexpr std::size_t most_open = 8;
+/// Rows that wait for their time average or for one before them, for each thread that has nothing else to do: enough that it has,
+/// and not too many to lose.
+constexpr std::size_t open_on_a_thread = 4;
 
 /// The rows of one direction.
 class OneWay {
@@ -27,64 +31,70 @@ class OneWay {
     if (direction == SweepDirection::down) std::reverse(values_.begin(), values_.end());
     std::copy_if(so_far.begin(), so_far.end(), std::back_inserter(rows_),
                  [&](const SweepRow& row) { return row.direction == direction; });
-    final_ = rows_.size();
     finding_ = options.attractor;
     finding_.lyapunov.cancelled = options.cancelled;
   }
 
-  bool ended() const { return ended_ || final_ == values_.size(); }
-
-  /// Follows the attractor to the end, or until enough rows wait for their average, which is taken meanwhile. `tell` is told how
-  /// many rows are done, or taken back, and the value of the last.
-  template <class Tell> void go_on(const Tell& tell) {
+  /// Follows the attractor to the end. Time averages are taken meanwhile; what they say may take rows back. `tell` is told how
+  /// many rows are done, or taken back, and the value of the last. `ways`: how many directions are being followed.
+  template <class Tell> void follow(const std::atomic<int>& ways, const Tell& tell) {
     rows_.reserve(values_.size());  // they stay where they are
-    std::vector<std::size_t> open;
-    oneapi::tbb::task_group averages;
-    while (!ended_ && rows_.size() < values_.size() && open.size() < most_open) {
-      auto row = next();
-      if (!row) {
-        ended_ = true;
-        break;
+    const auto most_open = [&] { return 1 + open_on_a_thread * static_cast<std::size_t>(std::max(0, options_.threads - ways)); };
+    std::deque<Open> open;
+    do {
+      while (!ended_ && rows_.size() < values_.size() && open.size() < most_open()) {
+        auto row = next();
+        if (!row) {
+          ended_ = true;
+          break;
+        }
+        rows_.push_back(std::move(*row));
+        if (rows_.back().attractor.type == AttractorType::periodic) {
+          tell(1, rows_.back().value);
+          continue;
+        }
+        open.emplace_back(rows_.size() - 1);
+        open.back().average->run([this, &one = rows_.back(), dropped = open.back().dropped] {
+          AttractorOptions averaging = finding_;
+          averaging.lyapunov.cancelled = [&] { return *dropped || (options_.cancelled && options_.cancelled()); };
+          one.attractor.state = one.end;
+          average_on_attractor(system_, parameters(one.value), one.attractor, averaging);
+        });
       }
-      rows_.push_back(std::move(*row));
-      if (rows_.back().attractor.type == AttractorType::periodic) {
-        tell(1, rows_.back().value);
-        continue;
-      }
-      open.push_back(rows_.size() - 1);
-      averages.run([this, &tell, &one = rows_.back()] {
-        one.attractor.state = one.end;
-        average_on_attractor(system_, parameters(one.value), one.attractor, finding_);
-        tell(1, one.value);
-      });
-    }
-    averages.wait();
-    const auto before = static_cast<std::ptrdiff_t>(rows_.size());
-    settle(open);
-    const std::ptrdiff_t more = static_cast<std::ptrdiff_t>(rows_.size()) - before;
-    if (more != 0) tell(more, rows_.empty() ? values_.front() : rows_.back().value);
+      if (open.empty()) return;
+      open.front().average->wait();
+      settle(open, tell);
+    } while (!open.empty() || !ended_);
   }
 
   std::vector<SweepRow>& rows() { return rows_; }
 
  private:
-  /// Keeps the rows up to the first one whose average was interrupted, or turned out to end on an orbit.
-  void settle(const std::vector<std::size_t>& open) {
-    for (const std::size_t k : open) {
-      SweepRow& row = rows_[k];
-      const LyapunovStop stop = row.attractor.time_average.stop;
-      if (stop == LyapunovStop::interrupted || stop == LyapunovStop::failed || stop == LyapunovStop::not_run) {
-        rows_.resize(k);
-        ended_ = true;
-        break;
-      }
-      if (row.attractor.type != AttractorType::periodic) continue;
-      sample(row);
-      rows_.resize(k + 1);
-      ended_ = false;
-      break;
-    }
-    final_ = rows_.size();
+  /// A row that waits for its time average.
+  struct Open {
+    explicit Open(std::size_t number) : row(number) {}
+    std::size_t row;
+    std::shared_ptr<std::atomic<bool>> dropped = std::make_shared<std::atomic<bool>>(false);
+    std::unique_ptr<oneapi::tbb::task_group> average = std::make_unique<oneapi::tbb::task_group>();
+  };
+
+  /// Keeps the rows up to the first open one if its average was interrupted, or turned out to end on an orbit.
+  template <class Tell> void settle(std::deque<Open>& open, const Tell& tell) {
+    const std::size_t k = open.front().row;
+    SweepRow& row = rows_[k];
+    const LyapunovStop stop = row.attractor.time_average.stop;
+    const bool broken_off = stop == LyapunovStop::interrupted || stop == LyapunovStop::failed || stop == LyapunovStop::not_run;
+    open.pop_front();
+    if (!broken_off) tell(1, row.value);
+    if (!broken_off && row.attractor.type != AttractorType::periodic) return;
+    for (const Open& other : open) *other.dropped = true;
+    for (const Open& other : open) other.average->wait();
+    const auto told = static_cast<std::ptrdiff_t>(rows_.size() - (k + 1) - open.size());
+    open.clear();
+    if (!broken_off) sample(row);
+    rows_.resize(broken_off ? k : k + 1);
+    ended_ = broken_off;
+    if (told > 0) tell(-told, values_[k]);
   }
 
   Vector parameters(double value) const {
@@ -140,7 +150,6 @@ class OneWay {
   SweepDirection direction_;
   std::vector<double> values_;
   std::vector<SweepRow> rows_;
-  std::size_t final_ = 0;
   bool ended_ = false;
 };
 
@@ -165,6 +174,7 @@ std::vector<SweepRow> sweep(const HybridSystem& system, const Vector& p, const V
   std::vector<OneWay> ways;
   for (const SweepDirection direction : options.directions) ways.emplace_back(system, p, start, options, direction, so_far);
   oneapi::tbb::task_arena arena(std::max(1, options.threads));
+  std::atomic<int> active = static_cast<int>(ways.size());
   std::mutex telling;
   auto done = static_cast<std::ptrdiff_t>(so_far.size());
   const auto tell = [&](std::ptrdiff_t more, double value) {
@@ -176,7 +186,8 @@ std::vector<SweepRow> sweep(const HybridSystem& system, const Vector& p, const V
     oneapi::tbb::task_group group;
     for (OneWay& way : ways)
       group.run([&] {
-        while (!way.ended()) way.go_on(tell);
+        way.follow(active, tell);
+        --active;
       });
     group.wait();
   });

@@ -9,7 +9,9 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <memory>
 #include <mutex>
 #include <numeric>
 
@@ -28,7 +30,7 @@ struct Run {
   End end = End::cancelled;
   std::size_t attractor = 0;
   Vector state;
-  std::optional<PeriodicOrbit> orbit;
+  std::unique_ptr<PeriodicOrbit> orbit;  ///< apart: most runs have none
   std::int64_t periods = 0;
 };
 
@@ -53,6 +55,7 @@ class Search {
       if (!do_round(todo)) break;
       begin = end;
     }
+    if (options_.progress) options_.progress(told_, out_.attractors.size());
     return finish();
   }
 
@@ -65,14 +68,16 @@ class Search {
     std::vector<Run> runs(todo.size());
     std::vector<std::size_t> open(todo.size());
     std::iota(open.begin(), open.end(), std::size_t{0});
-    for (std::size_t k = 0; k < todo.size(); ++k) runs[k].state = starts_[todo[k]];
     bool first = true;
     while (!open.empty()) {
       const std::size_t groups = (open.size() + side_by_side - 1) / side_by_side;
       oneapi::tbb::parallel_for(std::size_t{0}, groups, [&](std::size_t group) {
         std::vector<Watch> watches;
-        for (std::size_t i = group * side_by_side; i < std::min(open.size(), (group + 1) * side_by_side); ++i)
-          watches.emplace_back(*this, runs[open[i]], first);
+        for (std::size_t i = group * side_by_side; i < std::min(open.size(), (group + 1) * side_by_side); ++i) {
+          Run& run = runs[open[i]];
+          if (first) run.state = starts_[todo[open[i]]];
+          watches.emplace_back(*this, run, first);
+        }
         carry_on(watches);
       });
       first = false;
@@ -217,8 +222,9 @@ class Search {
   }
 
   bool look_for_orbit(Run& run, int period) const {
-    run.orbit = settling_orbit(system_, p_, run.state, std::min(period, options_.max_period), options_.flow);
-    if (!run.orbit) return false;
+    auto orbit = settling_orbit(system_, p_, run.state, std::min(period, options_.max_period), options_.flow);
+    if (!orbit) return false;
+    run.orbit = std::make_unique<PeriodicOrbit>(std::move(*orbit));
     run.end = Run::End::new_orbit;
     if (const auto same = known_.orbit_at(run.orbit->state, run.orbit->period)) {
       run.end = Run::End::reached;
@@ -314,9 +320,9 @@ class Search {
 
   void tell() {
     if (!options_.progress) return;
-    const std::lock_guard lock(telling_);
     ++told_;
-    options_.progress(told_, out_.attractors.size());
+    // Who finds another thread telling leaves it at that: the next start will tell of this one, too.
+    if (const std::unique_lock lock(telling_, std::try_to_lock); lock) options_.progress(told_, out_.attractors.size());
   }
 
   Basins finish() {
@@ -362,7 +368,7 @@ class Search {
   Basins out_;
   KnownAttractors known_;
   std::mutex telling_;
-  std::size_t told_ = 0;
+  std::atomic<std::size_t> told_ = 0;
 };
 
 }  // namespace
