@@ -3,7 +3,6 @@
 #include <graze/lib/in_parallel.hpp>
 
 #include <fmt/format.h>
-#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -53,8 +52,7 @@ class Rows {
       }
       for (int column = 0; column < columns; ++column) free.push_back({&layer, head.row, column, std::nullopt, out + column});
     }
-    const auto threads = static_cast<std::size_t>(std::max(1, oneapi::tbb::this_task_arena::max_concurrency()));
-    const auto together = [&](std::size_t size) {
+    const auto together = [threads = threads_here()](std::size_t size) {
       return std::clamp((size + threads - 1) / threads, fewest_together, most_together);
     };
     const auto groups = [&](std::size_t size) { return (size + together(size) - 1) / together(size); };

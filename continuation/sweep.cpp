@@ -56,6 +56,7 @@ class OneWay {
         open.emplace_back(rows_.size() - 1);
         open.back().average->run([this, &one = rows_.back(), dropped = open.back().dropped] {
           AttractorOptions averaging = finding_;
+          averaging.lyapunov.all_threads = true;
           averaging.lyapunov.cancelled = [&] { return *dropped || (options_.cancelled && options_.cancelled()); };
           one.attractor.state = one.end;
           average_on_attractor(system_, parameters(one.value), one.attractor, averaging);

@@ -141,10 +141,10 @@ void conclude(const HybridSystem& system, const Vector& p, LyapunovSpectrum aver
   attractor.state = attractor.time_average.state;
   std::vector<Vector> ends = attractor.time_average.others;
   ends.insert(ends.begin(), attractor.state);
-  const std::size_t together = options.lyapunov.all_threads ? ends.size() : 1;
-  std::vector<std::optional<PeriodicOrbit>> orbits(together);
+  const std::size_t together = options.lyapunov.all_threads ? threads_here() : 1;
   for (std::size_t begin = 0; begin < ends.size(); begin += together) {
-    in_parallel(together, [&](std::size_t i) { orbits[i] = orbit_at_the_end(system, p, ends[begin + i], options); });
+    std::vector<std::optional<PeriodicOrbit>> orbits(std::min(together, ends.size() - begin));
+    in_parallel(orbits.size(), [&](std::size_t i) { orbits[i] = orbit_at_the_end(system, p, ends[begin + i], options); });
     for (auto& orbit : orbits)  // one that has settled tells that the chaos was transient
       if (orbit) return settle_on(attractor, std::move(*orbit));
     if (cancelled(options)) return;

@@ -5,9 +5,15 @@
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
+#include <algorithm>
 #include <cstddef>
 
 namespace graze {
+
+/// How many threads there may be.
+inline std::size_t threads_here() {
+  return static_cast<std::size_t>(std::max(1, oneapi::tbb::this_task_arena::max_concurrency()));
+}
 
 /// body(0) ... body(n - 1), in any order. A thread that waits for the rest does not begin with anything else meanwhile, which it
 /// might have to finish first.

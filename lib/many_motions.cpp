@@ -5,7 +5,6 @@
 #include <graze/lib/lanes/oscillator.hpp>
 
 #include <fmt/format.h>
-#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -138,8 +137,7 @@ void ManyMotions::carry_in_lanes(const std::vector<lanes::Motion>& motions, bool
   };
   // Those that write down what they meet write into the same place.
   const bool apart = all_threads_ && std::none_of(motions.begin(), motions.end(), [](const auto& motion) { return motion.met; });
-  const auto threads = static_cast<std::size_t>(std::max(1, oneapi::tbb::this_task_arena::max_concurrency()));
-  const std::size_t parts = apart ? std::clamp<std::size_t>(motions.size() / fewest_on_a_thread, 1, threads) : 1;
+  const std::size_t parts = apart ? std::clamp<std::size_t>(motions.size() / fewest_on_a_thread, 1, threads_here()) : 1;
   in_parallel(parts, [&](std::size_t i) { carry(i * motions.size() / parts, (i + 1) * motions.size() / parts); });
 }
 
