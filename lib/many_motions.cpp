@@ -70,7 +70,7 @@ std::size_t ManyMotions::add_parameters(const Vector& p) {
   if (!oscillator || (!sets_.empty() && sets_.front()->oscillator.law != oscillator->law))
     throw std::invalid_argument(
         fmt::format("{} at these parameters is not an oscillator that the lanes know (linear, underdamped, one barrier with "
-                    "restitution or of Hertz's law); carry its motions one by one",
+                    "restitution, of Hertz's law or linear elastic); carry its motions one by one",
                     system_->name));
   sets_.push_back(std::make_unique<Set>(Set{p, *oscillator, forcing_period(*system_, p)}));
   return sets_.size() - 1;
@@ -167,8 +167,8 @@ void ManyMotions::carry(const std::vector<MotionStart>& starts, std::size_t peri
       if (set.awaits_table) make_table(set);
       const auto [x, v] = state(one);
       const std::size_t left = periods - one.done;
-      motions.push_back({x, v, &set.oscillator.coefficients, set.oscillator.grid.get(),
-                         set.awaits_table ? std::min(left, periods_between_looks) : left,
+      motions.push_back({x, v, &set.oscillator.coefficients, set.oscillator.grid.get(), &set.oscillator.pressed,
+                         set.oscillator.pressed_grid.get(), set.awaits_table ? std::min(left, periods_between_looks) : left,
                          &results[one.motion * periods + one.done], set.table ? &set.pieces : nullptr,
                          set.awaits_table ? &set.met : nullptr});
     }

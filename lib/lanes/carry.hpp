@@ -74,8 +74,9 @@ template <class Real, bool Tangent> class Carrier {
   };
 
   void hit(const Landing<Real>& landing) {
-    for_each(landing.where, [&](std::size_t lane) { ++memory_.impacts[lane]; });
+    for_each(landing.where, [&](std::size_t lane) { memory_.impacts[lane] += memory_.coefficient[side][lane] > 0.0 ? 1 : 0; });
     if (job_.law == Law::restitution) return rebound<Real, Tangent>(memory_, landing);
+    if (job_.law == Law::linear_elastic) return change_sides(memory_, landing, job_.motions);
     if (met_) note_speeds(memory_, landing);
     Mask<Real> touching = landing.where;
     if (tables_) touching = touching & !pass_known(landing);
@@ -100,8 +101,8 @@ template <class Real, bool Tangent> class Carrier {
     const Mask<Real> where = m.is(Task::period_end);
     const Real P = m[transient_p], Q = m[transient_q];
     end_flight<Real, Tangent>(memory_, where, m[spiral_c], m[spiral_s], m[flown]);
-    end_periods(where, Real(P + m[cosine] + m[offset]), Real((m[rate] * Q - m[damping] * P) + m[frequency] * m[sine]),
-                Real(-1.0));
+    const Real x = P + m[cosine] + m[offset], v = (m[rate] * Q - m[damping] * P) + m[frequency] * m[sine];
+    end_periods(where, Real(m[side] * x), Real(m[side] * v), Real(-1.0));
   }
 
   /// Writes down what the periods did, and begins the next. Says which motions go on.
@@ -145,7 +146,7 @@ template <class Real, bool Tangent> class Carrier {
     const Mask<Real> pressed = where & (y >= Real(0.0));
     if (any(pressed)) touch(memory_, pressed, y, v, Real(1.0), Real(0.0));
     const Mask<Real> flying = where & !pressed;
-    begin_flight(memory_, flying, x, v, Real(1.0), Real(0.0));
+    begin_flight(memory_, flying, Real(memory_[side] * x), Real(memory_[side] * v), Real(1.0), Real(0.0));
     memory_.set(next_point, flying, Real(0.0));
     memory_.set(off_barrier, flying, Real(0.0));
     memory_.assign(flying, Task::marching);
@@ -157,19 +158,16 @@ template <class Real, bool Tangent> class Carrier {
     const Motion& motion = job_.motions[taken_];
     memory_.motion[lane] = taken_++;
     memory_.period[lane] = 0;
-    memory_.grid[lane] = motion.grid;
     memory_.table[lane] = motion.table;
     memory_.met[lane] = motion.met;
     memory_.impacts[lane] = 0;
-    if (memory_.coefficients_of[lane] != motion.coefficients) {
-      memory_.coefficients_of[lane] = motion.coefficients;
-      for (std::size_t i = 0; i < coefficients; ++i) memory_.coefficient[i][lane] = (*motion.coefficients)[i];
-    }
-    const double into = motion.x - memory_.coefficient[barrier][lane];
+    const double into = motion.x - (*motion.coefficients)[barrier];
+    const bool pressed = job_.law == Law::linear_elastic && into > 0.0;
+    memory_.load(lane, pressed ? *motion.pressed : *motion.coefficients, pressed ? *motion.pressed_grid : *motion.grid);
     if (job_.law == Law::restitution && into > 0.0) return memory_.assign(lane, Task::given_up);
     starts.x[lane] = motion.x;
     starts.v[lane] = motion.v;
-    starts.depth[lane] = into > 0.0 ? std::sqrt(into) : -1.0;
+    starts.depth[lane] = job_.law == Law::hertz && into > 0.0 ? std::sqrt(into) : -1.0;
     starts.there[lane] = 1.0;
   }
 

@@ -7,8 +7,8 @@
 
 namespace graze::lanes::inline GRAZE_ARITHMETIC {
 
-/// A flight shorter than this off the barrier, and an impact slower than this, are given up (their rounding wants care).
-inline constexpr double shortest_flight = 0.06, slowest_impact = 1e-4;
+/// An impact slower than this is given up (its rounding wants care).
+inline constexpr double slowest_impact = 1e-4;
 
 /// A correction d of a crossing is the last where it is below this part of a cell and e = (a/v) d below it, too: the polynomial
 /// of degree 5 leaves out (d sqrt(k))^6/720, and Chebyshev's and Newton's steps leave e^5 d/8.
@@ -110,7 +110,7 @@ template <class Real> void leave_barrier(Memory<Real>& m, const Mask<Real>& wher
   whole = select(there, Real(whole - 1.0), whole);
   part = select(there, Real(part + h), part);
   const Mask<Real> goes =
-      where & (v < Real(-slowest_impact)) & (Real(-2.0 * v) > shortest_flight * pressing) & (whole >= Real(0.0));
+      where & (v < Real(-slowest_impact)) & (Real(-2.0 * v) > m[shortest_flight] * pressing) & (whole >= Real(0.0));
   begin_flight(m, goes, r, v, c, s);
   m.set(next_point, goes, Real(m[cells] - whole));
   m.set(ahead, goes, part);
@@ -132,7 +132,7 @@ template <class Real, bool Tangent> Landing<Real> land(Memory<Real>& m) {
   const Arrival<Real> end = arrival<Real>(m);
   const Real v = wedge(m[rate], end.Q, m[damping], end.P) + m[frequency] * wedge(m[sine], end.c, m[cosine], end.s);
   const Real duration = m[flown] + end.h;
-  const Mask<Real> short_hop = (m[off_barrier] > Real(0.5)) & (duration < Real(shortest_flight));
+  const Mask<Real> short_hop = (m[off_barrier] > Real(0.5)) & (duration < m[shortest_flight]);
   const Mask<Real> good = end.found & (v > Real(slowest_impact)) & !short_hop;
   m.set(rest, good, Real((m[cells] - m[next_point]) * m[cell] + (m[ahead] - end.h)));
   const Real E = m[spiral_c], F = m[spiral_s];

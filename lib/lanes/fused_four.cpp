@@ -2,6 +2,4 @@
 #include <graze/lib/lanes/carry.hpp>
 
 void graze::lanes::fused::carry_four(const Job& job) { carry<xsimd::batch<double, xsimd::avx2>>(job); }
-void graze::lanes::fused::contacts_four(const ContactJob& job) {
-  pass_contacts<xsimd::batch<double, xsimd::avx2>>(job);
-}
+void graze::lanes::fused::contacts_four(const ContactJob& job) { pass_contacts<xsimd::batch<double, xsimd::avx2>>(job); }

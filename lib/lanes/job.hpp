@@ -13,7 +13,8 @@
 namespace graze::lanes {
 
 /// Coefficients of a motion. The flight is x'' + 2 damping x' + stiffness x = amplitude cos(frequency t) + constant, underdamped,
-/// with the particular solution cosine cos + sine sin + offset and rate^2 = stiffness - damping^2.
+/// with the particular solution cosine cos + sine sin + offset and rate^2 = stiffness - damping^2. The barrier is at its right: a
+/// contact with a linear elastic stop is a flight of -x (side -1) with coefficients of its own.
 enum Coefficient : std::size_t {
   damping,
   rate,
@@ -30,6 +31,8 @@ enum Coefficient : std::size_t {
   forced2,  ///< bound of the second derivative of the particular solution
   forced6,  ///< and of the sixth
   barrier,
+  side,             ///< 1, or -1: they are those of -x
+  shortest_flight,  ///< off the barrier; shorter ones are given up (their rounding wants care)
   period,
   cells,  ///< of a period, see Grid; their length, and one over it
   cell,
@@ -76,13 +79,15 @@ struct Motion {
   double x = 0.0, v = 0.0;
   const Coefficients* coefficients = nullptr;
   const Grid* grid = nullptr;
+  const Coefficients* pressed = nullptr;  ///< of -x in contact with a linear elastic stop
+  const Grid* pressed_grid = nullptr;
   std::size_t periods = 1;               ///< to be carried
   Period* results = nullptr;             ///< of as many periods
   const ContactPieces* table = nullptr;  ///< of contacts; may be null
   SpeedsMet* met = nullptr;              ///< what to write the speeds of entry down in; may be null
 };
 
-enum class Law { restitution, hertz };
+enum class Law { restitution, hertz, linear_elastic };
 
 struct Job {
   Law law = Law::restitution;

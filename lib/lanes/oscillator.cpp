@@ -25,6 +25,7 @@ struct Description {
   Law law = Law::restitution;
   double barrier = 0.0, restitution = 1.0;
   HertzContact hertz;
+  LinearOscillator pressed = {};  ///< against a linear elastic stop, of -x
   std::size_t hit = 0;
 };
 
@@ -42,14 +43,32 @@ ModeStructure structure(const HybridSystem& system, std::size_t mode, const Vect
   return system.modes[mode].structure ? system.modes[mode].structure(p) : ModeStructure{};
 }
 
-/// Contact by Hertz's law with the equations of the flight, left through the barrier.
-bool is_contact_of(const LinearOscillator& free, const HertzContact& contact, const Event& leaving, const Event& entering) {
+/// Whether a contact is left where it was entered, state and field being continuous.
+bool leads_back(const Event& entering, const Event& leaving) {
+  return leaving.to == entering.from && leaving.continuous && entering.continuous && leaving.guard.level &&
+         leaving.guard.level->level == entering.guard.level->level;
+}
+
+/// Contact by Hertz's law with the equations of the flight.
+bool is_contact_of(const LinearOscillator& free, const HertzContact& contact, const Event& entering) {
   using C = HertzContact;
   const auto& q = contact.value;
-  return leaving.to == entering.from && leaving.continuous && entering.continuous && q[C::damping] == free.damping &&
-         q[C::amplitude] == free.amplitude && q[C::frequency] == free.frequency && q[C::beta] == 0.0 && free.stiffness == 1.0 &&
-         free.constant == 0.0 && leaving.guard.level && leaving.guard.level->level == entering.guard.level->level &&
+  return q[C::damping] == free.damping && q[C::amplitude] == free.amplitude && q[C::frequency] == free.frequency &&
+         q[C::beta] == 0.0 && free.stiffness == 1.0 && free.constant == 0.0 &&
          contact.parameter[C::barrier] == entering.guard.level->level;
+}
+
+/// Whether the lanes can fly so.
+bool flies(const HybridSystem& system, std::size_t mode, const LinearOscillator& linear, const Vector& p) {
+  return LinearFlow::applies(system, mode, {}, linear) && linear.stiffness > linear.damping * linear.damping &&
+         linear.frequency == p[static_cast<Eigen::Index>(*system.forcing_frequency)] && cells_of(linear) <= most_cells;
+}
+
+/// The same motion as seen from the other side of the barrier.
+LinearOscillator mirrored(LinearOscillator linear) {
+  linear.amplitude = -linear.amplitude;
+  linear.constant = -linear.constant;
+  return linear;
 }
 
 std::optional<Description> describe(const HybridSystem& system, const Vector& p) {
@@ -60,9 +79,7 @@ std::optional<Description> describe(const HybridSystem& system, const Vector& p)
   const Event* hit = only_event(system, free_mode);
   if (!linear || !hit || !hit->guard.level || hit->guard.level->coordinate != 0 || hit->guard.level->sign < 0.0)
     return std::nullopt;
-  if (!LinearFlow::applies(system, free_mode, {}, *linear) || linear->stiffness <= linear->damping * linear->damping ||
-      linear->frequency != p[static_cast<Eigen::Index>(*system.forcing_frequency)] || !(cells_of(*linear) <= most_cells))
-    return std::nullopt;
+  if (!flies(system, free_mode, *linear, p)) return std::nullopt;
   Description out;
   out.free = *linear;
   out.hit = static_cast<std::size_t>(hit - system.events.data());
@@ -72,16 +89,24 @@ std::optional<Description> describe(const HybridSystem& system, const Vector& p)
     return out;
   }
   const ModeStructure pressed = structure(system, hit->to, p);
-  const auto* contact = std::get_if<HertzContact>(&pressed);
-  const Event* leaving = contact ? only_event(system, hit->to) : nullptr;
-  if (!leaving || hit->reset.map || leaving->reset.map || !is_contact_of(*linear, *contact, *leaving, *hit)) return std::nullopt;
-  out.law = Law::hertz;
-  out.hertz = *contact;
+  const Event* leaving = only_event(system, hit->to);
+  if (!leaving || hit->reset.map || leaving->reset.map || !leads_back(*hit, *leaving)) return std::nullopt;
+  if (const auto* contact = std::get_if<HertzContact>(&pressed)) {
+    if (!is_contact_of(*linear, *contact, *hit)) return std::nullopt;
+    out.law = Law::hertz;
+    out.hertz = *contact;
+    return out;
+  }
+  const auto* contact = std::get_if<LinearOscillator>(&pressed);
+  if (!contact || !flies(system, hit->to, *contact, p)) return std::nullopt;
+  out.law = Law::linear_elastic;
+  out.pressed = mirrored(*contact);
   return out;
 }
 
-Coefficients coefficients_of(const Description& oscillator) {
-  const LinearOscillator& free = oscillator.free;
+/// Of x (side 1), or of -x.
+Coefficients coefficients_of(const Description& oscillator, double of_side) {
+  const LinearOscillator& free = of_side > 0.0 ? oscillator.free : oscillator.pressed;
   const double w = free.frequency, k = free.stiffness, b = free.damping;
   const double detuning = k - w * w, drag = 2.0 * b * w, D = detuning * detuning + drag * drag;
   Coefficients q{};
@@ -99,7 +124,9 @@ Coefficients coefficients_of(const Description& oscillator) {
   q[inverse_rate] = 1.0 / q[rate];
   q[forced2] = std::hypot(q[cosine], q[sine]) * w * w;
   q[forced6] = std::hypot(q[cosine], q[sine]) * std::pow(w, 6);
-  q[barrier] = oscillator.barrier;
+  q[barrier] = of_side * oscillator.barrier;
+  q[side] = of_side;
+  q[shortest_flight] = 0.06 * q[inverse_root_k];
   q[period] = 2.0 * std::numbers::pi / w;
   q[cells] = cells_of(free);
   q[cell] = q[period] / q[cells];
@@ -156,8 +183,15 @@ bool lanes_know(const HybridSystem& system, const Vector& p) { return describe(s
 std::optional<Oscillator> lane_oscillator(const HybridSystem& system, const Vector& p) {
   const std::optional<Description> description = describe(system, p);
   if (!description) return std::nullopt;
-  const Coefficients coefficients = coefficients_of(*description);
-  return Oscillator{description->law, coefficients, grid_of(coefficients), description->hit};
+  Oscillator out;
+  out.law = description->law;
+  out.hit = description->hit;
+  out.coefficients = coefficients_of(*description, 1.0);
+  out.grid = grid_of(out.coefficients);
+  if (out.law != Law::linear_elastic) return out;
+  out.pressed = coefficients_of(*description, -1.0);
+  out.pressed_grid = grid_of(out.pressed);
+  return out;
 }
 
 }  // namespace graze::lanes

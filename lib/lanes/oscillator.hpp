@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The oscillators of which the lanes know the equations: linear and underdamped in free flight, before one barrier at the right,
-// rigid with a coefficient of restitution or of Hertz's law; whose forcing is not so slow that its period has more than
-// `most_cells` cells.
+// rigid with a coefficient of restitution, of Hertz's law, or linear elastic; whose forcing is not so slow (nor the stop so
+// stiff) that its period has more than `most_cells` cells.
 #pragma once
 
 #include <graze/lib/hybrid_system.hpp>
@@ -18,6 +18,8 @@ struct Oscillator {
   Law law = Law::restitution;
   Coefficients coefficients{};
   std::shared_ptr<const Grid> grid;
+  Coefficients pressed{};  ///< with a linear elastic stop: in contact, of -x
+  std::shared_ptr<const Grid> pressed_grid;
   std::size_t hit = 0;  ///< index of the event in which a contact begins
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Contacts in lanes: an impact with a coefficient of restitution, and a step of a Hertz contact (hertz_flow.hpp, the same
-// series).
+// Contacts in lanes: an impact with a coefficient of restitution, the way into and out of a linear elastic stop, and a step of a
+// Hertz contact (hertz_flow.hpp, the same series).
 #pragma once
 
 #include <graze/lib/lanes/contact_series.hpp>
@@ -19,6 +19,16 @@ template <class Real, bool Tangent> void rebound(Memory<Real>& m, const Landing<
     compose(m, landing.where, Real(-k), Real(0.0), Real((a_plus + k * a_minus) / v), Real(-k));
   }
   leave_barrier(m, landing.where, after, landing.c, landing.s);
+}
+
+/// A contact with a linear elastic stop begins or ends: state and field are continuous, the saltation matrix is the identity.
+template <class Real> void change_sides(Memory<Real>& m, const Landing<Real>& landing, const Motion* motions) {
+  for_each(landing.where, [&](std::size_t lane) {
+    const Motion& motion = motions[m.motion[lane]];
+    const bool enters = m.coefficient[side][lane] > 0.0;
+    m.load(lane, enters ? *motion.pressed : *motion.coefficients, enters ? *motion.pressed_grid : *motion.grid);
+  });
+  leave_barrier(m, landing.where, Real(-landing.v), landing.c, landing.s);
 }
 
 /// A contact begins at depth y^2 and speed v.
