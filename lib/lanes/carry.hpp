@@ -10,7 +10,8 @@
 
 #include <cmath>
 
-namespace graze::lanes::inline GRAZE_ARITHMETIC {
+namespace graze::lanes {
+inline namespace GRAZE_ARITHMETIC {
 
 template <class Real, bool Tangent> class Carrier {
  public:
@@ -190,10 +191,8 @@ template <class Real, bool Tangent> class Carrier {
 };
 
 template <class Real> void carry(const Job& job) {
-  if (job.tangent)
-    Carrier<Real, true>(job).run();
-  else
-    Carrier<Real, false>(job).run();
+  job.tangent ? Carrier<Real, true>(job).run() : Carrier<Real, false>(job).run();
 }
 
-}  // namespace graze::lanes::inline GRAZE_ARITHMETIC
+}  // namespace GRAZE_ARITHMETIC
+}  // namespace graze::lanes

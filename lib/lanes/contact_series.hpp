@@ -9,7 +9,8 @@
 #include <array>
 #include <utility>
 
-namespace graze::lanes::inline GRAZE_ARITHMETIC {
+namespace graze::lanes {
+inline namespace GRAZE_ARITHMETIC {
 
 /// A contact at an instant, as in HertzState.
 template <class Real> struct ContactState { Real y, v, c, s, time, divergence, dx_0, dx_1, q_0, q_1; };
@@ -181,4 +182,5 @@ template <class Real, bool Tangent> class ContactSeries {
   Coefficients y_, v_, c_, s_, time_, divergence_, u_, y3_, y4_, y5_, f_, g_, dx_, dx_1_, q_, q_1_;
 };
 
-}  // namespace graze::lanes::inline GRAZE_ARITHMETIC
+}  // namespace GRAZE_ARITHMETIC
+}  // namespace graze::lanes

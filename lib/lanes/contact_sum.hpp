@@ -7,7 +7,8 @@
 
 #include <bit>
 
-namespace graze::lanes::inline GRAZE_ARITHMETIC {
+namespace graze::lanes {
+inline namespace GRAZE_ARITHMETIC {
 
 /// Exponent of 2 of a positive normal number.
 template <class Real> [[gnu::always_inline]] inline std::int64_t band_of(double v) {
@@ -78,4 +79,5 @@ template <class Real>
   for (std::size_t f = 0; f < 4; ++f) out[f] = sum[f] + sum[4 + f];
 }
 
-}  // namespace graze::lanes::inline GRAZE_ARITHMETIC
+}  // namespace GRAZE_ARITHMETIC
+}  // namespace graze::lanes

@@ -5,7 +5,8 @@
 
 #include <graze/lib/lanes/flight.hpp>
 
-namespace graze::lanes::inline GRAZE_ARITHMETIC {
+namespace graze::lanes {
+inline namespace GRAZE_ARITHMETIC {
 
 /// An impact slower than this is given up (its rounding wants care).
 inline constexpr double slowest_impact = 1e-4;
@@ -141,4 +142,5 @@ template <class Real, bool Tangent> Landing<Real> land(Memory<Real>& m) {
   return {good, v, end.c, end.s};
 }
 
-}  // namespace graze::lanes::inline GRAZE_ARITHMETIC
+}  // namespace GRAZE_ARITHMETIC
+}  // namespace graze::lanes

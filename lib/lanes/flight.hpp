@@ -12,7 +12,8 @@
 #include <bit>
 #include <cstdint>
 
-namespace graze::lanes::inline GRAZE_ARITHMETIC {
+namespace graze::lanes {
+inline namespace GRAZE_ARITHMETIC {
 
 /// Closer to the barrier than this (relative to 1 + |r|), and not on it by a contact, a motion is given up.
 inline constexpr double too_close = 1e-12;
@@ -164,4 +165,5 @@ template <class Real, bool Tangent> void fly(Memory<Real>& m) {
   m.assign((flying & close) | (stays & (h < shortest_step * m[cell])), Task::given_up);
 }
 
-}  // namespace graze::lanes::inline GRAZE_ARITHMETIC
+}  // namespace GRAZE_ARITHMETIC
+}  // namespace graze::lanes

@@ -5,7 +5,8 @@
 #include <graze/lib/lanes/job.hpp>
 #include <graze/lib/lanes/real.hpp>
 
-namespace graze::lanes::inline GRAZE_ARITHMETIC {
+namespace graze::lanes {
+inline namespace GRAZE_ARITHMETIC {
 
 /// What a lane is at. In flight: `marching`, on the grid; `flight`, near the barrier; `crossing`, in a step that ends at it;
 /// `period_end`.
@@ -97,4 +98,5 @@ template <class Real>
   return {d0 + f0 + m[offset], d1 + f1, d2 + f2, d3 + f3, d4 + f4, d5 + f5, abs(d6) + abs(d5) * m[root_k] + m[forced6]};
 }
 
-}  // namespace graze::lanes::inline GRAZE_ARITHMETIC
+}  // namespace GRAZE_ARITHMETIC
+}  // namespace graze::lanes

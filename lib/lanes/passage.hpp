@@ -8,7 +8,8 @@
 
 #include <utility>
 
-namespace graze::lanes::inline GRAZE_ARITHMETIC {
+namespace graze::lanes {
+inline namespace GRAZE_ARITHMETIC {
 
 /// x'+ = -k_r x'-, with its saltation matrix [[-k_r, 0], [(a+ + k_r a-)/v, -k_r]].
 template <class Real, bool Tangent> void rebound(Memory<Real>& m, const Landing<Real>& landing) {
@@ -137,4 +138,5 @@ template <class Real, bool Tangent> Surfacing<Real> press(Memory<Real>& m, doubl
   return {surfaced, late, y, next.v, next.c, next.s};
 }
 
-}  // namespace graze::lanes::inline GRAZE_ARITHMETIC
+}  // namespace GRAZE_ARITHMETIC
+}  // namespace graze::lanes

@@ -18,7 +18,8 @@
 #define GRAZE_ARITHMETIC without_fma
 #endif
 
-namespace graze::lanes::inline GRAZE_ARITHMETIC {
+namespace graze::lanes {
+inline namespace GRAZE_ARITHMETIC {
 
 template <class Real> inline constexpr std::size_t width = Real::size;
 template <> inline constexpr std::size_t width<double> = 1;
@@ -148,4 +149,5 @@ template <class Real> void circle(const Real& angle, Real& c, Real& s) {
 /// e^-x for 0 <= x <= 0.45 (left out: 0.45^15/15!).
 template <class Real> Real decay(const Real& x) { return polynomial(inverse_factorial, Real(-x)); }
 
-}  // namespace graze::lanes::inline GRAZE_ARITHMETIC
+}  // namespace GRAZE_ARITHMETIC
+}  // namespace graze::lanes

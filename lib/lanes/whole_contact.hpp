@@ -8,7 +8,8 @@
 #include <cmath>
 #include <numbers>
 
-namespace graze::lanes::inline GRAZE_ARITHMETIC {
+namespace graze::lanes {
+inline namespace GRAZE_ARITHMETIC {
 
 inline constexpr double cells_per_angle = static_cast<double>(time_cells) / std::numbers::pi;
 
@@ -193,4 +194,5 @@ template <class Real> void pass_contacts(const ContactJob& job) {
   }
 }
 
-}  // namespace graze::lanes::inline GRAZE_ARITHMETIC
+}  // namespace GRAZE_ARITHMETIC
+}  // namespace graze::lanes
