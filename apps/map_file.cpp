@@ -58,17 +58,16 @@ Handle space_of(const std::vector<hsize_t>& size) {
   return {size.empty() ? H5Screate(H5S_SCALAR) : H5Screate_simple(static_cast<int>(size.size()), size.data(), nullptr), H5Sclose};
 }
 
-Handle text_type(std::size_t size) {
+/// Of variable length, which h5py and MATLAB give as a string, not as bytes, and netCDF reads.
+Handle text_type() {
   Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  check(H5Tset_size(type, size));
-  if (size != H5T_VARIABLE) check(H5Tset_strpad(type, H5T_STR_NULLPAD));
+  check(H5Tset_size(type, H5T_VARIABLE));
   check(H5Tset_cset(type, H5T_CSET_UTF8));
   return type;
 }
 
-/// A text of variable length, which h5py and MATLAB give as a string, not as bytes.
 void set_attribute(hid_t object, const std::string& name, const std::string& text) {
-  const Handle type = text_type(H5T_VARIABLE), space = space_of({});
+  const Handle type = text_type(), space = space_of({});
   const Handle attribute(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
   const char* const characters = text.c_str();
   check(H5Awrite(attribute, type, &characters));
@@ -227,22 +226,19 @@ const std::string& meaning_of(const MapPlan& plan, const std::string& parameter)
 void write_layers(hid_t file, const MapPlan& plan, hid_t layer, hid_t component) {
   const auto layers = static_cast<hsize_t>(plan.layers()), states = static_cast<hsize_t>(plan.problem.system.states);
   std::vector<double> starts;
-  std::string follows;
-  constexpr std::size_t width = 4;  // "none", "down"
+  std::vector<const char*> follows;
   for (int i = 0; i < plan.layers(); ++i) {
     const LayerOrigin origin = layer_origin(plan, i);
     for (hsize_t k = 0; k < states; ++k)
       starts.push_back(origin.start ? (*origin.start)[static_cast<Eigen::Index>(k)] : std::nan(""));
-    std::string name(map_direction_name(origin.follow));
-    name.resize(width);
-    follows += name;
+    follows.push_back(map_direction_name(origin.follow).data());
   }
   const Handle start = make_dataset(file, "start", H5T_IEEE_F64LE, {layers, states}, {});
   write_all(start, H5T_NATIVE_DOUBLE, starts.data());
   describe(start, "state at forcing phase 0 that the layer starts from; NaN: at rest");
   check(H5DSattach_scale(start, layer, 0));
   check(H5DSattach_scale(start, component, 1));
-  const Handle type = text_type(width), follow = make_dataset(file, "follow", type, {layers}, {});
+  const Handle type = text_type(), follow = make_dataset(file, "follow", type, {layers}, {});
   write_all(follow, type, follows.data());
   set_attribute(follow, "long_name",
                 std::string("way along the columns in which a row was followed; none: each point by itself"));
@@ -275,6 +271,10 @@ void write_content(hid_t file, const MapPlan& plan, const Json& head, const MapR
   const Handle component = make_scale(file, "component", numbers_to(states), "of the state: 0 for x, 1 for x'");
   write_layers(file, plan, layer, component);
   const Handle attractor = attractor_type();
+  // With a name in the file, before those of the datasets: netCDF asks for both.
+  const Handle named(H5Pcreate(H5P_DATATYPE_CREATE), H5Pclose);
+  check(H5Pset_obj_track_times(named, 0));
+  check(H5Tcommit2(file, "AttractorType", attractor, H5P_DEFAULT, named, H5P_DEFAULT));
   const std::array<hid_t, 6> kept = {attractor, H5T_STD_I32LE, H5T_STD_I32LE, H5T_IEEE_F64LE, H5T_IEEE_F64LE, H5T_IEEE_F64LE};
   const Band all{0, grid.rows.count, plan.layers(), grid.columns.count, states};
   std::vector<Handle> datasets;

@@ -7,11 +7,15 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <stdexcept>
+#include <utility>
 
 namespace graze::apps {
 
@@ -47,24 +51,33 @@ MapStore::~MapStore() {
 }
 
 void MapStore::lock() {
-  lock_ = ::open((folder_ + run_file).c_str(), O_RDONLY | O_CLOEXEC);
-  // A file system without locks refuses with another errno, and is trusted.
-  if (lock_ >= 0 && ::flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
-    throw std::invalid_argument(fmt::format("{}: another graze map is at work there; wait for it, or end it", folder_));
+  const std::string name = folder_ + "/lock";
+  for (;;) {
+    lock_ = ::open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (lock_ < 0) throw std::invalid_argument(fmt::format("{}: cannot be written: {}", name, std::strerror(errno)));
+    // A file system without locks refuses with another errno, and is trusted.
+    if (::flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+      throw std::invalid_argument(fmt::format("{}: another graze map is at work there; wait for it, or end it", folder_));
+    // A run that has just ended removes the file: then what is locked is nobody's any more.
+    struct stat locked = {};
+    struct stat there = {};
+    if (::fstat(lock_, &locked) != 0 || (::stat(name.c_str(), &there) == 0 && there.st_ino == locked.st_ino)) return;
+    ::close(std::exchange(lock_, -1));
+  }
 }
 
 void MapStore::begin(const Json& head) {
+  make_folder(folder_);
+  lock();
   if (fs::exists(folder_ + run_file))
     throw std::invalid_argument(fmt::format(
         "--out: {0} holds an unfinished map; --resume {1} goes on with it, and without the folder {0} a new one begins", folder_,
         out_));
-  make_folder(folder_);
   finished_.assign(static_cast<std::size_t>(plan_.chunks()), false);
   Json run = head;
   run["chunk_rows"] = plan_.chunk_rows;
   if (const auto failure = write_whole(folder_ + run_file, pretty(run))) throw std::invalid_argument(*failure);
   if (const auto failure = sync_folder(folder_)) throw std::invalid_argument(*failure);
-  lock();
 }
 
 void MapStore::take_up() {
@@ -72,6 +85,7 @@ void MapStore::take_up() {
   if (!fs::exists(name))
     throw std::invalid_argument(
         fmt::format("--resume: {}: no such file; give the folder that an interrupted run of graze map wrote with --out", name));
+  lock();
   Json run;
   try {
     run = parse_json(read_whole(name));
@@ -83,7 +97,6 @@ void MapStore::take_up() {
   } catch (const std::invalid_argument& refused) {
     throw std::invalid_argument(fmt::format("--resume: {} {}", name, refused.what()));
   }
-  lock();
   finished_.assign(static_cast<std::size_t>(plan_.chunks()), false);
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_))  // what was being written when the end came
     if (entry.path().filename().string().starts_with(".")) fs::remove(entry.path());

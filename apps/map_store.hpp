@@ -3,8 +3,8 @@
 //
 // The folder holds run.json (the head of the result, and rows per chunk) and one file per chunk. Each is written under a
 // temporary name, synchronised, renamed, and the folder synchronised: whatever happens, a file is there whole or not at all. What
-// is damaged nevertheless (its checksum says so) is computed again. One program at a time works in a folder: it holds a lock on
-// run.json.
+// is damaged nevertheless (its checksum says so) is computed again. One program at a time works in a folder: it holds the lock on
+// the file `lock`.
 #pragma once
 
 #include <graze/apps/map_chunk.hpp>

@@ -161,6 +161,39 @@ TEST_CASE("very many points are drawn as an image and none is lost") {
   CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(20));  // measured: 1 s
 }
 
+TEST_CASE("an image has four bytes an element, from the lower left corner on") {
+  Raster raster({-1.0, 1.0}, {0.0, 1.0}, 4, 2);
+  raster.paint({.stroke = Stroke::dots, .colour = "#102030", .points = {{-0.9, 0.1, 0.0}}});
+  raster.paint({.stroke = Stroke::dots, .colour = "#fffefd", .points = {{0.9, 0.9, 0.0}}});
+  const Image image = raster.image();
+  CHECK(image.columns == 4);
+  CHECK(image.rows == 2);
+  CHECK(image.first == std::array<double, 2>{-0.75, 0.25});
+  CHECK(image.step == std::array<double, 2>{0.5, 0.5});
+  REQUIRE(image.rgba.size() == 4 * 8);
+  CHECK(image.rgba.substr(0, 4) == "\x10\x20\x30\xff");
+  CHECK(image.rgba.substr(4 * 7, 4) == "\xff\xfe\xfd\xff");
+  CHECK(image.rgba.substr(4, 4 * 6) == std::string(24, '\0'));
+
+  // Cells round 0, 1, 2 and 5, 6, of 266 by 250 elements each; the last one empty.
+  const Cells cells{{0.0, 1.0, 2.0}, {5.0, 6.0}, {"#010203", "#040506"}, {0, 1, 0, 1, 0, -1}};
+  const Image field = image_of(cells);
+  CHECK(field.columns == 3 * 266);
+  CHECK(field.rows == 2 * 250);
+  CHECK(field.first[0] == Approx(-0.5 + 0.5 / 266.0));
+  CHECK(field.first[1] == Approx(4.5 + 0.5 / 250.0));
+  const auto element = [&](std::size_t column, std::size_t row) { return field.rgba.substr(4 * (row * 798 + column), 4); };
+  const std::string one = "\x01\x02\x03\xff", other = "\x04\x05\x06\xff";
+  CHECK(element(0, 0) == one);
+  CHECK(element(265, 249) == one);
+  CHECK(element(266, 249) == other);
+  CHECK(element(265, 250) == other);
+  CHECK(element(531, 499) == one);
+  CHECK(element(532, 499) == std::string(4, '\0'));
+  CHECK(element(797, 499) == std::string(4, '\0'));
+  CHECK(field.rgba.size() == 4 * 798 * 500);
+}
+
 TEST_CASE("points of a line that cannot be told apart are left out") {
   Curve line;
   for (int i = 0; i <= 100000; ++i) line.points.push_back({i * 1e-5, 0.0, 0.0});

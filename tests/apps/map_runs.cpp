@@ -162,6 +162,28 @@ TEST_CASE("map: Ctrl-C ends it with what there is, and says how to go on") {
   check_finished(first, out);
 }
 
+TEST_CASE("map: of several that begin in a folder at once, one goes on and the others say why not") {
+  const TemporaryFolder folder;
+  const std::string map = program("map '" + problem("newton-elastic") + "' --param eta:0.65:0.95:60 --param r:1:3:50 --out run");
+  std::string script = "cd '" + folder.file(".") + "'\n";
+  for (int i = 0; i < 4; ++i) script += fmt::format("({} --quiet > out{} 2> error{}; echo $? > code{}) &\n", map, i, i, i);
+  folder.write("all.sh", script + "wait\n");
+  run_shell("sh '" + folder.file("all.sh") + "'");
+  int done = 0;
+  for (int i = 0; i < 4; ++i) {
+    const int code = std::stoi(read_file(folder.file(fmt::format("code{}", i))));
+    const std::string error = read_file(folder.file(fmt::format("error{}", i)));
+    INFO(error);
+    done += code == 0 ? 1 : 0;
+    if (code == 0) continue;
+    CHECK(code == 2);
+    CHECK_THAT(error, Contains("another graze map is at work there"));
+  }
+  CHECK(done >= 1);
+  CHECK(fs::exists(folder.file("run/map.h5")));
+  CHECK_FALSE(fs::exists(folder.file("run/chunks")));
+}
+
 TEST_CASE("map: two ranks give the file of one process") {
   if (!have_mpirun()) return;
   const TemporaryFolder folder;

@@ -13,6 +13,7 @@
 #include "support/two_mass_oscillator.hpp"
 
 #include <catch2/catch.hpp>
+#include <oneapi/tbb/task_arena.h>
 
 #include <numeric>
 #include <random>
@@ -225,6 +226,50 @@ TEST_CASE("exponents averaged with contacts from a table are those without") {
     CHECK(joint < 1e-3);
   }
   CHECK(with_table.liouville_residual < 1e-9);
+}
+
+TEST_CASE("exponents averaged on all threads are the same to the last bit") {
+  const char* law = GENERATE("newton", "hertz", "linear");
+  const HybridSystem system = make_oscillator("linear", law);
+  Vector p = default_parameters(system.parameters);
+  p[oscillator_parameter::eta] = 0.711;
+  LyapunovOptions options;
+  options.motions = 16;
+  options.standard_error = 0.0;
+  options.max_periods = 30000;
+  const LyapunovSpectrum one = lyapunov_spectrum(system, p, vector({-0.379, -0.717}), options);
+  options.all_threads = true;
+  LyapunovSpectrum several;
+  oneapi::tbb::task_arena(2).execute([&] { several = lyapunov_spectrum(system, p, vector({-0.379, -0.717}), options); });
+  CHECK(several.exponents == one.exponents);
+  CHECK(several.standard_errors == one.standard_errors);
+  CHECK(several.state == one.state);
+  CHECK(several.others == one.others);
+}
+
+TEST_CASE("exponents averaged with a table that was made before") {
+  const HybridSystem system = make_oscillator("linear", "hertz");
+  const Vector p = [&] {
+    Vector values = default_parameters(system.parameters);
+    values[oscillator_parameter::eta] = 0.711;
+    return values;
+  }();
+  const ContactTable contacts(system, p, {0.125, 1.9});
+  LyapunovOptions options;
+  options.motions = 16;
+  options.standard_error = 0.0;
+  options.max_periods = 16 * 3;
+  const LyapunovSpectrum in_steps = lyapunov_spectrum(system, p, vector({-0.379, -0.717}), options);
+  options.table = &contacts;
+  const LyapunovSpectrum with_table = lyapunov_spectrum(system, p, vector({-0.379, -0.717}), options);
+  CHECK(with_table.impacts == in_steps.impacts);
+  for (std::size_t i = 0; i < 2; ++i) CHECK(with_table.exponents[i] == Approx(in_steps.exponents[i]).margin(1e-6));
+  CHECK(with_table.exponents != in_steps.exponents);  // it was used
+
+  Vector elsewhere = p;
+  elsewhere[oscillator_parameter::eta] = 0.72;
+  CHECK_THROWS_WITH(lyapunov_spectrum(system, elsewhere, vector({-0.379, -0.717}), options),
+                    Catch::Contains("table of contacts is not one of parameter set"));
 }
 
 TEST_CASE("products of many factors have the logarithm of their sum") {
