@@ -9,7 +9,6 @@
 #include <atomic>
 #include <cmath>
 #include <deque>
-#include <memory>
 #include <mutex>
 #include <stdexcept>
 
@@ -53,17 +52,17 @@ class OneWay {
           tell(1, rows_.back().value);
           continue;
         }
-        open.emplace_back(rows_.size() - 1);
-        open.back().average->run([this, &one = rows_.back(), dropped = open.back().dropped] {
+        Open& one = open.emplace_back(rows_.size() - 1);
+        one.average.run([this, &one, &row = rows_.back()] {
           AttractorOptions averaging = finding_;
           averaging.lyapunov.all_threads = true;
-          averaging.lyapunov.cancelled = [&] { return *dropped || (options_.cancelled && options_.cancelled()); };
-          one.attractor.state = one.end;
-          average_on_attractor(system_, parameters(one.value), one.attractor, averaging);
+          averaging.lyapunov.cancelled = [&] { return one.dropped || (options_.cancelled && options_.cancelled()); };
+          row.attractor.state = row.end;
+          average_on_attractor(system_, parameters(row.value), row.attractor, averaging);
         });
       }
       if (open.empty()) return;
-      open.front().average->wait();
+      open.front().average.wait();
       settle(open, tell);
     } while (!open.empty() || !ended_);
   }
@@ -74,9 +73,16 @@ class OneWay {
   /// A row that waits for its time average.
   struct Open {
     explicit Open(std::size_t number) : row(number) {}
+    ~Open() {
+      dropped = true;
+      try {
+        average.wait();
+      } catch (...) {  // whoever waits for a row that is kept is told
+      }
+    }
     std::size_t row;
-    std::shared_ptr<std::atomic<bool>> dropped = std::make_shared<std::atomic<bool>>(false);
-    std::unique_ptr<oneapi::tbb::task_group> average = std::make_unique<oneapi::tbb::task_group>();
+    std::atomic<bool> dropped = false;  ///< the average is wanted no more
+    oneapi::tbb::task_group average;
   };
 
   /// Keeps the rows up to the first open one if its average was interrupted, or turned out to end on an orbit.
@@ -88,9 +94,8 @@ class OneWay {
     open.pop_front();
     if (!broken_off) tell(1, row.value);
     if (!broken_off && row.attractor.type != AttractorType::periodic) return;
-    for (const Open& other : open) *other.dropped = true;
-    for (const Open& other : open) other.average->wait();
     const auto told = static_cast<std::ptrdiff_t>(rows_.size() - (k + 1) - open.size());
+    for (Open& other : open) other.dropped = true;
     open.clear();
     if (!broken_off) sample(row);
     rows_.resize(broken_off ? k : k + 1);

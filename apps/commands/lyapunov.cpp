@@ -36,6 +36,7 @@ AttractorOptions attractor_options(const Options& options, const Problem& proble
   out.lyapunov.max_periods = options.periods;
   if (options.standard_error) out.lyapunov.standard_error = *options.standard_error;
   if (options.change) out.lyapunov.change = *options.change;
+  out.lyapunov.all_threads = true;
   out.lyapunov.cancelled = interrupted;
   out.lyapunov.progress = [&progress, most = options.periods](std::int64_t periods) {
     progress.update(static_cast<double>(periods) / most, [&] { return fmt::format("{} forcing periods", periods); });
