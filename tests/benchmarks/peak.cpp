@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is the machine's peak? Independent chains of a multiplication and an addition each, rounded separately (as graze is
-// compiled, without fused multiply-add), in registers alone: nanoseconds for a thousand operations, one at a time (double), two
-// (SSE2, what every x86-64 has), four (AVX2) and eight (AVX-512). The floor in period.cpp is counted in these.
+// What is the machine's peak? Independent chains of a multiplication and an addition each, in registers alone: nanoseconds for a
+// thousand operations, one at a time (double), two (SSE2, what every x86-64 has), four (AVX2) and eight (AVX-512). Rounded
+// separately they are two operations, fused (rows fused-lanes=N) they are one. The floor in period.cpp is counted in the latter.
 #include <benchmark/benchmark.h>
 
 namespace {
 
 constexpr int chains = 12, rounds = 500;
 
-template <class Number> [[gnu::always_inline]] inline void multiply_and_add(benchmark::State& state, int lanes) {
+template <class Number>
+[[gnu::always_inline]] inline void multiply_and_add(benchmark::State& state, int lanes, double operations_each) {
   Number sum[chains], factor[chains];
   for (int i = 0; i < chains; ++i) {
     sum[i] = Number{} + 1.0 + i;
@@ -23,20 +24,31 @@ template <class Number> [[gnu::always_inline]] inline void multiply_and_add(benc
       }
     }
   }
-  const double operations = 2.0 * chains * rounds * lanes;
+  const double operations = operations_each * chains * rounds * lanes;
   state.counters["seconds"] =
       benchmark::Counter(operations / 1000.0, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
 using Two [[gnu::vector_size(16)]] = double;
-void scalar(benchmark::State& state) { multiply_and_add<double>(state, 1); }
-void sse2(benchmark::State& state) { multiply_and_add<Two>(state, 2); }
+void scalar(benchmark::State& state) { multiply_and_add<double>(state, 1, 2.0); }
+void sse2(benchmark::State& state) { multiply_and_add<Two>(state, 2, 2.0); }
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
 using Four [[gnu::vector_size(32)]] = double;
 using Eight [[gnu::vector_size(64)]] = double;
-[[gnu::target("avx2"), gnu::optimize("fp-contract=off")]] void avx2(benchmark::State& state) { multiply_and_add<Four>(state, 4); }
+[[gnu::target("avx2"), gnu::optimize("fp-contract=off")]] void avx2(benchmark::State& state) {
+  multiply_and_add<Four>(state, 4, 2.0);
+}
 [[gnu::target("avx512f"), gnu::optimize("fp-contract=off")]] void avx512(benchmark::State& state) {
-  multiply_and_add<Eight>(state, 8);
+  multiply_and_add<Eight>(state, 8, 2.0);
+}
+[[gnu::target("avx2,fma"), gnu::optimize("fp-contract=fast")]] void fused_scalar(benchmark::State& state) {
+  multiply_and_add<double>(state, 1, 1.0);
+}
+[[gnu::target("avx2,fma"), gnu::optimize("fp-contract=fast")]] void fused_avx2(benchmark::State& state) {
+  multiply_and_add<Four>(state, 4, 1.0);
+}
+[[gnu::target("avx512f,fma"), gnu::optimize("fp-contract=fast")]] void fused_avx512(benchmark::State& state) {
+  multiply_and_add<Eight>(state, 8, 1.0);
 }
 #endif
 
@@ -46,6 +58,11 @@ const bool registered = [] {
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
   if (__builtin_cpu_supports("avx2")) benchmark::RegisterBenchmark("peak/lanes=4/graze", avx2);
   if (__builtin_cpu_supports("avx512f")) benchmark::RegisterBenchmark("peak/lanes=8/graze", avx512);
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {
+    benchmark::RegisterBenchmark("peak/fused-lanes=1/graze", fused_scalar);
+    benchmark::RegisterBenchmark("peak/fused-lanes=4/graze", fused_avx2);
+    if (__builtin_cpu_supports("avx512f")) benchmark::RegisterBenchmark("peak/fused-lanes=8/graze", fused_avx512);
+  }
 #endif
   return true;
 }();
