@@ -138,15 +138,19 @@ Coefficients coefficients_of(const Description& oscillator, double of_side) {
   return q;
 }
 
+using Complex = std::complex<long double>;  // so that a double is right to its last bit
+
 /// z^k for k = 0, 1, ..., each of two earlier ones: after few products.
-std::vector<std::complex<double>> powers(std::complex<double> z, std::size_t count) {
-  std::vector<std::complex<double>> out{1.0, z};
+std::vector<Complex> powers(Complex z, std::size_t count) {
+  std::vector<Complex> out{1.0L, z};
   for (std::size_t k = 2; k < count; ++k) {
-    const std::complex<double> a = out[k / 2], b = out[k - k / 2];
-    out.push_back(a * b);
+    const Complex a = out[k / 2], b = out[k - k / 2];
+    out.emplace_back(a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real());
   }
   return out;
 }
+
+Complex polar(long double size, long double angle) { return {size * std::cos(angle), size * std::sin(angle)}; }
 
 std::shared_ptr<const Grid> grid_of(const Coefficients& q) {
   struct Values {
@@ -155,19 +159,20 @@ std::shared_ptr<const Grid> grid_of(const Coefficients& q) {
   };
   const auto values = std::make_shared<Values>();
   auto& [grid, numbers] = *values;
-  const auto turns = powers(std::polar(std::exp(-q[damping] * q[cell]), q[rate] * q[cell]), points_ahead);
+  const long double h = q[cell];
+  const auto turns = powers(polar(std::exp(-q[damping] * h), q[rate] * h), points_ahead);
   for (std::size_t i = 0; i < points_ahead; ++i) {
-    grid.turn_c[i] = turns[i].real();
-    grid.turn_s[i] = turns[i].imag();
+    grid.turn_c[i] = static_cast<double>(turns[i].real());
+    grid.turn_s[i] = static_cast<double>(turns[i].imag());
   }
   const auto n = static_cast<std::size_t>(q[cells]);
-  auto phases = powers(std::polar(1.0, 2.0 * std::numbers::pi / q[cells]), n);
-  phases.push_back(1.0);
+  auto phases = powers(polar(1.0L, 2.0L * std::numbers::pi_v<long double> / static_cast<long double>(n)), n);
+  phases.emplace_back(1.0L);
   numbers.resize(3 * (n + 1) + points_ahead, std::numeric_limits<double>::infinity());
   double *const phase_c = numbers.data(), *const phase_s = phase_c + n + 1, *const forced = phase_s + n + 1;
   for (std::size_t k = 0; k <= n; ++k) {
-    phase_c[k] = phases[k].real();
-    phase_s[k] = phases[k].imag();
+    phase_c[k] = static_cast<double>(phases[k].real());
+    phase_s[k] = static_cast<double>(phases[k].imag());
     forced[k] = q[cosine] * phase_c[k] + q[sine] * phase_s[k] + q[offset];
   }
   grid.forced = forced;
