@@ -10,17 +10,19 @@
 // 140). The end of the period is a point of the grid: the flight's matrix, a product, the next flight, 70. Together 150 + 480 +
 // 320 + 70 = 1020 operations.
 //
-// Damped Hertz at eta = 0.711, with its 0.7 contacts a period: 12.8 steps of the series of order 16 at 1e-12 (9.8 at 1e-10), in
-// each 12 products of series of 136 terms, two operations a term, 16 sets of sums of 45 and ten sums of 32: 4300 operations,
-// 38000 a period (30000 at 1e-10). The flights add 1000. Where multiplication and addition are fused, four quantities at once, a
-// step is 460 of those and 640 on single numbers. A table of contacts (for long averages at fixed parameters) has 16 x 16 terms
-// at the most in place of 12.8 x 4300 operations: some 1500 with the sensitivity.
+// Damped Hertz at eta = 0.711, with its 0.7 contacts a period of 12.8 steps each of the series of order 16 at 1e-12 (9.8 at
+// 1e-10). A step in lanes: 12 products of series, of which two are squares, 56 pairs of terms and what is in the middle and at
+// the ends (1570 operations, fused or not), 16 sets of sums of 25, ten sums of 17, and some 100 for its length: 2250; 6.9 steps
+// are 15500 a period at 1e-10. One contact by itself goes four quantities at once: 460 of such operations a step, and 640 on
+// single numbers. The flights add 1000. A table of contacts (for long averages at fixed parameters) has 16 x 16 terms at the most
+// in place of the steps: some 800 fused operations with the sensitivity.
 //
-// How far from it: see the table, rows peak/lanes=N (operations on N numbers at once) and period/*; on an AMD EPYC of 2.6 GHz a
-// thousand operations take 172 ns one at a time, 86 in SSE2, 46 in AVX2, 34 in AVX-512. One lane of Newton, which goes one at a
-// time, has its floor at 175 ns and takes 207 with 32 periods at a call, 255 with one; eight lanes at 35 ns and 80 (on average
-// five of them have something to do), 110 with one period at a call. One lane of damped Hertz at 1e-10 has its floor at 9.8 x
-// (460 x 0.19 + 640 x 0.17) ns and the flights, 2.1 us, and takes 2.8; eight lanes at 1.1 us and 1.3.
+// How far from it: see the table, rows peak/lanes=N and peak/fused-lanes=N (operations on N numbers at once) and period/*. On an
+// AMD EPYC (Zen 5, TSC 2.6 GHz) a thousand single operations take 141 ns one at a time, 71 in SSE2, 36 in AVX2, 22 in AVX-512, a
+// thousand fused ones 244, 62 (AVX2), 37 (AVX-512). One lane of Newton has its floor at 144 ns and takes 169 with one period at a
+// call; eight lanes at 22 ns and 64 (on average five of them have something to do). One lane of damped Hertz at 1e-10 has its
+// floor at 6.9 x (460 x 0.25 + 640 x 0.14) ns and the flights, 1.6 us, and takes 2.2; eight lanes at 0.6 us, which is what they
+// take: some of their additions find a place beside the fused operations.
 //
 // What does a forcing period cost, with its 2x2 sensitivity? Over 200 periods on the attractor, every solver at the loosest
 // tolerance that delivers 1e-10. `miscounted`: of 200 runs next to grazing, those with a wrong number of impacts at that
