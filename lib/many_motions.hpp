@@ -3,11 +3,11 @@
 // SIMD registers that the processor has (SSE2, AVX2 or AVX-512 on x86; found out when the program starts).
 //
 // For a linear oscillator in free flight (underdamped, and forced at no less than 1/286 of the frequency at which it would swing
-// undamped by itself) before one barrier at its right, rigid with a coefficient of restitution, of Hertz's law (damped or not), or
-// linear elastic (the same bounds hold for the motion against it: k_S up to some 80000 eta^2).
-// The lanes use the formulas of LinearFlow and HertzFlow, and give the same result to the last bit whatever their number. They
-// leave to the Propagator what is delicate (a grazing, an impact slower than 1e-4, a chattering or sticking mass): nothing is
-// missed there that the Propagator would not miss. Against it they agree within 1e-12 (1 + |Phi|) over a period.
+// undamped by itself) before one barrier at its right, rigid with a coefficient of restitution, of Hertz's law (damped or not),
+// or linear elastic (the same bounds hold for the motion against it: k_S up to some 80000 eta^2). The lanes use the formulas of
+// LinearFlow and HertzFlow, and give the same result to the last bit whatever their number. They leave to the Propagator what is
+// delicate (a grazing, an impact slower than 1e-4, a chattering or sticking mass): nothing is missed there that the Propagator
+// would not miss. Against it they agree within 1e-12 (1 + |Phi|) over a period.
 #pragma once
 
 #include <graze/lib/contact_table.hpp>

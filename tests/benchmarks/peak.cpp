@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What is the machine's peak? Independent chains of a multiplication and an addition each, in registers alone: nanoseconds for a
 // thousand operations, one at a time (double), two (SSE2, what every x86-64 has), four (AVX2) and eight (AVX-512). Rounded
-// separately they are two operations, fused (rows fused-lanes=N) they are one. The floor in period.cpp is counted in the latter.
+// separately they are two operations, fused (rows fused-lanes=N) they are one. The floor in period.cpp is counted in these.
 #include <benchmark/benchmark.h>
 
 namespace {
