@@ -147,7 +147,10 @@ void conclude(const HybridSystem& system, const Vector& p, LyapunovSpectrum aver
     in_parallel(orbits.size(), [&](std::size_t i) { orbits[i] = orbit_at_the_end(system, p, ends[begin + i], options); });
     for (auto& orbit : orbits)  // one that has settled tells that the chaos was transient
       if (orbit) return settle_on(attractor, std::move(*orbit));
-    if (cancelled(options)) return;
+    if (cancelled(options)) {  // not all of them were looked at
+      attractor.time_average.stop = LyapunovStop::interrupted;
+      break;
+    }
   }
   take_average(std::move(attractor.time_average), options, attractor);
 }

@@ -247,6 +247,30 @@ TEST_CASE("exponents averaged on all threads are the same to the last bit") {
   CHECK(several.others == one.others);
 }
 
+TEST_CASE("an average that is interrupted while its ends are looked at says so, and keeps its exponents") {
+  const HybridSystem system = make_oscillator("linear", "newton");
+  Vector p = default_parameters(system.parameters);
+  p[oscillator_parameter::eta] = 0.711;
+  AttractorOptions options;
+  options.lyapunov.motions = 16;
+  options.lyapunov.standard_error = 0.0;
+  options.lyapunov.max_periods = 20000;
+  int asked = 0;
+  options.lyapunov.cancelled = [&] { return ++asked < 0; };
+  const LyapunovSpectrum average = lyapunov_spectrum(system, p, vector({-0.379, -0.717}), options.lyapunov);
+  REQUIRE(average.stop == LyapunovStop::budget);
+  const int in_average = asked;
+  asked = 0;
+  options.lyapunov.cancelled = [&] { return ++asked > in_average; };
+  Attractor attractor;
+  attractor.termination = Termination::time;
+  attractor.state = vector({-0.379, -0.717});
+  average_on_attractor(system, p, attractor, options);
+  CHECK(asked == in_average + 1);
+  CHECK(attractor.time_average.stop == LyapunovStop::interrupted);
+  CHECK(attractor.exponents == average.exponents);
+}
+
 TEST_CASE("exponents averaged with a table that was made before") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   const Vector p = [&] {
