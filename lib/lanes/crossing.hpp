@@ -5,6 +5,8 @@
 
 #include <graze/lib/lanes/flight.hpp>
 
+#include <limits>
+
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
@@ -79,7 +81,8 @@ template <class Real> Arrival<Real> arrival(const Memory<Real>& m) {
   return out;
 }
 
-/// A = B A for the 2x2 tangent of the period so far; det is multiplied by that of B.
+/// A = B A for the 2x2 tangent of the period so far; det is multiplied by that of B, or with NaN where that is a difference of
+/// products that are a thousand times as large (a strongly damped contact): rounding.
 template <class Real>
 void compose(Memory<Real>& m, const Mask<Real>& where, const Real& b00, const Real& b01, const Real& b10, const Real& b11) {
   const Real a00 = m[phi_00], a01 = m[phi_01], a10 = m[phi_10], a11 = m[phi_11];
@@ -87,7 +90,8 @@ void compose(Memory<Real>& m, const Mask<Real>& where, const Real& b00, const Re
   m.set(phi_01, where, dot(b00, a01, b01, a11));
   m.set(phi_10, where, dot(b10, a00, b11, a10));
   m.set(phi_11, where, dot(b10, a01, b11, a11));
-  m.set(det, where, Real(m[det] * wedge(b00, b11, b01, b10)));
+  const Real of_b = wedge(b00, b11, b01, b10), lost = 1e-3 * (abs(Real(b00 * b11)) + abs(Real(b01 * b10)));
+  m.set(det, where, Real(m[det] * select(abs(of_b) < lost, Real(std::numeric_limits<double>::quiet_NaN()), of_b)));
 }
 
 /// A flight, or its part in a period, is over: the tangent, from the spiral (E, F), and the integral of trace(f_x).

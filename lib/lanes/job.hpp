@@ -68,7 +68,7 @@ struct SpeedsMet {
 struct Period {
   double x = 0.0, v = 0.0;      ///< at its end
   std::array<double, 4> Phi{};  ///< row by row, if asked for
-  double det = 0.0;             ///< of Phi, if asked for, factor by factor
+  double det = 0.0;             ///< of Phi, if asked for, factor by factor; NaN where rounding has taken it
   double liouville = 0.0;       ///< ln|det Phi| from Liouville's identity
   std::int32_t impacts = 0;     ///< impacts and entries into contact
   Termination termination = Termination::failed;
