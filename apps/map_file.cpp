@@ -86,11 +86,17 @@ Handle attractor_type() {
   return type;
 }
 
+/// To make an object of a kind so that it keeps no times.
+Handle without_times(hid_t kind) {
+  Handle options(H5Pcreate(kind), H5Pclose);
+  check(H5Pset_obj_track_times(options, 0));
+  return options;
+}
+
 /// A dataset without times. `chunk`: its chunks, compressed; empty: contiguous.
 Handle make_dataset(hid_t file, const std::string& name, hid_t type, const std::vector<hsize_t>& size,
                     const std::vector<hsize_t>& chunk) {
-  const Handle space = space_of(size), options(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
-  check(H5Pset_obj_track_times(options, 0));
+  const Handle space = space_of(size), options = without_times(H5P_DATASET_CREATE);
   if (!chunk.empty()) {
     check(H5Pset_chunk(options, static_cast<int>(chunk.size()), chunk.data()));
     check(H5Pset_shuffle(options));
@@ -253,9 +259,7 @@ void write_head(hid_t file, const MapPlan& plan, const Json& head) {
   set_attribute(file, "units", std::string("dimensionless"));
   set_attribute(file, "options", head.at("options").dump());
   set_attribute(file, "head", head.dump());
-  const Handle options(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
-  check(H5Pset_obj_track_times(options, 0));
-  const Handle group(H5Gcreate2(file, "parameters", H5P_DEFAULT, options, H5P_DEFAULT), H5Gclose);
+  const Handle group(H5Gcreate2(file, "parameters", H5P_DEFAULT, without_times(H5P_GROUP_CREATE), H5P_DEFAULT), H5Gclose);
   set_attribute(group, "long_name", std::string("parameters of the model; those of the axes as they were without the map"));
   for (const auto& [name, value] : head.at("parameters").items()) set_attribute(group, name, value.get<double>());
 }
@@ -272,9 +276,7 @@ void write_content(hid_t file, const MapPlan& plan, const Json& head, const MapR
   write_layers(file, plan, layer, component);
   const Handle attractor = attractor_type();
   // With a name in the file, before those of the datasets: netCDF asks for both.
-  const Handle named(H5Pcreate(H5P_DATATYPE_CREATE), H5Pclose);
-  check(H5Pset_obj_track_times(named, 0));
-  check(H5Tcommit2(file, "AttractorType", attractor, H5P_DEFAULT, named, H5P_DEFAULT));
+  check(H5Tcommit2(file, "AttractorType", attractor, H5P_DEFAULT, without_times(H5P_DATATYPE_CREATE), H5P_DEFAULT));
   const std::array<hid_t, 6> kept = {attractor, H5T_STD_I32LE, H5T_STD_I32LE, H5T_IEEE_F64LE, H5T_IEEE_F64LE, H5T_IEEE_F64LE};
   const Band all{0, grid.rows.count, plan.layers(), grid.columns.count, states};
   std::vector<Handle> datasets;

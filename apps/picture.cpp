@@ -208,7 +208,6 @@ std::string barriers(const Picture& picture) {
 /// What gnuplot is told of one pair of axes: the data, the settings, and at last the plot.
 struct Drawn {
   std::string data, settings, plot;
-  std::string images = {};  ///< their bytes, which stand right after the plot
 };
 
 /// `prefix`: of the names of its data; `columns`, `rows`: elements of an image.
@@ -245,9 +244,10 @@ Drawn axes(const Picture& picture, const std::string& prefix, int columns, int r
     out.plot = fmt::format("${}circle using 1:2 with lines lc rgb '#888888' lw 1.2 title 'unit circle'", prefix);
   }
   const auto add = [&plot = out.plot](const std::string& text) { plot += (plot.empty() ? "" : ", \\\n     ") + text; };
+  std::string images;  // their bytes, which stand right after the plot
   const auto add_image = [&](const Image& one) {
     add(image_plot(one));
-    out.images += one.rgba;
+    images += one.rgba;
   };
   if (picture.cells) add_image(image_of(*picture.cells));
   const std::array<double, 2> x = extent(picture, 0, x_range), y = extent(picture, 1, y_range);
@@ -273,7 +273,7 @@ Drawn axes(const Picture& picture, const std::string& prefix, int columns, int r
                     curve.title.empty() ? "notitle" : "title " + quoted(curve.title)));
   }
   if (out.plot.empty()) throw std::runtime_error("there is nothing to draw");
-  out.plot = "plot " + out.plot + "\n";
+  out.plot = "plot " + out.plot + "\n" + images;
   return out;
 }
 
@@ -281,7 +281,7 @@ Drawn axes(const Picture& picture, const std::string& prefix, int columns, int r
 std::string single(const Picture& picture, const std::string& format) {
   const Drawn drawn = axes(picture, "", 800, 500);
   return terminal(format, {}) + "\nset encoding utf8\n" + drawn.settings + legend(picture, 0.5, 0.015) +
-         fmt::format("set bmargin {}\n", lines_below(picture, true)) + drawn.data + drawn.plot + drawn.images;
+         fmt::format("set bmargin {}\n", lines_below(picture, true)) + drawn.data + drawn.plot;
 }
 
 /// Several on one: below each other with a common x axis, or side by side.
@@ -313,7 +313,7 @@ std::string several(const std::vector<Picture>& pictures, bool below, const std:
         fmt::format("set lmargin at screen {}\nset rmargin at screen {}\nset bmargin at screen {}\nset tmargin at screen {}\n",
                     from_x / sheet.width, to_x / sheet.width, from_y / sheet.height, to_y / sheet.height);
     if (!names_x) commands += "set format x ''\nunset xlabel\n";
-    commands += drawn.plot + drawn.images;
+    commands += drawn.plot;
   }
   return terminal(format, sheet) + "\nset encoding utf8\n" + data + "set multiplot\n" + commands + "unset multiplot\n";
 }

@@ -32,6 +32,7 @@ class OneWay {
                  [&](const SweepRow& row) { return row.direction == direction; });
     finding_ = options.attractor;
     finding_.lyapunov.cancelled = options.cancelled;
+    finding_.lyapunov.all_threads = true;
   }
 
   /// Follows the attractor to the end. Time averages are taken meanwhile; what they say may take rows back. `tell` is told how
@@ -40,7 +41,7 @@ class OneWay {
     rows_.reserve(values_.size());  // they stay where they are
     const auto most_open = [&] { return 1 + open_on_a_thread * static_cast<std::size_t>(std::max(0, options_.threads - ways)); };
     std::deque<Open> open;
-    do {
+    for (;;) {
       while (!ended_ && rows_.size() < values_.size() && open.size() < most_open()) {
         auto row = next();
         if (!row) {
@@ -55,7 +56,6 @@ class OneWay {
         Open& one = open.emplace_back(rows_.size() - 1);
         one.average.run([this, &one, &row = rows_.back()] {
           AttractorOptions averaging = finding_;
-          averaging.lyapunov.all_threads = true;
           averaging.lyapunov.cancelled = [&] { return one.dropped || (options_.cancelled && options_.cancelled()); };
           row.attractor.state = row.end;
           average_on_attractor(system_, parameters(row.value), row.attractor, averaging);
@@ -64,7 +64,7 @@ class OneWay {
       if (open.empty()) return;
       open.front().average.wait();
       settle(open, tell);
-    } while (!open.empty() || !ended_);
+    }
   }
 
   std::vector<SweepRow>& rows() { return rows_; }

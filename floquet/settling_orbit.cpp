@@ -38,10 +38,17 @@ int halving_time(double slowest, int period) {
   return period * static_cast<int>(std::clamp(turns, 1.0, most / period));
 }
 
+using Pair = std::array<double, 2>;
+
+double size(const Vector& x) { return x.lpNorm<Eigen::Infinity>(); }
+double size(const Pair& x) { return std::max(std::abs(x[0]), std::abs(x[1])); }
+double apart(const Vector& a, const Vector& b) { return (a - b).lpNorm<Eigen::Infinity>(); }
+double apart(const Pair& a, const Pair& b) { return size(Pair{a[0] - b[0], a[1] - b[1]}); }
+
 /// Distance of a state to the nearest of an orbit's states at phase 0.
 double distance(const PeriodicOrbit& orbit, const Vector& x) {
   double least = std::numeric_limits<double>::infinity();
-  for (const Vector& state : orbit.states) least = std::min(least, (state - x).lpNorm<Eigen::Infinity>());
+  for (const Vector& state : orbit.states) least = std::min(least, apart(state, x));
   return least;
 }
 
@@ -81,13 +88,6 @@ std::optional<PeriodicOrbit> stable_orbit_near(const HybridSystem& system, const
 }  // namespace
 
 namespace {
-
-using Pair = std::array<double, 2>;
-
-double size(const Vector& x) { return x.lpNorm<Eigen::Infinity>(); }
-double size(const Pair& x) { return std::max(std::abs(x[0]), std::abs(x[1])); }
-double apart(const Vector& a, const Vector& b) { return (a - b).lpNorm<Eigen::Infinity>(); }
-double apart(const Pair& a, const Pair& b) { return size(Pair{a[0] - b[0], a[1] - b[1]}); }
 
 /// The periods after which states return to the first of them, the closest return first.
 template <class State> std::vector<int> returns_of(const std::vector<State>& states, double nearness, int max_period) {
@@ -151,7 +151,7 @@ struct Run {
 
 double distance(const LaneOrbit& orbit, const Vector& x) {
   double least = std::numeric_limits<double>::infinity();
-  for (const Pair& state : orbit.states) least = std::min(least, std::max(std::abs(state[0] - x[0]), std::abs(state[1] - x[1])));
+  for (const Pair& state : orbit.states) least = std::min(least, apart(state, pair_of(x)));
   return least;
 }
 

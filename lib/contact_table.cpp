@@ -13,7 +13,7 @@
 
 namespace graze {
 
-using lanes::speed_cells, lanes::time_cells;
+using lanes::time_cells;
 
 bool ContactTable::applies(const HybridSystem& system, const Vector& p) {
   const auto oscillator = lanes::lane_oscillator(system, p);
@@ -36,8 +36,6 @@ ContactTable::ContactTable(const HybridSystem& system, const Vector& p, const Sp
   period_ = oscillator_[lanes::period];
   lowest_band_ = lanes::band_of<double>(speeds.lowest);
   bands_ = lanes::band_of<double>(speeds.highest) - lowest_band_ + 1;
-  for (auto* cells : {&whole_, &begun_})
-    cells->assign(static_cast<std::size_t>(bands_) * time_cells * speed_cells, lanes::no_piece);
   tabulate(whole_, nullptr, width);
   tabulate(begun_, this, width);
   terms_.shrink_to_fit();
@@ -57,13 +55,12 @@ void ContactTable::tabulate(std::vector<std::uint16_t>& cells, const ContactTabl
     const auto band = lowest_band_ + static_cast<std::int64_t>(i / patches_of_band);
     patches[i] = contact_patch(oscillator_, width, {i % patches_of_band * ContactPatch::columns, band}, whole);
   });
-  auto cell = cells.begin();  // the patches have them in the same order
   for (const ContactPatch& patch : patches) {
     report_.contacts += patch.contacts;
     const std::size_t first = pieces_.size();
     const bool too_many = first + patch.pieces.size() > lanes::no_piece;
     for (const std::uint16_t number : patch.cells)
-      *cell++ = too_many || number == lanes::no_piece ? lanes::no_piece : static_cast<std::uint16_t>(first + number);
+      cells.push_back(too_many || number == lanes::no_piece ? lanes::no_piece : static_cast<std::uint16_t>(first + number));
     if (too_many) continue;
     const auto first_term = static_cast<std::uint32_t>(terms_.size());
     for (lanes::ContactPiece piece : patch.pieces) {

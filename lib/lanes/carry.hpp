@@ -163,8 +163,7 @@ template <class Real, bool Tangent> class Carrier {
     memory_.met[lane] = motion.met;
     memory_.impacts[lane] = 0;
     const double into = motion.x - (*motion.coefficients)[barrier];
-    const bool pressed = job_.law == Law::linear_elastic && into > 0.0;
-    memory_.load(lane, pressed ? *motion.pressed : *motion.coefficients, pressed ? *motion.pressed_grid : *motion.grid);
+    memory_.load(lane, motion, job_.law == Law::linear_elastic && into > 0.0);
     if (job_.law == Law::restitution && into > 0.0) return memory_.assign(lane, Task::given_up);
     starts.x[lane] = motion.x;
     starts.v[lane] = motion.v;

@@ -66,18 +66,19 @@ template <class Real> struct Memory {
     put(field[f], Real(select(mask, value, take<Real>(field[f]))));
   }
   auto is(Task t) const { return take<Real>(task) == Real(static_cast<double>(t)); }
-  /// Puts a motion's coefficients in a lane.
-  void load(std::size_t lane, const Coefficients& of_motion, const Grid& of_period) {
-    grid[lane] = &of_period;
-    if (coefficients_of[lane] == &of_motion) return;
-    coefficients_of[lane] = &of_motion;
-    for (std::size_t i = 0; i < coefficients; ++i) coefficient[i][lane] = of_motion[i];
-  }
   bool is(std::size_t lane, Task t) const { return task[lane] == static_cast<double>(t); }
   template <class Mask> void assign(const Mask& mask, Task t) {
     put(task, Real(select(mask, Real(static_cast<double>(t)), take<Real>(task))));
   }
   void assign(std::size_t lane, Task t) { task[lane] = static_cast<double>(t); }
+  /// Puts a motion's coefficients in a lane: those of its flight, or those of -x in contact.
+  void load(std::size_t lane, const Motion& of_motion, bool pressed) {
+    grid[lane] = pressed ? of_motion.pressed_grid : of_motion.grid;
+    const Coefficients* const of_side = pressed ? of_motion.pressed : of_motion.coefficients;
+    if (coefficients_of[lane] == of_side) return;
+    coefficients_of[lane] = of_side;
+    for (std::size_t i = 0; i < coefficients; ++i) coefficient[i][lane] = (*of_side)[i];
+  }
 };
 
 /// A motion in free flight at an instant: its transient and its forced part, and their derivatives.

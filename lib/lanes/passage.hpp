@@ -25,9 +25,8 @@ template <class Real, bool Tangent> void rebound(Memory<Real>& m, const Landing<
 /// A contact with a linear elastic stop begins or ends: state and field are continuous, the saltation matrix is the identity.
 template <class Real> void change_sides(Memory<Real>& m, const Landing<Real>& landing, const Motion* motions) {
   for_each(landing.where, [&](std::size_t lane) {
-    const Motion& motion = motions[m.motion[lane]];
     const bool enters = m.coefficient[side][lane] > 0.0;
-    m.load(lane, enters ? *motion.pressed : *motion.coefficients, enters ? *motion.pressed_grid : *motion.grid);
+    m.load(lane, motions[m.motion[lane]], enters);
   });
   leave_barrier(m, landing.where, Real(-landing.v), landing.c, landing.s);
 }
