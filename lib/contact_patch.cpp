@@ -16,6 +16,8 @@ constexpr std::size_t nodes = polynomials * polynomials, quantities = 7, values 
 
 /// Of the steps through a contact: what they leave out is below rounding then.
 constexpr double step_tolerance = 1e-15;
+/// A contact that takes more is not tabulated.
+constexpr std::size_t most_steps = 100000;
 /// Terms below this, relative to what is allowed in all, are left out.
 constexpr double negligible = 0.01;
 
@@ -100,7 +102,7 @@ class Builder {
       entries_.push_back({std::cos(w * before), -std::sin(w * before), v, before});
     }
     exits_.assign(entries_.size(), {});
-    kernels_.contacts({&oscillator_, step_tolerance, entries_.data(), entries_.size(), exits_.data()});
+    kernels_.contacts({&oscillator_, step_tolerance, most_steps, entries_.data(), entries_.size(), exits_.data()});
     out_.contacts += entries_.size();
     return std::all_of(exits_.begin(), exits_.end(), [&](const lanes::ContactExit& exit) {
       return whole_ ? !exit.ended && exit.y >= 0.0 : exit.ended && exit.v < 0.0;

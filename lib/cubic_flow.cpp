@@ -224,7 +224,7 @@ template <std::size_t Quads> void CubicFlow::carry_with(const FlowTask& task, co
     out.evaluations += order;
     const double last = series.last(), before = series.before();
     if (!std::isfinite(last + before)) break;
-    double h = std::min(detail::rough_root(allowed / last, order), detail::rough_root(allowed / before, order - 1));
+    double h = std::min(detail::rough_root(allowed, last, order), detail::rough_root(allowed, before, order - 1));
     if (!(h > 0.0)) break;
     const bool to_end = h >= left * (1.0 - 1e-12);
     if (to_end) h = left;

@@ -196,7 +196,7 @@ template <std::size_t Quads> void HertzFlow::carry_with(const FlowTask& task, co
     const double size = std::max(series.last(), series.before() * ratio / h);
     if (!std::isfinite(size)) break;
     const double v = std::abs(z.v), longest = longest_step(z.cosine, v, 0.0);
-    h = std::min(longest, detail::rough_root(allowed / size));
+    h = std::min(longest, detail::rough_root(allowed, size));
     State next = series.at(h);
     const double checked = longest_step(z.cosine, std::max(v, std::abs(next.v)), std::abs(next.time - z.time));
     if (h > checked) {

@@ -132,8 +132,8 @@ void ManyMotions::carry_in_lanes(const std::vector<lanes::Motion>& motions, bool
   carried.assign(motions.size(), 0);
   const auto carry = [&](std::size_t begin, std::size_t end) {
     const LaneWidth width = width_ == LaneWidth::widest ? width_for(end - begin) : width_;
-    lane_kernels(width).carry({sets_.front()->oscillator.law, options_.tolerance, tangent, motions.data() + begin, end - begin,
-                               carried.data() + begin});
+    lane_kernels(width).carry({sets_.front()->oscillator.law, options_.tolerance, options_.max_steps, tangent,
+                               motions.data() + begin, end - begin, carried.data() + begin});
   };
   // Those that write down what they meet write into the same place.
   const bool apart = all_threads_ && std::none_of(motions.begin(), motions.end(), [](const auto& motion) { return motion.met; });

@@ -21,11 +21,12 @@ inline constexpr double hertz_last_term = 0.25;
 /// Of half a turn about the equilibrium (0, 0), pi sqrt(2/|a|) in s, the shortest possible contact: a step goes so far at most.
 inline constexpr double hertz_longest_step = 0.3 * std::numbers::pi;
 
-/// x^(1/order) to 4%, which is all that the length of a step needs: read as a whole number, a double is its logarithm to base 2
-/// up to 0.09, with 2^52 for the unit.
-[[gnu::always_inline]] inline double rough_root(double x, std::size_t order = hertz_order) {
+/// (x/y)^(1/order) to 4%, which is all that the length of a step needs: read as a whole number, a double is its logarithm to base
+/// 2 up to 0.09, with 2^52 for the unit.
+[[gnu::always_inline]] inline double rough_root(double x, double y, std::size_t order = hertz_order) {
   constexpr auto one = std::bit_cast<std::int64_t>(1.0);
-  return 0.97 * std::bit_cast<double>(one + (std::bit_cast<std::int64_t>(x) - one) / static_cast<std::int64_t>(order));
+  const std::int64_t ratio = std::bit_cast<std::int64_t>(x) - std::bit_cast<std::int64_t>(y);
+  return 0.97 * std::bit_cast<double>(one + ratio / static_cast<std::int64_t>(order));
 }
 
 }  // namespace graze::detail

@@ -47,7 +47,7 @@ template <class Real, bool Tangent> class Carrier {
                 marching = count(memory_.is(Task::marching));
       const int others = marching + flights + ends;
       if (contacts >= most || (contacts > 0 && crossings + others == 0)) {
-        const Surfacing<Real> up = press<Real, Tangent>(memory_, job_.tolerance, ratio_);
+        const Surfacing<Real> up = press<Real, Tangent>(memory_, job_, ratio_);
         if (any(up.at_barrier)) leave_barrier(memory_, up.at_barrier, up.v, up.c, up.s);
         if (any(up.at_end)) end_periods(up.at_end, Real(memory_[barrier] + up.y * up.y), up.v, up.y);
       } else if (crossings >= many || (crossings > 0 && others == 0)) {
@@ -122,9 +122,9 @@ template <class Real, bool Tangent> class Carrier {
       if constexpr (Tangent) {
         for (std::size_t i = 0; i < 4; ++i) result.Phi[i] = memory_.field[phi_00 + i][lane];
         result.det = memory_.field[det][lane];
+        const double of_impacts = impacts > 0 ? impacts * memory_.coefficient[rebound_volume][lane] : 0.0;
+        result.liouville = memory_.field[divergence][lane] + of_impacts;
       }
-      result.liouville =
-          memory_.field[divergence][lane] + (impacts > 0 ? impacts * memory_.coefficient[rebound_volume][lane] : 0.0);
       result.impacts = impacts;
       result.termination = Termination::time;
       result.by_propagator = false;

@@ -10,9 +10,6 @@
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
-/// An impact slower than this is given up (its rounding wants care).
-inline constexpr double slowest_impact = 1e-4;
-
 /// A correction d of a crossing is the last where it is below this part of a cell and e = (a/v) d below it, too: the polynomial
 /// of degree 5 leaves out (d sqrt(k))^6/720, and Chebyshev's and Newton's steps leave e^5 d/8.
 inline constexpr double nearly_there = 2e-3;
@@ -97,9 +94,9 @@ void compose(Memory<Real>& m, const Mask<Real>& where, const Real& b00, const Re
 /// A flight, or its part in a period, is over: the tangent, from the spiral (E, F), and the integral of trace(f_x).
 template <class Real, bool Tangent>
 void end_flight(Memory<Real>& m, const Mask<Real>& where, const Real& E, const Real& F, const Real& duration) {
-  const Real b = m[damping];
-  m.set(divergence, where, Real(m[divergence] - 2.0 * b * duration));
   if constexpr (Tangent) {
+    const Real b = m[damping];
+    m.set(divergence, where, Real(m[divergence] - 2.0 * b * duration));
     const Real S = F * m[inverse_rate];
     compose(m, where, Real(E + b * S), S, Real(-m[stiffness] * S), Real(E - b * S));
   }
@@ -115,7 +112,7 @@ template <class Real> void leave_barrier(Memory<Real>& m, const Mask<Real>& wher
   whole = select(there, Real(whole - 1.0), whole);
   part = select(there, Real(part + h), part);
   const Mask<Real> goes =
-      where & (v < Real(-slowest_impact)) & (Real(-2.0 * v) > m[shortest_flight] * pressing) & (whole >= Real(0.0));
+      where & (-1.0 * v > m[slowest_impact]) & (Real(-2.0 * v) > m[shortest_flight] * pressing) & (whole >= Real(0.0));
   begin_flight(m, goes, r, v, c, s);
   m.set(next_point, goes, Real(m[cells] - whole));
   m.set(ahead, goes, part);
@@ -138,7 +135,7 @@ template <class Real, bool Tangent> Landing<Real> land(Memory<Real>& m) {
   const Real v = wedge(m[rate], end.Q, m[damping], end.P) + m[frequency] * wedge(m[sine], end.c, m[cosine], end.s);
   const Real duration = m[flown] + end.h;
   const Mask<Real> short_hop = (m[off_barrier] > Real(0.5)) & (duration < m[shortest_flight]);
-  const Mask<Real> good = end.found & (v > Real(slowest_impact)) & !short_hop;
+  const Mask<Real> good = end.found & (v > m[slowest_impact]) & !short_hop;
   m.set(rest, good, Real((m[cells] - m[next_point]) * m[cell] + (m[ahead] - end.h)));
   const Real E = m[spiral_c], F = m[spiral_s];
   end_flight<Real, Tangent>(m, good, wedge(end.turn_c, E, end.turn_s, F), dot(end.turn_c, F, end.turn_s, E), duration);

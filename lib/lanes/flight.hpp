@@ -27,7 +27,7 @@ void begin_flight(Memory<Real>& m, const Mask<Real>& where, const Real& x, const
   const Real d = x - (dot(m[cosine], c, m[sine], s) + m[offset]), e = v - w * wedge(m[sine], c, m[cosine], s);
   // |d''| <= sqrt(d'''^2 + k d''^2)/sqrt(k): an energy, which only decays; it is below the sum of the two. And x rises above a
   // chord by |x''| h^2/8 at the most.
-  const Real b2 = 2.0 * b, d2 = -dot(b2, e, k, d), d3 = -dot(b2, d2, k, e);
+  const Real minus_b2 = -2.0 * b, d2 = wedge(minus_b2, e, k, d), d3 = wedge(minus_b2, d2, k, e);
   const Real bend = abs(d2) + abs(d3) * m[inverse_root_k] + m[forced2];
   m.set(transient_p, where, d);
   m.set(transient_q, where, Real((e + b * d) * m[inverse_rate]));

@@ -32,7 +32,8 @@ enum Coefficient : std::size_t {
   forced6,  ///< and of the sixth
   barrier,
   side,             ///< 1, or -1: they are those of -x
-  shortest_flight,  ///< off the barrier; shorter ones are given up (their rounding wants care)
+  slowest_impact,   ///< and speed of departure from the barrier; slower ones are given up (their rounding wants care),
+  shortest_flight,  ///< and so are shorter flights off the barrier
   period,
   cells,  ///< of a period, see Grid; their length, and one over it
   cell,
@@ -69,7 +70,7 @@ struct Period {
   double x = 0.0, v = 0.0;      ///< at its end
   std::array<double, 4> Phi{};  ///< row by row, if asked for
   double det = 0.0;             ///< of Phi, if asked for, factor by factor; NaN where rounding has taken it
-  double liouville = 0.0;       ///< ln|det Phi| from Liouville's identity
+  double liouville = 0.0;       ///< ln|det Phi| from Liouville's identity, if Phi is asked for
   std::int32_t impacts = 0;     ///< impacts and entries into contact
   Termination termination = Termination::failed;
   bool by_propagator = false;  ///< the lanes left it to the Propagator
@@ -92,6 +93,7 @@ enum class Law { restitution, hertz, linear_elastic };
 struct Job {
   Law law = Law::restitution;
   double tolerance = 1e-13;
+  std::size_t max_steps = 0;  ///< of a Hertz contact; after more a motion is given up
   bool tangent = true;
   const Motion* motions = nullptr;
   std::size_t count = 0;
@@ -112,6 +114,7 @@ struct ContactExit {
 struct ContactJob {
   const Coefficients* coefficients = nullptr;
   double tolerance = 1e-13;
+  std::size_t max_steps = 0;  ///< of a contact; one with more is not carried
   const ContactEntry* entries = nullptr;
   std::size_t count = 0;
   ContactExit* exits = nullptr;

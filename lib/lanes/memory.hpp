@@ -38,6 +38,7 @@ enum Field : std::size_t {
   q_0,
   q_1,
   step,
+  steps,   ///< how many there were
   phi_00,  ///< the period's tangent so far, before the present flight or contact
   phi_01,
   phi_10,
@@ -91,9 +92,9 @@ template <class Real> struct Point {
 template <class Real>
 [[gnu::always_inline]] inline Point<Real> point(const Memory<Real>& m, const Real& P, const Real& Q, const Real& c,
                                                 const Real& s) {
-  const Real b2 = 2.0 * m[damping], k = m[stiffness], w = m[frequency], w2 = w * w;
-  const Real d0 = P, d1 = wedge(m[rate], Q, m[damping], P), d2 = -dot(b2, d1, k, d0), d3 = -dot(b2, d2, k, d1),
-             d4 = -dot(b2, d3, k, d2), d5 = -dot(b2, d4, k, d3), d6 = -dot(b2, d5, k, d4);
+  const Real minus_b2 = -2.0 * m[damping], k = m[stiffness], w = m[frequency], w2 = w * w;
+  const Real d0 = P, d1 = wedge(m[rate], Q, m[damping], P), d2 = wedge(minus_b2, d1, k, d0), d3 = wedge(minus_b2, d2, k, d1),
+             d4 = wedge(minus_b2, d3, k, d2), d5 = wedge(minus_b2, d4, k, d3), d6 = wedge(minus_b2, d5, k, d4);
   const Real f0 = dot(m[cosine], c, m[sine], s), f1 = w * wedge(m[sine], c, m[cosine], s), f2 = -w2 * f0, f3 = -w2 * f1,
              f4 = -w2 * f2, f5 = -w2 * f3;
   return {d0 + f0 + m[offset], d1 + f1, d2 + f2, d3 + f3, d4 + f4, d5 + f5, abs(d6) + abs(d5) * m[root_k] + m[forced6]};

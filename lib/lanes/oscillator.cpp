@@ -126,6 +126,10 @@ Coefficients coefficients_of(const Description& oscillator, double of_side) {
   q[forced6] = std::hypot(q[cosine], q[sine]) * std::pow(w, 6);
   q[barrier] = of_side * oscillator.barrier;
   q[side] = of_side;
+  // An instant at the barrier is known to the rounding of its place over the speed; the tangent of a linear stop, whose field
+  // bends there by its stiffness, to k_S times that.
+  const double corner = oscillator.law == Law::linear_elastic ? std::sqrt(oscillator.pressed.stiffness) : 0.0;
+  q[slowest_impact] = 1e-4 * std::max(1.0, 0.005 * (1.0 + std::abs(oscillator.barrier)) * corner);
   q[shortest_flight] = 0.06 * q[inverse_root_k];
   q[period] = 2.0 * std::numbers::pi / w;
   q[cells] = cells_of(free);

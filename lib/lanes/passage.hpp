@@ -45,6 +45,7 @@ void touch(Memory<Real>& m, const Mask<Real>& where, const Real& y, const Real& 
   m.set(q_0, where, Real(2.0 * m[damping] + m[contact_stiffness] * m[contact_damping] * y * y * y));
   m.set(q_1, where, Real(1.0));
   m.set(step, where, Real(0.0));
+  m.set(steps, where, Real(0.0));
   m.assign(where, Task::contact);
 }
 
@@ -71,8 +72,8 @@ template <class Real> struct Surfacing {
   Real y, v, c, s;
 };
 
-/// One step of every lane in contact.
-template <class Real, bool Tangent> Surfacing<Real> press(Memory<Real>& m, double tolerance, double ratio) {
+/// One step of every lane in contact, at the accuracy of the job.
+template <class Real, bool Tangent, class Job> Surfacing<Real> press(Memory<Real>& m, const Job& job, double ratio) {
   using Series = ContactSeries<Real, Tangent>;
   const Mask<Real> pressed = m.is(Task::contact);
   const Real b = m[damping], k_H = m[contact_stiffness], b_H = m[contact_damping];
@@ -89,8 +90,8 @@ template <class Real, bool Tangent> Surfacing<Real> press(Memory<Real>& m, doubl
   h = select(h > Real(0.0), h, longest_here);
   const Real size = largest(series.size(Series::order), Real(series.size(Series::order - 1) * (ratio / h)));
   alignas(64) double trusted[width<Real>];
-  put(trusted, Real(detail::hertz_last_term * tolerance / size));
-  for (double& one : trusted) one = detail::rough_root(one);
+  put(trusted, size);
+  for (double& one : trusted) one = detail::rough_root(detail::hertz_last_term * job.tolerance, one);
   h = least(longest_here, take<Real>(trusted));
   ContactState<Real> next = series.at(h);
   const Real checked = longest_step(largest(v, Real(abs(next.v))), Real(abs(Real(next.time - z.time))));
@@ -115,6 +116,7 @@ template <class Real, bool Tangent> Surfacing<Real> press(Memory<Real>& m, doubl
     next = series.at(s);
   }
   m.set(step, pressed, h);
+  m.set(steps, pressed, Real(m[steps] + 1.0));
   m.set(depth, pressed, next.y);
   m.set(speed, pressed, next.v);
   m.set(phase_c, pressed, next.c);
@@ -133,7 +135,8 @@ template <class Real, bool Tangent> Surfacing<Real> press(Memory<Real>& m, doubl
   }
   m.set(divergence, ended, Real(m[divergence] + next.divergence));
   m.set(rest, surfaced, Real(duration - next.time));
-  m.assign(pressed & !finite, Task::given_up);
+  const Mask<Real> endless = (m[steps] >= Real(static_cast<double>(job.max_steps))) & !ended;
+  m.assign(pressed & (endless | !finite), Task::given_up);
   return {surfaced, late, y, next.v, next.c, next.s};
 }
 
