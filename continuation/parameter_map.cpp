@@ -34,6 +34,7 @@ class Rows {
     finding_.lyapunov.standard_error = options.standard_error;
     finding_.lyapunov.max_periods = options.periods;
     finding_.lyapunov.min_periods = std::min(options.periods, shortest_average);
+    finding_.lyapunov.aligning = shortest_average;
     finding_.lyapunov.cancelled = options.cancelled;
   }
 

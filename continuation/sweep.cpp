@@ -89,11 +89,13 @@ class OneWay {
   template <class Tell> void settle(std::deque<Open>& open, const Tell& tell) {
     const std::size_t k = open.front().row;
     SweepRow& row = rows_[k];
+    const bool periodic = row.attractor.type == AttractorType::periodic;
     const LyapunovStop stop = row.attractor.time_average.stop;
-    const bool broken_off = stop == LyapunovStop::interrupted || stop == LyapunovStop::failed || stop == LyapunovStop::not_run;
+    const bool broken_off =
+        !periodic && (stop == LyapunovStop::interrupted || stop == LyapunovStop::failed || stop == LyapunovStop::not_run);
     open.pop_front();
     if (!broken_off) tell(1, row.value);
-    if (!broken_off && row.attractor.type != AttractorType::periodic) return;
+    if (!broken_off && !periodic) return;
     const auto told = static_cast<std::ptrdiff_t>(rows_.size() - (k + 1) - open.size());
     for (Open& other : open) other.dropped = true;
     open.clear();

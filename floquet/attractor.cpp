@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/attractor.hpp>
+#include <graze/floquet/lingering.hpp>
 #include <graze/floquet/lyapunov_lanes.hpp>
 #include <graze/floquet/settle.hpp>
 #include <graze/floquet/side_by_side.hpp>
@@ -17,8 +18,9 @@ namespace {
 constexpr int motions_in_chaos = 16;
 constexpr std::int64_t budget_for_many = 4 * motions_in_chaos * parting;
 
-/// Where AttractorOptions::recurrence is set: returns that are worth Newton's method, against those that give rise to a look.
-double nearness_of(const AttractorOptions& options) { return 20.0 * options.recurrence; }
+/// Where AttractorOptions::recurrence is set: returns that are worth Newton's method, against those that give rise to a look. And
+/// how nearly a motion that lingers repeats itself.
+double nearness_of(const AttractorOptions& options) { return 20.0 * (options.recurrence > 0.0 ? options.recurrence : 1e-4); }
 
 bool cancelled(const AttractorOptions& options) { return options.lyapunov.cancelled && options.lyapunov.cancelled(); }
 
@@ -30,40 +32,42 @@ std::optional<PeriodicOrbit> orbit_at_the_end(const HybridSystem& system, const 
   return settling_orbit(system, p, state, options.max_period, options.lyapunov.flow);
 }
 
-constexpr int long_enough = 128, most_rounds = 3;
+/// A motion that lingers is given transients three times as long, then nine times, ...
+constexpr int most_rounds = 3, shortest_transient = 300;
 
-/// A motion that repeats itself, nearly and for long, without being known as periodic: it leaves a weakly unstable orbit, or
-/// comes to a weakly stable one, and its average says nothing of where it ends. Chaos that happens to come back is soon away.
-class Lingering {
- public:
-  Lingering(const Vector& state, int period, double nearness)
-      : states_{state}, period_(static_cast<std::size_t>(period)), near_(nearness * (1.0 + state.lpNorm<Eigen::Infinity>())) {}
-  bool open() const { return repeats_ && states_.size() <= period_ + long_enough; }
-  const Vector& state() const { return states_.back(); }
-  void see(Termination termination, const Vector& state) {
-    states_.push_back(state);
-    repeats_ =
-        termination == Termination::time &&
-        (states_.size() <= period_ + 1 || (state - states_[states_.size() - 1 - period_]).lpNorm<Eigen::Infinity>() <= near_);
-  }
-  bool repeats() const { return repeats_; }
+/// Off an unstable orbit that it is on, farther each time.
+void push_off(Vector& state, int round) { state[0] -= 1e-4 * std::pow(10.0, round) * (1.0 + state.lpNorm<Eigen::Infinity>()); }
 
- private:
-  std::vector<Vector> states_;
-  std::size_t period_;
-  double near_;
-  bool repeats_ = true;
-};
+/// The periods that each of the motions of an average was carried.
+std::int64_t length(const LyapunovSpectrum& average) {
+  return average.periods / static_cast<std::int64_t>(1 + average.others.size());
+}
 
-bool lingers(const HybridSystem& system, const Vector& p, const Attractor& attractor, const AttractorOptions& options) {
-  if (attractor.type == AttractorType::periodic || attractor.termination != Termination::time) return false;
+/// A watch on the end of an average. A distance as small as rounding grows beyond all bounds in 40 times the time in which the
+/// exponent has it grow e-fold.
+Lingering watch_end(const Attractor& attractor, int period, double T, const AttractorOptions& options) {
+  constexpr double most = 20000.0;
+  const double growth = attractor.type == AttractorType::chaotic ? attractor.exponents[0] * T : 0.0;
+  const bool can_tell = growth * most > 40.0;
+  return {attractor.state, period, nearness_of(options), can_tell ? static_cast<std::int64_t>(40.0 / growth) : 0};
+}
+
+/// Of the motion that was averaged from `begin` on: null where it cannot linger.
+std::optional<Lingering> lingering(const HybridSystem& system, const Vector& p, const Vector& begin, const Attractor& attractor,
+                                   const AttractorOptions& options) {
+  if (attractor.type == AttractorType::periodic || attractor.time_average.stop == LyapunovStop::interrupted ||
+      attractor.time_average.termination != Termination::time)
+    return std::nullopt;
   const FlowOptions& flow = options.lyapunov.flow;
   const Returns returns = close_returns(system, p, attractor.state, options.max_period, nearness_of(options), flow);
-  if (returns.periods.empty()) return false;
-  Lingering watch(attractor.state, returns.periods.front(), nearness_of(options));
+  if (returns.periods.empty()) return std::nullopt;
   Propagator propagator(system, p, {}, flow);
-  carry_watched(propagator, watch, [] { return false; });
-  return watch.repeats();
+  Lingering watch = watch_end(attractor, returns.periods.front(), forcing_period(system, p), options);
+  const auto stop = [&] { return cancelled(options); };
+  if (!carry_watched(propagator, watch, stop)) return std::nullopt;
+  watch.look_back(begin, length(attractor.time_average));
+  if (!carry_watched(propagator, watch, stop)) return std::nullopt;
+  return watch;
 }
 
 /// A transient on its way, with a look at its returns.
@@ -130,8 +134,16 @@ void take_average(LyapunovSpectrum average, const AttractorOptions& options, Att
   attractor.state = attractor.time_average.state;
   attractor.exponents = attractor.time_average.exponents;
   attractor.standard_errors = attractor.time_average.standard_errors;
-  if (!attractor.exponents.empty() && attractor.exponents[0] > options.significance * attractor.standard_errors[0])
-    attractor.type = AttractorType::chaotic;
+  const bool positive =
+      !attractor.exponents.empty() && attractor.exponents[0] > options.significance * attractor.standard_errors[0];
+  attractor.type = positive ? AttractorType::chaotic : AttractorType::undecided;
+}
+
+/// Many looks at an average find it positive by chance, or for a while: where one stopped as soon as it was, another has to say
+/// the same.
+bool wants_confirmation(const AttractorOptions& options, const Attractor& attractor) {
+  return options.recurrence > 0.0 && attractor.type == AttractorType::chaotic &&
+         attractor.time_average.stop == LyapunovStop::standard_error;
 }
 
 /// The same, with a look at where its motions ended.
@@ -155,20 +167,6 @@ void conclude(const HybridSystem& system, const Vector& p, LyapunovSpectrum aver
   take_average(std::move(attractor.time_average), options, attractor);
 }
 
-/// Goes on from an attractor that lingers.
-void go_on(const HybridSystem& system, const Vector& p, const AttractorOptions& options, Attractor& out) {
-  AttractorOptions longer = options;
-  for (int round = 0; lingers(system, p, out, options); ++round) {
-    if (round == most_rounds) {
-      out.type = AttractorType::undecided;
-      break;
-    }
-    longer.transient = 3 * std::max(1, longer.transient);
-    out = approach_attractor(system, p, out.state, longer);
-    average_on_attractor(system, p, out, longer);
-  }
-}
-
 /// find_attractor from many starts in lanes.
 class SideBySide {
  public:
@@ -181,15 +179,11 @@ class SideBySide {
     std::vector<std::size_t> all(starts_.size());
     std::iota(all.begin(), all.end(), std::size_t{0});
     for (std::size_t i : all) out_[i].state = starts_[i].state;
-    std::vector<std::size_t> left = find(all, options_);
+    std::vector<std::size_t> left = find(all, 0, options_);
     AttractorOptions longer = options_;
-    for (int round = 0; !left.empty(); ++round) {
-      if (round == most_rounds) {
-        for (const std::size_t i : left) out_[i].type = AttractorType::undecided;
-        break;
-      }
-      longer.transient = 3 * std::max(1, longer.transient);
-      left = find(left, longer);
+    for (int round = 1; !left.empty(); ++round) {
+      longer.transient = 3 * std::max(longer.transient, shortest_transient);
+      left = find(left, round, longer);
     }
     return std::move(out_);
   }
@@ -200,11 +194,14 @@ class SideBySide {
   }
 
   /// From where they are. Returns those that linger.
-  std::vector<std::size_t> find(const std::vector<std::size_t>& which, const AttractorOptions& options) {
+  std::vector<std::size_t> find(const std::vector<std::size_t>& which, int round, const AttractorOptions& options) {
     approach(which, options);
-    std::vector<std::size_t> open, lingering, repeating;
+    std::vector<std::size_t> open, repeating;
     std::copy_if(which.begin(), which.end(), std::back_inserter(open), [&](std::size_t i) { return unsettled(i); });
+    std::vector<Vector> begin;
+    for (const std::size_t i : open) begin.push_back(out_[i].state);
     average(open, options);
+    confirm(open, options);
     const std::vector<SettlingLook> looks = look(open, std::vector(open.size(), options.max_period));
     std::vector<Lingering> watches;
     std::vector<std::size_t> sets;
@@ -212,13 +209,23 @@ class SideBySide {
       Attractor& attractor = out_[open[k]];
       if (looks[k].orbit) settle_on(attractor, *looks[k].orbit);
       if (looks[k].orbit || looks[k].closest == 0) continue;
-      watches.emplace_back(attractor.state, looks[k].closest, nearness_of(options));
+      watches.push_back(watch_end(attractor, looks[k].closest, forcing_period(system_, starts_[open[k]].p), options));
       sets.push_back(sets_[open[k]]);
-      repeating.push_back(open[k]);
+      repeating.push_back(k);
     }
-    if (!carry_side_by_side(many_, sets, watches, [&] { return cancelled(options); })) return {};
+    const auto stop = [&] { return cancelled(options); };
+    if (!carry_side_by_side(many_, sets, watches, stop)) return {};
     for (std::size_t k = 0; k < repeating.size(); ++k)
-      if (watches[k].repeats()) lingering.push_back(repeating[k]);
+      watches[k].look_back(begin[repeating[k]], length(out_[open[repeating[k]]].time_average));
+    if (!carry_side_by_side(many_, sets, watches, stop)) return {};
+    std::vector<std::size_t> lingering;
+    for (std::size_t k = 0; k < repeating.size(); ++k) {
+      if (!watches[k].goes_on()) continue;
+      const std::size_t i = open[repeating[k]];
+      if (round < most_rounds) lingering.push_back(i);
+      if (round == most_rounds && watches[k].always()) out_[i].type = AttractorType::undecided;
+      if (watches[k].on_an_orbit()) push_off(out_[i].state, round);
+    }
     return lingering;
   }
 
@@ -259,6 +266,11 @@ class SideBySide {
     averaging.significance = options.significance;
     std::vector<LyapunovSpectrum> averages = lane_spectra(system_, starts, averaging);
     for (std::size_t k = 0; k < which.size(); ++k) take_average(std::move(averages[k]), options, out_[which[k]]);
+  }
+
+  void confirm(std::vector<std::size_t> which, const AttractorOptions& options) {
+    std::erase_if(which, [&](std::size_t i) { return !wants_confirmation(options, out_[i]); });
+    average(which, options);
   }
 
   /// Whether those motions are settling on orbits.
@@ -330,13 +342,29 @@ void average_on_attractor(const HybridSystem& system, const Vector& p, Attractor
   averaging.significance = options.significance;  // long enough to tell chaos, too
   if (averaging.change == 0.0 && averaging.max_periods >= budget_for_many)
     averaging.motions = std::max(averaging.motions, motions_in_chaos);
-  conclude(system, p, lyapunov_spectrum(system, p, attractor.state, averaging), options, attractor);
+  AttractorOptions longer = options;
+  for (int round = 0;; ++round) {
+    const Vector begin = attractor.state;
+    conclude(system, p, lyapunov_spectrum(system, p, begin, averaging), options, attractor);
+    if (wants_confirmation(options, attractor))
+      conclude(system, p, lyapunov_spectrum(system, p, attractor.state, averaging), options, attractor);
+    const std::optional<Lingering> watch = lingering(system, p, begin, attractor, options);
+    if (!watch || !watch->goes_on()) return;
+    if (round == most_rounds) {
+      if (watch->always()) attractor.type = AttractorType::undecided;
+      return;
+    }
+    if (watch->on_an_orbit()) push_off(attractor.state, round);
+    longer.transient = 3 * std::max(longer.transient, shortest_transient);
+    attractor = approach_attractor(system, p, attractor.state, longer);
+    if (attractor.type == AttractorType::periodic || attractor.termination != Termination::time)
+      return average_on_attractor(system, p, attractor, options);
+  }
 }
 
 Attractor find_attractor(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options) {
   Attractor out = approach_attractor(system, p, start, options);
   average_on_attractor(system, p, out, options);
-  if (options.recurrence > 0.0) go_on(system, p, options, out);
   return out;
 }
 
