@@ -22,8 +22,8 @@ struct AttractorOptions {
   int transient = 1000;  ///< forcing periods
   /// > 0: for many attractors in little time. A stable orbit is then looked for already during the transient, where the motion
   /// returns this closely relative to 1 + |x|; the same proof by Newton's method ends it. Newton's method, which costs most where
-  /// there is nothing to find, is tried for the three closest returns only, within twenty times this distance. And find_attractor
-  /// goes on where the motion nearly repeats itself without a proof: next to a bifurcation it lingers at an orbit that it leaves.
+  /// there is nothing to find, is tried for the three closest returns only, within twenty times this distance. And an average
+  /// that stopped as soon as it was positive has to be confirmed by a second one.
   double recurrence = 0.0;
   int max_period = 64;          ///< longest period that is recognised
   double significance = 5.0;    ///< standard errors by which the first exponent must exceed zero in chaos
@@ -45,8 +45,8 @@ struct Attractor {
 Attractor find_attractor(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options = {});
 
 /// Its two halves. The first lets the transient die out, and knows a stable orbit by Newton's method; the second takes the time
-/// average from the state reached, looks for an orbit once more (what looked like chaos may have been a long transient), and
-/// tells chaotic from undecided.
+/// average from the state reached, looks for an orbit once more (what looked like chaos may have been a long transient), goes on
+/// where the motion lingers (lingering.hpp), and tells chaotic from undecided.
 Attractor approach_attractor(const HybridSystem& system, const Vector& p, const Vector& start,
                              const AttractorOptions& options = {});
 void average_on_attractor(const HybridSystem& system, const Vector& p, Attractor& attractor,
