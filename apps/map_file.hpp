@@ -23,8 +23,7 @@ namespace graze::apps {
 /// The points of one row, by layer and column.
 using MapRows = std::function<std::vector<MapPoint>(int row)>;
 
-/// Writes the file whole or not at all: under a temporary name beside it (the same each time, so that none is left over), then
-/// synchronised and renamed. nullopt: done; else one sentence why not.
+/// Puts the file together in memory and writes it whole or not at all. nullopt: done; else one sentence why not.
 std::optional<std::string> write_map_file(const std::string& file, const MapPlan& plan, const Json& head, const MapRows& rows);
 
 /// A map that was written before.

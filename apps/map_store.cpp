@@ -98,8 +98,10 @@ void MapStore::take_up() {
     throw std::invalid_argument(fmt::format("--resume: {} {}", name, refused.what()));
   }
   finished_.assign(static_cast<std::size_t>(plan_.chunks()), false);
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder_))  // what was being written when the end came
-    if (entry.path().filename().string().starts_with(".")) fs::remove(entry.path());
+  // What was being written when the end came.
+  for (const auto& [folder, beginning] : {std::pair{folder_, "."}, {out_, ".map.h5."}})
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+      if (entry.path().filename().string().starts_with(beginning)) fs::remove(entry.path());
   for (int number = 0; number < plan_.chunks(); ++number) {
     if (!fs::exists(file(number))) continue;
     const bool sound = chunk_from(read_whole(file(number)), plan_, fingerprint_, number).has_value();

@@ -25,6 +25,9 @@ void check_distinct(const std::vector<NamedOutput>& outputs, const std::string& 
 /// Writes `content`. nullopt: done; else one sentence why not, and what was there before is still there.
 std::optional<std::string> write_whole(const std::string& file, std::string_view content);
 
+/// The folder that an output is written into: links are followed.
+std::string folder_of(const std::string& file);
+
 /// Makes sure that the names in a folder survive a crash of the machine, as write_whole does for contents. nullopt: done; else
 /// one sentence why not.
 std::optional<std::string> sync_folder(const std::string& folder);

@@ -122,6 +122,7 @@ TEST_CASE("map: killed at any moment, it is gone on with, and the map is the sam
   const int kept = chunks(out);
   // A file that was being written, one that was damaged, and one that was cut off.
   std::ofstream(out + "/chunks/.000015.chunk.AbCdEf") << "half";
+  std::ofstream(out + "/.map.h5.AbCdEf") << "half";
   std::string bytes = read_file(out + "/chunks/000000.chunk");
   bytes[bytes.size() / 2] ^= 1;
   std::ofstream(out + "/chunks/000000.chunk", std::ios::binary) << bytes;
@@ -131,6 +132,7 @@ TEST_CASE("map: killed at any moment, it is gone on with, and the map is the sam
   const Outcome resumed = run_shell(program(loud + " --resume '" + out + "'"));
   CHECK_THAT(resumed.err, Contains(fmt::format("{} of 16 chunks are there already", kept - 2)) && Contains("2 damaged chunks"));
   check_finished(resumed, out);
+  CHECK_FALSE(fs::exists(out + "/.map.h5.AbCdEf"));
 }
 
 TEST_CASE("map: Ctrl-C ends it with what there is, and says how to go on") {
@@ -160,6 +162,18 @@ TEST_CASE("map: Ctrl-C ends it with what there is, and says how to go on") {
   });
   CHECK_THAT(second, Contains("another graze map is at work there"));
   check_finished(first, out);
+}
+
+TEST_CASE("map: a disc that is full is said, and no half file is left") {
+  const TemporaryFolder folder;
+  // What a full disc does to a file, an allowance for its size does too.
+  const Outcome outcome =
+      run_shell(fmt::format("sh -c \"trap '' XFSZ; ulimit -f 8; exec {} \"",
+                            program("map '" + problem("newton-elastic") +
+                                    "' --param eta:0.65:0.95:60 --param r:1:3:20 --quiet --h5 '" + folder.file("m.h5") + "'")));
+  CHECK(outcome.code == 2);
+  CHECK_THAT(outcome.err, Contains("m.h5: cannot be written: File too large"));
+  CHECK(folder.files() == 0);
 }
 
 TEST_CASE("map: of several that begin in a folder at once, one goes on and the others say why not") {
