@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -111,6 +112,21 @@ void check_distinct(const std::vector<NamedOutput>& outputs, const std::string& 
         throw std::invalid_argument(fmt::format("{} {} and {} {} are one file; give each output its own name", outputs[j].option,
                                                 outputs[j].file, option, file));
   }
+}
+
+void check_kind(const std::string& option, const std::string& file, const std::vector<std::string>& endings) {
+  const auto among = [ending = fs::path(file).extension().string()](const std::vector<std::string>& list) {
+    return std::find(list.begin(), list.end(), ending) != list.end();
+  };
+  if (among({".json", ".csv", ".h5", ".hdf5", ".png", ".svg", ".pdf", ".toml"}) && !among(endings))
+    throw std::invalid_argument(fmt::format("{} {}: such a name is that of another kind of file; give one that ends in {}",
+                                            option, file, fmt::join(endings, " or ")));
+}
+
+void check_regular(const std::string& option, const std::string& file) {
+  if (is_special(file))
+    throw std::invalid_argument(
+        fmt::format("{} {}: this is a device, a pipe or a folder; give the name of a file, new or to be replaced", option, file));
 }
 
 std::optional<std::string> write_whole(const std::string& file, std::string_view content) {

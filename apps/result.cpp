@@ -78,6 +78,8 @@ void check_outputs(const OutputOptions& options, const std::string& input) {
     if (!file.empty() && file != "-") check_writable(file);
   if (!options.plot.empty()) check_picture_file(options.plot);
   check_distinct({{"--json", options.json}, {"--csv", options.csv}, {"--plot", options.plot}}, input);
+  check_kind("--json", options.json, {".json"});
+  check_kind("--csv", options.csv, {".csv"});
 }
 
 int deliver(const Result& result, const OutputOptions& options, const std::string& command, int code, const Console& console) {

@@ -96,11 +96,19 @@ MapRows rows_of(const MapStore& store) {
   };
 }
 
+/// HDF5 goes into a regular file alone.
+void check_map_file(const std::string& option, const std::string& file) {
+  if (file == "-") throw std::invalid_argument(option + " -: HDF5 does not go to stdout; give a file name, for example map.h5");
+  check_kind(option, file, {".h5", ".hdf5"});
+  check_regular(option, file);
+  check_writable(file);
+}
+
 void check_all_outputs(const Options& options, const MapPlan& plan) {
   OutputOptions output = options.output;
   output.out.clear();  // its pictures are drawn if they can be: a cluster may have no gnuplot
   check_outputs(output, options.start.file);
-  if (!options.h5.empty()) check_writable(options.h5);
+  if (!options.h5.empty()) check_map_file("--h5", options.h5);
   check_distinct({{"--h5", options.h5}, {"--json", output.json}, {"--csv", output.csv}, {"--plot", output.plot}},
                  options.start.file);
   for (const auto& [option, file] : {std::pair{"--json", output.json}, {"--csv", output.csv}})
@@ -109,7 +117,7 @@ void check_all_outputs(const Options& options, const MapPlan& plan) {
           "{}: {:.0f} points are too many for a text, a million are allowed; take --h5 or --out", option, plan.points()));
   if (options.output.out.empty()) return;
   make_folder(options.output.out);
-  check_writable(options.output.out + "/map.h5");
+  check_map_file("--out", options.output.out + "/map.h5");
 }
 
 /// Where the map goes as HDF5: --h5, and into the folder.
