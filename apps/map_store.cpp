@@ -36,10 +36,10 @@ MapStore::MapStore(const MapPlan& plan, const Json& head)
     : plan_(plan), fingerprint_(fingerprint_of(head)), kept_(static_cast<std::size_t>(plan.chunks())),
       finished_(static_cast<std::size_t>(plan.chunks()), false) {}
 
-MapStore::MapStore(const MapPlan& plan, const Json& head, const std::string& folder, bool resume)
+MapStore::MapStore(const MapPlan& plan, const Json& head, const std::string& folder, MapBeginning beginning)
     : plan_(plan), fingerprint_(fingerprint_of(head)), out_(folder), folder_(folder + "/chunks") {
   try {
-    resume ? take_up() : begin(head);
+    beginning == MapBeginning::resuming ? take_up() : begin(head, beginning == MapBeginning::overwriting);
   } catch (...) {
     if (lock_ >= 0) ::close(lock_);
     throw;
@@ -66,13 +66,18 @@ void MapStore::lock() {
   }
 }
 
-void MapStore::begin(const Json& head) {
+void MapStore::begin(const Json& head, bool overwriting) {
   make_folder(folder_);
   lock();
   if (fs::exists(folder_ + run_file))
     throw std::invalid_argument(fmt::format(
         "--out: {0} holds an unfinished map; --resume {1} goes on with it, and without the folder {0} a new one begins", folder_,
         out_));
+  if (!overwriting && fs::exists(out_ + "/map.h5")) {
+    remove();
+    throw std::invalid_argument(
+        fmt::format("--out {0}: a finished map is there, {0}/map.h5; give another folder, or --overwrite to replace it", out_));
+  }
   finished_.assign(static_cast<std::size_t>(plan_.chunks()), false);
   Json run = head;
   run["chunk_rows"] = plan_.chunk_rows;

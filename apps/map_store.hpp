@@ -14,14 +14,17 @@
 
 namespace graze::apps {
 
+/// A map that is there already is replaced on request alone.
+enum class MapBeginning { anew, overwriting, resuming };
+
 class MapStore {
  public:
   /// In memory.
   MapStore(const MapPlan& plan, const Json& head);
-  /// In `folder`/chunks. With `resume`, what an interrupted run of the same head has left there is gone on with.
+  /// In `folder`/chunks. Resuming goes on with what an interrupted run of the same head has left there.
   /// @throws std::invalid_argument in one sentence: another run is or was there, or it is of other options, or at work now, or
   /// there is nothing to resume.
-  MapStore(const MapPlan& plan, const Json& head, const std::string& folder, bool resume);
+  MapStore(const MapPlan& plan, const Json& head, const std::string& folder, MapBeginning beginning);
   ~MapStore();
   MapStore(const MapStore&) = delete;
   MapStore& operator=(const MapStore&) = delete;
@@ -45,7 +48,7 @@ class MapStore {
 
  private:
   std::string file(int number) const;
-  void begin(const Json& head);
+  void begin(const Json& head, bool overwriting);
   void take_up();
   void lock();
 

@@ -28,6 +28,7 @@ struct Options {
   StartOptions start;  // problem, settings, settle
   std::vector<std::string> parameters, starts;
   std::string follow = "none", resume, h5;
+  bool overwrite = false;
   MapOptions map;
   std::optional<double> standard_error;
   std::optional<int> chunk_rows;
@@ -174,10 +175,17 @@ std::optional<MapFile> finished_map(const Options& options, const Json& head) {
   return map;
 }
 
+MapBeginning beginning_of(const Options& options) {
+  if (!options.resume.empty()) return MapBeginning::resuming;
+  return options.overwrite ? MapBeginning::overwriting : MapBeginning::anew;
+}
+
 int lead(const Options& given, Ranks& ranks, const Console& console) {
   Options options = given;
   if (!options.resume.empty() && !options.output.out.empty() && options.output.out != options.resume)
     throw std::invalid_argument("--resume DIR goes on in its own folder; leave --out away");
+  if (options.overwrite && (!options.resume.empty() || options.output.out.empty()))
+    throw std::invalid_argument("--overwrite replaces the finished map in --out DIR; give that, and no --resume");
   options.output.out = options.resume.empty() ? options.output.out : options.resume;
   const MapPlan plan = plan_from(options, console);
   const Json head = map_head(plan, options.start.settings);
@@ -197,7 +205,7 @@ int lead(const Options& given, Ranks& ranks, const Console& console) {
   if (options.output.out.empty())
     store.emplace(plan, head);
   else
-    store.emplace(plan, head, options.output.out, !options.resume.empty());
+    store.emplace(plan, head, options.output.out, beginning_of(options));
   if (!options.resume.empty()) {
     console.note(fmt::format("{} of {} chunks are there already", store->finished(), store->plan().chunks()));
     if (store->damaged() > 0)
@@ -259,6 +267,8 @@ std::function<int(const Console&)> setup(CLI::App& app) {
              "bound of lambda_1's standard error where it is averaged (default 3e-3: the sign is what matters)");
   begin_group(app, "Results");
   add_text(app, "--out", options->output.out, "DIR", "folder that gets map.h5 and pictures, and meanwhile the finished chunks");
+  add_flag(app, "--overwrite", options->overwrite,
+           "replace a finished map in --out DIR; without, it is kept and the run refused");
   add_text(app, "--resume", options->resume, "DIR", "go on with what an interrupted or killed run left in DIR (its --out)");
   add_text(app, "--h5", options->h5, "FILE", "the map as HDF5");
   add_text(app, "--json", options->output.json, "FILE|-", "the map as JSON, up to a million points");
