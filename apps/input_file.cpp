@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/input_file.hpp>
+#include <graze/apps/same_run.hpp>
 
 #include <fmt/format.h>
 
@@ -51,9 +52,9 @@ Json read_to_resume(const std::string& folder, const std::string& command) {
 }
 
 void check_same_run(const Json& earlier, const Json& head, const std::string& folder) {
-  for (const char* part : {"model", "parameters", "options"})
-    if (earlier.value(part, Json()) != head[part])
-      refuse_to_resume(folder, head["command"], "is of another model, other parameters or other options; give the same");
+  const std::vector<std::string> parts = {"model", "parameters", "options"};
+  if (const auto found = difference(essence(earlier, parts), essence(head, parts)))
+    refuse_to_resume(folder, head["command"], fmt::format("is of another run: {}; give the same", *found));
 }
 
 void refuse_to_resume(const std::string& folder, const std::string& command, const std::string& why) {

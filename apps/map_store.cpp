@@ -2,6 +2,7 @@
 #include <graze/apps/input_file.hpp>
 #include <graze/apps/map_store.hpp>
 #include <graze/apps/output_file.hpp>
+#include <graze/apps/same_run.hpp>
 
 #include <fmt/format.h>
 
@@ -26,9 +27,7 @@ namespace fs = std::filesystem;
 constexpr const char* run_file = "/run.json";
 
 /// What makes two runs the same: everything that a point's numbers depend on.
-std::uint64_t fingerprint_of(const Json& head) {
-  return checksum(Json{head.at("graze"), head.at("model"), head.at("parameters"), head.at("options")}.dump());
-}
+std::uint64_t fingerprint_of(const Json& head) { return checksum(essence(head, map_essentials).dump()); }
 
 }  // namespace
 
@@ -39,7 +38,7 @@ MapStore::MapStore(const MapPlan& plan, const Json& head)
 MapStore::MapStore(const MapPlan& plan, const Json& head, const std::string& folder, MapBeginning beginning)
     : plan_(plan), fingerprint_(fingerprint_of(head)), out_(folder), folder_(folder + "/chunks") {
   try {
-    beginning == MapBeginning::resuming ? take_up() : begin(head, beginning == MapBeginning::overwriting);
+    beginning == MapBeginning::resuming ? take_up(head) : begin(head, beginning == MapBeginning::overwriting);
   } catch (...) {
     if (lock_ >= 0) ::close(lock_);
     throw;
@@ -85,7 +84,7 @@ void MapStore::begin(const Json& head, bool overwriting) {
   if (const auto failure = sync_folder(folder_)) throw std::invalid_argument(*failure);
 }
 
-void MapStore::take_up() {
+void MapStore::take_up(const Json& head) {
   const std::string name = folder_ + run_file;
   if (!fs::exists(name))
     throw std::invalid_argument(
@@ -95,8 +94,9 @@ void MapStore::take_up() {
   try {
     run = parse_json(read_whole(name));
     plan_.chunk_rows = run.at("chunk_rows");
-    if (plan_.chunk_rows < 1 || fingerprint_of(run) != fingerprint_)
-      throw std::invalid_argument("is of another model, other parameters, other options or another version; give the same");
+    if (const auto found = difference(essence(run, map_essentials), essence(head, map_essentials)))
+      throw std::invalid_argument(fmt::format("is of another run: {}; give the same", *found));
+    if (plan_.chunk_rows < 1) throw std::invalid_argument("is damaged; compute the map anew");
   } catch (const Json::exception&) {
     throw std::invalid_argument(fmt::format("--resume: {} is damaged; compute the map anew", name));
   } catch (const std::invalid_argument& refused) {

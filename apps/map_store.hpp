@@ -14,6 +14,9 @@
 
 namespace graze::apps {
 
+/// The parts of a map's head that its numbers depend on; see essence().
+inline const std::vector<std::string> map_essentials = {"graze", "model", "parameters", "options"};
+
 /// A map that is there already is replaced on request alone.
 enum class MapBeginning { anew, overwriting, resuming };
 
@@ -49,7 +52,7 @@ class MapStore {
  private:
   std::string file(int number) const;
   void begin(const Json& head, bool overwriting);
-  void take_up();
+  void take_up(const Json& head);
   void lock();
 
   MapPlan plan_;

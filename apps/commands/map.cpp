@@ -11,6 +11,7 @@
 #include <graze/apps/pictures/maps.hpp>
 #include <graze/apps/pictures/pictures.hpp>
 #include <graze/apps/result.hpp>
+#include <graze/apps/same_run.hpp>
 
 #include <fmt/format.h>
 
@@ -168,10 +169,8 @@ std::optional<MapFile> finished_map(const Options& options, const Json& head) {
   if (options.resume.empty() || !std::filesystem::exists(file) || std::filesystem::exists(options.resume + "/chunks/run.json"))
     return std::nullopt;
   MapFile map(file);
-  for (const char* part : {"graze", "model", "parameters", "options"})
-    if (map.head().value(part, Json()) != head[part])
-      throw std::invalid_argument(fmt::format(
-          "--resume: {} is of another model, other parameters, other options or another version; give the same", file));
+  if (const auto found = difference(essence(map.head(), map_essentials), essence(head, map_essentials)))
+    throw std::invalid_argument(fmt::format("--resume: {} is of another run: {}; give the same", file, *found));
   return map;
 }
 

@@ -156,7 +156,7 @@ TEST_CASE("attractors goes on from what an interrupted run has left, to the last
   CHECK(Json::parse(read_file(out + "/attractors.json"))["basins"] == whole["basins"]);
   const Outcome other = run(with(options, {"--resume", out, "--set", "b=0.06"}), "hertz-damped");
   CHECK(other.code == 2);
-  CHECK_THAT(other.err, Contains("is of another model, other parameters or other options"));
+  CHECK_THAT(other.err, Contains("is of another run: parameters.b is 0.05 there and 0.06 now"));
   Json damaged = whole;
   damaged["basins"]["attractor"].erase(0);
   folder.write("run/attractors.json", damaged.dump());
