@@ -228,8 +228,8 @@ void check_options(Options& options, const Problem& problem) {
     throw std::invalid_argument(
         fmt::format("{} is of the sweeps, which --skeleton leaves out", options.sweeping.step ? "--step" : "--standard-error"));
   if (options.skeleton) return;
-  start_state(problem, options.start.start);
   const SweepRange range = range_of(options);
+  check_sweep_start(problem, options.start, range);
   if (!options.sweeping.step) options.sweeping.step = (range.to - range.from) / usual_steps;
   sweep_values(range.from, range.to, *options.sweeping.step);
 }

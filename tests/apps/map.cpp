@@ -191,6 +191,8 @@ TEST_CASE("map refuses what it does not understand") {
   CHECK_THAT(misuse({"--param", "eta:0.7:0.8:3", "--param", "k_r:0:1:3"}), Contains("belongs to the newton contact law"));
   CHECK_THAT(misuse(with({"--start", "1"})), Contains("--start 1: must be two numbers x,v"));
   CHECK_THAT(misuse(with({"--start", "9,0"}), "newton-elastic"), Contains("--start") && Contains("x <= r"));
+  for (const char* start : {"nan,0", "0,inf"})
+    CHECK_THAT(misuse(with({"--start", start})), Contains("--start: the state holds a value that is not a finite number"));
   CHECK_THAT(misuse(with({"--follow", "sideways"})), Contains("--follow sideways"));
   CHECK_THAT(misuse(with({"--standard-error", "0"})), Contains("--standard-error is 0; allowed is > 0"));
   CHECK_THAT(misuse(with({"--chunk", "0"})), Contains("--chunk 0"));
