@@ -108,7 +108,7 @@ void check_map_file(const std::string& option, const std::string& file) {
 
 void check_all_outputs(const Options& options, const MapPlan& plan) {
   OutputOptions output = options.output;
-  output.out.clear();  // its pictures are drawn if they can be: a cluster may have no gnuplot
+  output.out.clear();  // its pictures are drawn where there is gnuplot: a cluster may have none
   check_outputs(output, options.start.file);
   if (!options.h5.empty()) check_map_file("--h5", options.h5);
   check_distinct({{"--h5", options.h5}, {"--json", output.json}, {"--csv", output.csv}, {"--plot", output.plot}},
@@ -145,11 +145,20 @@ int present(const Options& options, const MapPlan& plan, const Json& head, const
       return fmt::format("{}: {}", file, error.what());
     }
   };
+  // A cluster may have no gnuplot: then the folder goes without.
+  const auto folder_picture = [&](const std::string& kind) {
+    const std::string file = fmt::format("{}/map-{}.png", options.output.out, kind);
+    try {
+      check_picture_file(file);
+    } catch (const std::invalid_argument& missing) {
+      return console.note(missing.what());
+    }
+    if (const auto failure = picture(file, kind)) complain(*failure);
+  };
   if (!options.output.plot.empty())
     if (const auto failure = picture(options.output.plot, options.output.plot_kind)) complain(*failure);
   if (!options.output.out.empty() && run.status == Status::done)
-    for (const std::string& kind : picture_names("graze.map/1"))
-      if (const auto failure = picture(fmt::format("{}/map-{}.png", options.output.out, kind), kind)) console.note(*failure);
+    for (const std::string& kind : picture_names("graze.map/1")) folder_picture(kind);
   const std::vector<MapCounts> counts = count_map(plan, rows);
   Result result;
   result.json = head;

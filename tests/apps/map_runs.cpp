@@ -113,13 +113,20 @@ TEST_CASE("map: two threads give the file of one") {
   CHECK_THAT(other.err, Contains("is of another run: parameters.b is 0.05 there and 0.06 now; give the same"));
 }
 
-TEST_CASE("map: a finished one is replaced on request alone") {
+TEST_CASE("map: a finished one is replaced on request alone, and its pictures may be drawn later") {
   const TemporaryFolder folder;
   const std::string out = folder.file("run");
   const auto map = [&](const std::string& more) {
     return run_shell(program("map '" + problem("newton-elastic") + "' --quiet --param eta:0.65:0.95:3 " + more));
   };
-  REQUIRE(map("--param r:1:2:2 --out '" + out + "'").code == 0);
+  fs::create_directories(out + "/map-attractors.png");  // a picture that cannot be written is told, and costs nothing else
+  const Outcome without = map("--param r:1:2:2 --out '" + out + "'");
+  CHECK(without.code == 2);
+  CHECK_THAT(without.err, Contains("map-attractors.png: cannot be written"));
+  CHECK(fs::exists(out + "/map-exponent.png"));
+  fs::remove(out + "/map-attractors.png");
+  REQUIRE(map("--param r:1:2:2 --resume '" + out + "'").code == 0);
+  CHECK(fs::exists(out + "/map-attractors.png"));
   const std::string first = read_file(out + "/map.h5");
   const Outcome refused = map("--param r:1:3:3 --out '" + out + "'");
   CHECK(refused.code == 2);
