@@ -31,8 +31,8 @@ std::uint64_t fingerprint_of(const Json& head) { return checksum(essence(head, m
 
 }  // namespace
 
-MapStore::MapStore(const MapPlan& plan, const Json& head)
-    : plan_(plan), fingerprint_(fingerprint_of(head)), kept_(static_cast<std::size_t>(plan.chunks())),
+MapStore::MapStore(const MapPlan& plan, const Json& head, const std::string& advice)
+    : plan_(plan), fingerprint_(fingerprint_of(head)), advice_(advice), kept_(static_cast<std::size_t>(plan.chunks())),
       finished_(static_cast<std::size_t>(plan.chunks()), false) {}
 
 MapStore::MapStore(const MapPlan& plan, const Json& head, const std::string& folder, MapBeginning beginning)
@@ -126,9 +126,7 @@ std::vector<int> MapStore::missing() const {
 
 int MapStore::finished() const { return static_cast<int>(std::count(finished_.begin(), finished_.end(), true)); }
 
-std::string MapStore::advice() const {
-  return out_.empty() ? "they are lost without --out DIR" : fmt::format("--resume {} goes on with them", out_);
-}
+std::string MapStore::advice() const { return out_.empty() ? advice_ : fmt::format("--resume {} goes on with them", out_); }
 
 std::optional<std::string> MapStore::keep(int number, const std::string& bytes) {
   if (folder_.empty()) {

@@ -22,8 +22,8 @@ enum class MapBeginning { anew, overwriting, resuming };
 
 class MapStore {
  public:
-  /// In memory.
-  MapStore(const MapPlan& plan, const Json& head);
+  /// In memory. `advice`: what becomes of the chunks after an end before its time.
+  MapStore(const MapPlan& plan, const Json& head, const std::string& advice);
   /// In `folder`/chunks. Resuming goes on with what an interrupted run of the same head has left there.
   /// @throws std::invalid_argument in one sentence: another run is or was there, or it is of other options, or at work now, or
   /// there is nothing to resume.
@@ -58,6 +58,7 @@ class MapStore {
   MapPlan plan_;
   std::uint64_t fingerprint_ = 0;
   std::string out_, folder_;  // empty: in memory
+  std::string advice_;
   std::vector<std::string> kept_;
   std::vector<bool> finished_;
   int damaged_ = 0, lock_ = -1;

@@ -183,6 +183,24 @@ std::optional<MapFile> finished_map(const Options& options, const Json& head) {
   return map;
 }
 
+/// Whether a map that is not finished goes anywhere: HDF5 has finished ones alone.
+bool wants_part(const Options& options) {
+  return !options.output.json.empty() || !options.output.csv.empty() || !options.output.plot.empty();
+}
+
+/// What becomes of an unfinished map that has no folder.
+std::string without_folder(const Options& options) {
+  std::string text = "they are lost without --out DIR";
+  if (wants_part(options)) {
+    std::vector<std::string> outputs;
+    for (const auto& [option, file] :
+         {std::pair{"--json", options.output.json}, {"--csv", options.output.csv}, {"--plot", options.output.plot}})
+      if (!file.empty()) outputs.emplace_back(option);
+    text = fmt::format("they go to {} and cannot be gone on with; --out DIR would keep them", fmt::join(outputs, " and "));
+  }
+  return options.h5.empty() ? text : text + "; --h5 is for whole maps and is not written";
+}
+
 MapBeginning beginning_of(const Options& options) {
   if (!options.resume.empty()) return MapBeginning::resuming;
   return options.overwrite ? MapBeginning::overwriting : MapBeginning::anew;
@@ -211,7 +229,7 @@ int lead(const Options& given, Ranks& ranks, const Console& console) {
   }
   std::optional<MapStore> store;
   if (options.output.out.empty())
-    store.emplace(plan, head);
+    store.emplace(plan, head, without_folder(options));
   else
     store.emplace(plan, head, options.output.out, beginning_of(options));
   if (!options.resume.empty()) {
@@ -222,14 +240,14 @@ int lead(const Options& given, Ranks& ranks, const Console& console) {
   const int threads = console.threads > 0 || ranks.count() == 1 ? console.thread_count() : 1;
   MapRun run = run_map(*store, head, ranks, threads, console);
   if (run.status != Status::done) {
-    const bool partly = !options.output.json.empty() || !options.output.csv.empty() || !options.output.plot.empty();
-    if (partly) return present(options, store->plan(), head, rows_of(*store), run, console);
+    if (wants_part(options)) return present(options, store->plan(), head, rows_of(*store), run, console);
     return run.unwritable ? 2 : exit_code(run.status);
   }
   for (const std::string& file : map_files(options))
     if (const auto failure = write_map_file(file, store->plan(), head, rows_of(*store))) {
       console.err << fmt::format("graze map: {}; all chunks are finished, {}\n", *failure, store->advice());
-      return 2;
+      run.unwritable = true;
+      return wants_part(options) ? present(options, store->plan(), head, rows_of(*store), run, console) : 2;
     }
   if (map_files(options).empty()) return present(options, store->plan(), head, rows_of(*store), run, console);
   MapFile map(map_files(options).front());
