@@ -15,6 +15,7 @@
 
 #include <functional>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -29,7 +30,7 @@ std::optional<std::string> write_map_file(const std::string& file, const MapPlan
 /// A map that was written before.
 class MapFile {
  public:
-  /// @throws std::invalid_argument if it cannot be read, or is no map.
+  /// @throws std::invalid_argument if it cannot be read, is no map, or lacks a dataset.
   explicit MapFile(const std::string& file);
   ~MapFile();
   MapFile(MapFile&&) noexcept;
@@ -37,11 +38,17 @@ class MapFile {
 
   const Json& head() const { return head_; }
   const MapPlan& plan() const { return plan_; }
-  /// Reads bands of rows, and is fast where rows are asked for in order. @throws std::runtime_error if they cannot be read.
+  /// Reads bands of rows, and is fast where rows are asked for in order.
+  /// @throws std::invalid_argument that names the dataset which cannot be read or holds what it should not.
   std::vector<MapPoint> row(int number);
 
  private:
   struct Open;
+  std::invalid_argument damaged(const std::string& dataset, const std::string& how) const;
+  void check_datasets() const;
+  void read(int first);
+
+  std::string name_;
   std::unique_ptr<Open> open_;
   Json head_;
   MapPlan plan_;

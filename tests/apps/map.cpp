@@ -171,6 +171,37 @@ TEST_CASE("map: no byte of a chunk can change without being noticed") {
   CHECK_FALSE(chunk_from(bytes, plan, 42, 0));  // of other rows
 }
 
+TEST_CASE("map: a damaged file is named, with the dataset that is") {
+  const TemporaryFolder folder;
+  const std::string h5 = folder.file("m.h5"), python = "/usr/bin/python3";
+  REQUIRE(run(with({"--h5", h5})).code == 0);
+  const std::string whole = read_file(h5);
+  const auto plotted = [&] {
+    const Outcome outcome = call({"plot", h5, "-o", folder.file("x.png")});
+    CHECK(outcome.code == 2);
+    CHECK_THAT(outcome.err, Contains("graze plot: " + h5 + ": this ") && Contains("; compute the map anew"));
+    return outcome.err;
+  };
+  const auto replaced = [&](const std::string& text, const std::string& other) {
+    std::string bytes = whole;
+    for (std::size_t at = bytes.find(text); at != std::string::npos; at = bytes.find(text, at + 1))
+      bytes.replace(at, text.size(), other);
+    CHECK(bytes != whole);
+    folder.write("m.h5", bytes);
+    return plotted();
+  };
+  CHECK_THAT(replaced(std::string("lambda_1", 9), std::string("lambda_x", 9)), Contains("its dataset \"lambda_1\" is missing"));
+  CHECK_THAT(replaced("\"count\":3", "\"count\":4"), Contains("\"attractor\" has 1 x 3 x 6 values and should have 1 x 4 x 6"));
+  folder.write("m.h5", whole.substr(0, whole.size() / 2));
+  CHECK_THAT(plotted(), Contains("this HDF5 file is truncated or damaged"));
+  folder.write("m.h5", whole);
+  if (run_shell(python + " -c \"import h5py; h5py.File('" + h5 + "', 'r+')['attractor'][...] = 200\"").code != 0) {
+    WARN("python3-h5py is not installed: a wrong attractor was not tested");
+    return;
+  }
+  CHECK_THAT(plotted(), Contains("its dataset \"attractor\" holds a 200"));
+}
+
 TEST_CASE("map refuses what it does not understand") {
   const TemporaryFolder folder;
   const auto misuse = [](const std::vector<std::string>& more, const std::string& id = "hertz-damped") {
