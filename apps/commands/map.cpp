@@ -32,7 +32,7 @@ struct Options {
   bool overwrite = false;
   MapOptions map;
   std::optional<double> standard_error;
-  std::optional<int> chunk_rows;
+  std::optional<int> chunk_rows, transient;
   OutputOptions output;
 };
 
@@ -65,6 +65,10 @@ MapPlan plan_from(const Options& options, const Console& console) {
   if (options.starts.empty() && plan.problem.start) plan.starts = {plan.problem.start};
   plan.follow = options.follow;
   plan.options = options.map;
+  if (options.transient && options.follow == "none")
+    throw std::invalid_argument(
+        "--transient is of rows that are followed; give --follow up, down or both too (--settle is of starts)");
+  if (options.transient) plan.options.transient = *options.transient;
   plan.options.settle = settle_of(plan.problem, options.start);
   if (options.standard_error) plan.options.standard_error = *options.standard_error;
   if (!(plan.options.standard_error > 0.0))
@@ -107,7 +111,9 @@ void check_map_file(const std::string& option, const std::string& file) {
 }
 
 void check_all_outputs(const Options& options, const MapPlan& plan) {
+  if (!options.output.out.empty()) make_folder(options.output.out);
   OutputOptions output = options.output;
+  if (!output.out.empty()) output.plot_kind.clear();
   output.out.clear();  // its pictures are drawn where there is gnuplot: a cluster may have none
   check_outputs(output, options.start.file);
   if (!options.h5.empty()) check_map_file("--h5", options.h5);
@@ -117,16 +123,16 @@ void check_all_outputs(const Options& options, const MapPlan& plan) {
     if (!file.empty() && plan.points() > most_points_in_text)
       throw std::invalid_argument(fmt::format(
           "{}: {:.0f} points are too many for a text, a million are allowed; take --h5 or --out", option, plan.points()));
-  if (options.output.out.empty()) return;
-  make_folder(options.output.out);
-  check_map_file("--out", options.output.out + "/map.h5");
+  if (!options.output.out.empty()) check_map_file("--out", options.output.out + "/map.h5");
 }
 
 /// Where the map goes as HDF5: --h5, and into the folder.
 std::vector<std::string> map_files(const Options& options) {
   std::vector<std::string> files;
   if (!options.output.out.empty()) files.push_back(options.output.out + "/map.h5");
-  if (!options.h5.empty()) files.push_back(options.h5);
+  std::error_code error;
+  const auto place = [&error](const std::string& file) { return std::filesystem::weakly_canonical(file, error); };
+  if (!options.h5.empty() && (files.empty() || place(options.h5) != place(files.front()))) files.push_back(options.h5);
   return files;
 }
 
@@ -286,7 +292,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_count(
       app, "--settle", options->start.settle, 0,
       "most forcing periods of transient from a start (default: the file's, else 1000); a stable orbit that is proved ends it");
-  add_count(app, "--transient", options->map.transient, 0, "the same from a neighbour's state (default 300)");
+  add_count(app, "--transient", options->transient, 0, "with --follow: the same from a neighbour's state (default 300)");
   add_count(app, "--max-period", options->map.max_period, 1, "longest period that is recognised (default 64)", longest_period);
   add_count(app, "--periods", options->map.periods, 1, "most forcing periods of an average (default 5000)");
   add_number(app, "--standard-error", options->standard_error,

@@ -226,6 +226,8 @@ TEST_CASE("map refuses what it does not understand") {
     CHECK_THAT(misuse(with({"--start", start})), Contains("--start: the state holds a value that is not a finite number"));
   CHECK_THAT(misuse(with({"--follow", "sideways"})), Contains("--follow sideways"));
   CHECK_THAT(misuse(with({"--standard-error", "0"})), Contains("--standard-error is 0; allowed is > 0"));
+  CHECK_THAT(misuse(with({"--transient", "50"})), Contains("--transient is of rows that are followed; give --follow"));
+  CHECK_THAT(misuse(with({"--plot-kind", "exponent"})), Contains("--plot-kind exponent: there is no picture; give --plot"));
   CHECK_THAT(misuse(with({"--chunk", "0"})), Contains("--chunk 0"));
   CHECK_THAT(misuse(with({"--resume", folder.file("none")})), Contains("no such folder"));
   CHECK_THAT(misuse(with({"--h5", folder.file("none/m.h5")})), Contains("there is no folder"));

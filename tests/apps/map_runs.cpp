@@ -135,6 +135,10 @@ TEST_CASE("map: a finished one is replaced on request alone, and its pictures ma
   CHECK_FALSE(fs::exists(out + "/chunks"));
   CHECK(map("--param r:1:3:3 --overwrite --out '" + out + "'").code == 0);
   CHECK(read_file(out + "/map.h5") != first);
+  // The folder is made first, and its map may be named again.
+  const std::string other = folder.file("other");
+  CHECK(map("--param r:1:3:3 --out '" + other + "' --h5 '" + other + "/map.h5'").code == 0);
+  CHECK(read_file(other + "/map.h5") == read_file(out + "/map.h5"));
   for (const std::string& wrong : {std::string("--overwrite"), "--overwrite --resume '" + out + "'"}) {
     const Outcome outcome = map("--param r:1:3:3 " + wrong);
     CHECK(outcome.code == 2);
