@@ -90,18 +90,20 @@ void MapStore::take_up(const Json& head) {
     throw std::invalid_argument(
         fmt::format("--resume: {}: no such file; give the folder that an interrupted run of graze map wrote with --out", name));
   lock();
+  const auto refuse = [&name](const std::string& why) { return std::invalid_argument(fmt::format("--resume: {}{}", name, why)); };
+  const std::string text = read_whole(name);
   Json run;
   try {
-    run = parse_json(read_whole(name));
+    run = parse_json(text);
     plan_.chunk_rows = run.at("chunk_rows");
-    if (const auto found = difference(essence(run, map_essentials), essence(head, map_essentials)))
-      throw std::invalid_argument(fmt::format("is of another run: {}; give the same", *found));
-    if (plan_.chunk_rows < 1) throw std::invalid_argument("is damaged; compute the map anew");
   } catch (const Json::exception&) {
-    throw std::invalid_argument(fmt::format("--resume: {} is damaged; compute the map anew", name));
-  } catch (const std::invalid_argument& refused) {
-    throw std::invalid_argument(fmt::format("--resume: {} {}", name, refused.what()));
+    throw refuse(" is damaged; compute the map anew");
+  } catch (const std::invalid_argument& broken) {
+    throw refuse(fmt::format(": {}; compute the map anew", broken.what()));
   }
+  if (const auto found = difference(essence(run, map_essentials), essence(head, map_essentials)))
+    throw refuse(fmt::format(" is of another run: {}; give the same", *found));
+  if (plan_.chunk_rows < 1) throw refuse(" is damaged; compute the map anew");
   finished_.assign(static_cast<std::size_t>(plan_.chunks()), false);
   // What was being written when the end came.
   for (const auto& [folder, beginning] : {std::pair{folder_, "."}, {out_, ".map.h5."}})

@@ -36,13 +36,16 @@ struct Options {
   OutputOptions output;
 };
 
-ParameterAxis parse_parameter(const std::string& text) {
-  const std::size_t colon = text.find(':');
-  if (colon == std::string::npos || colon == 0 || std::count(text.begin(), text.end(), ':') != 3)
-    throw std::invalid_argument(
-        fmt::format("--param {}: must be NAME:a:b:n, n values from a to b, for example eta:0.65:0.95:200", text));
-  const std::string name = text.substr(0, colon);
-  const Axis axis = parse_axis("--param " + name + ":", text.substr(colon + 1), true);
+/// An axis whose ends are values that the parameter may have.
+ParameterAxis parse_parameter(const Problem& problem, const std::string& text) {
+  const auto [name, axis] = parse_named_axis("--param", text);
+  parameter(problem, name);  // or throws
+  for (const double end : {axis.from, axis.to}) try {
+      Problem at = problem;
+      set_parameter(at, name, end);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(fmt::format("--param {}: {}", text, error.what()));
+    }
   return {name, axis.from, axis.to, axis.count};
 }
 
@@ -50,11 +53,10 @@ MapPlan plan_from(const Options& options, const Console& console) {
   MapPlan plan;
   if (options.parameters.size() != 2)
     throw std::invalid_argument(
-        fmt::format("--param is given {}; a map is over two parameters, for example --param eta:0.65:0.95:200 --param r:1:3:150",
-                    options.parameters.empty() ? "not at all" : counted(options.parameters.size(), "time")));
+        fmt::format("--param is {}; a map is over two parameters, for example --param eta:0.65:0.95:200 --param r:1:3:150",
+                    options.parameters.empty() ? "not given" : "given " + counted(options.parameters.size(), "time")));
   plan.problem = open_problem(options.start, console);
-  plan.grid = {parse_parameter(options.parameters[0]), parse_parameter(options.parameters[1])};
-  for (const ParameterAxis& axis : {plan.grid.columns, plan.grid.rows}) parameter(plan.problem, axis.parameter);  // or throws
+  plan.grid = {parse_parameter(plan.problem, options.parameters[0]), parse_parameter(plan.problem, options.parameters[1])};
   if (!options.starts.empty()) plan.starts.clear();
   for (const std::string& text : options.starts) {
     const auto state = parse_numbers(text);

@@ -54,6 +54,7 @@ TEST_CASE("wrong commands and options are misuse") {
   CHECK_THAT(misuse("orbit " + hertz + " --perod 2"), Contains("no option --perod") && Contains("did you mean --period"));
   CHECK_THAT(misuse("orbit"), Contains("graze orbit: PROBLEM is required"));
   CHECK_THAT(misuse("orbit " + hertz + " again"), Contains("\"again\" is one argument too many"));
+  CHECK_THAT(misuse("orbit " + hertz + " --set b=0.06 r=2"), Contains("\"r=2\" is one argument too many"));
   CHECK_THAT(misuse("orbit " + hertz + " --period two"), Contains("--period two") && Contains("whole number >= 1"));
   CHECK_THAT(misuse("orbit " + hertz + " --period 0"), Contains("whole number >= 1"));
   CHECK_THAT(misuse("orbit " + hertz + " --settle -5"), Contains("whole number >= 0"));

@@ -75,6 +75,9 @@ TEST_CASE("sweep goes on from what an interrupted run has left, to the last bit"
   std::filesystem::copy_file(problem("newton-elastic"), folder.file("same.toml"));
   const Outcome renamed = call(with({"--resume", out, "--json", "-", "--quiet"}, {"sweep", folder.file("same.toml")}));
   CHECK(json_of(renamed)["rows"] == whole["rows"]);
+  folder.write("run/sweep.json", "{\n\"schema\": [1,");
+  CHECK_THAT(run(with({"--resume", out})).err,
+             Contains("run/sweep.json: this is not valid JSON from line 2 on, where it breaks off; compute it anew"));
 }
 
 TEST_CASE("sweep does not depend on the number of threads, where rows are taken back too") {
