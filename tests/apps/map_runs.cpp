@@ -279,6 +279,14 @@ TEST_CASE("map: a rank that dies ends the run, which can be gone on with") {
   check_finished(run_shell(mpirun + "-n 3 " + program(options() + " --resume '" + out + "'")), out);
 }
 
+TEST_CASE("a command of one process keeps quiet and to its processors under mpirun") {
+  if (!have_mpirun()) return;
+  const Outcome outcome = run_shell(
+      mpirun + "-n 2 " + program("sweep '" + problem("newton-elastic") + "' --from 0.7 --to 0.71 --step 0.005 --quiet"));
+  CHECK(outcome.code == 0);
+  CHECK_THAT(outcome.err, !Contains("TBB"));
+}
+
 TEST_CASE("map: misuse under mpirun is said once, and ends all ranks") {
   if (!have_mpirun()) return;
   for (const std::string wrong : {" --standard-error 0", " --nonsense"}) {
