@@ -4,6 +4,7 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace graze::apps {
 
@@ -17,5 +18,8 @@ struct Axis {
 /// "a:b:n", or "a:b" for 64 values; not `counted`: a range "a:b" alone. `option` is what messages call it.
 /// @throws std::invalid_argument in one sentence.
 Axis parse_axis(std::string_view option, const std::string& text, bool counted);
+
+/// "NAME:a:b:n", as name and axis. @throws std::invalid_argument in one sentence.
+std::pair<std::string, Axis> parse_named_axis(std::string_view option, const std::string& text);
 
 }  // namespace graze::apps

@@ -2,10 +2,11 @@
 // What every command is given beside its own options: --quiet and --threads, and where notes go.
 #pragma once
 
+#include <oneapi/tbb/info.h>
+
 #include <algorithm>
 #include <ostream>
 #include <string>
-#include <thread>
 
 namespace graze::apps {
 
@@ -13,10 +14,10 @@ struct Console {
   std::ostream& out;   ///< results
   std::ostream& err;   ///< progress, notes, errors
   bool quiet = false;  ///< no progress and no notes
-  int threads = 0;     ///< 0: as many as the machine has
+  int threads = 0;     ///< 0: as many as there are processors
 
-  /// Threads to use: those asked for, or all that the machine has.
-  int thread_count() const { return threads > 0 ? threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency())); }
+  /// Threads to use: those asked for, or as many as there are processors that this process may run on.
+  int thread_count() const { return threads > 0 ? threads : std::max(1, oneapi::tbb::info::default_concurrency()); }
 
   /// A line on stderr, unless --quiet.
   void note(const std::string& text) const {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/input_file.hpp>
+#include <graze/apps/same_run.hpp>
 
 #include <fmt/format.h>
 
@@ -40,20 +41,22 @@ Json read_to_resume(const std::string& folder, const std::string& command) {
   if (!std::filesystem::exists(file, error))
     throw std::invalid_argument(fmt::format(
         "--resume: {}: no such file; give the folder that an interrupted run of graze {} wrote with --out", file, command));
+  const std::string text = read_whole(file);
+  Json result;
   try {
-    Json result = parse_json(read_whole(file));
-    if (!result.is_object() || result.value("command", "") != command)
-      throw std::invalid_argument(fmt::format("is not a result of graze {}", command));
-    return result;
+    result = parse_json(text);
   } catch (const std::invalid_argument& refused) {
-    throw std::invalid_argument(fmt::format("--resume: {} {}", file, refused.what()));
+    throw std::invalid_argument(fmt::format("--resume: {}: {}; compute it anew", file, refused.what()));
   }
+  if (!result.is_object() || result.value("command", "") != command)
+    refuse_to_resume(folder, command, "is not a result of graze " + command);
+  return result;
 }
 
 void check_same_run(const Json& earlier, const Json& head, const std::string& folder) {
-  for (const char* part : {"model", "parameters", "options"})
-    if (earlier.value(part, Json()) != head[part])
-      refuse_to_resume(folder, head["command"], "is of another model, other parameters or other options; give the same");
+  const std::vector<std::string> parts = {"model", "parameters", "options"};
+  if (const auto found = difference(essence(earlier, parts), essence(head, parts)))
+    refuse_to_resume(folder, head["command"], fmt::format("is of another run: {}; give the same", *found));
 }
 
 void refuse_to_resume(const std::string& folder, const std::string& command, const std::string& why) {

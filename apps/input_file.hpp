@@ -19,7 +19,7 @@ Json parse_json(const std::string& text);
 Json read_to_resume(const std::string& folder, const std::string& command);
 
 /// @throws std::invalid_argument if the earlier result of --resume is of another model, other parameters or other options than
-/// the one that begins with `head`.
+/// the one that begins with `head`; the message names the first of them.
 void check_same_run(const Json& earlier, const Json& head, const std::string& folder);
 
 /// Throws the std::invalid_argument that says why the result in a folder cannot be gone on with.

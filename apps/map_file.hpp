@@ -15,6 +15,7 @@
 
 #include <functional>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -23,14 +24,13 @@ namespace graze::apps {
 /// The points of one row, by layer and column.
 using MapRows = std::function<std::vector<MapPoint>(int row)>;
 
-/// Writes the file whole or not at all: under a temporary name beside it (the same each time, so that none is left over), then
-/// synchronised and renamed. nullopt: done; else one sentence why not.
+/// Puts the file together in memory and writes it whole or not at all. nullopt: done; else one sentence why not.
 std::optional<std::string> write_map_file(const std::string& file, const MapPlan& plan, const Json& head, const MapRows& rows);
 
 /// A map that was written before.
 class MapFile {
  public:
-  /// @throws std::invalid_argument if it cannot be read, or is no map.
+  /// @throws std::invalid_argument if it cannot be read, is no map, or lacks a dataset.
   explicit MapFile(const std::string& file);
   ~MapFile();
   MapFile(MapFile&&) noexcept;
@@ -38,11 +38,17 @@ class MapFile {
 
   const Json& head() const { return head_; }
   const MapPlan& plan() const { return plan_; }
-  /// Reads bands of rows, and is fast where rows are asked for in order. @throws std::runtime_error if they cannot be read.
+  /// Reads bands of rows, and is fast where rows are asked for in order.
+  /// @throws std::invalid_argument that names the dataset which cannot be read or holds what it should not.
   std::vector<MapPoint> row(int number);
 
  private:
   struct Open;
+  std::invalid_argument damaged(const std::string& dataset, const std::string& how) const;
+  void check_datasets() const;
+  void read(int first);
+
+  std::string name_;
   std::unique_ptr<Open> open_;
   Json head_;
   MapPlan plan_;

@@ -70,7 +70,8 @@ void check_plan(const MapPlan& plan) {
         if (!plan.starts[i] || problem.system.initial_mode(0.0, *plan.starts[i], problem.parameters)) admissible[i] = true;
     }
   for (std::size_t i = 0; i < plan.starts.size(); ++i)  // else it is a matter of the point
-    if (!admissible[i]) start_state(corner(plan, columns[1], rows[1]), plan.starts[i]);
+    if (!admissible[i] || (plan.starts[i] && !plan.starts[i]->allFinite()))
+      start_state(corner(plan, columns[1], rows[1]), plan.starts[i]);
   check_map(plan.problem.system, plan.problem.parameters, grid, layers_of(plan), plan.options);
 }
 

@@ -94,9 +94,10 @@ std::string map_model(const MapPlan& plan) {
 
 std::string map_overview(const MapPlan& plan, const std::vector<MapCounts>& counts) {
   const ParameterGrid& grid = plan.grid;
-  std::string text = fmt::format("{} from {} to {}, {} values; {} from {} to {}, {} values\n", grid.columns.parameter,
-                                 exact(grid.columns.from), exact(grid.columns.to), grid.columns.count, grid.rows.parameter,
-                                 exact(grid.rows.from), exact(grid.rows.to), grid.rows.count);
+  const auto values = [](const ParameterAxis& axis) { return counted(static_cast<std::size_t>(axis.count), "value"); };
+  std::string text = fmt::format("{} from {} to {}, {}; {} from {} to {}, {}\n", grid.columns.parameter, exact(grid.columns.from),
+                                 exact(grid.columns.to), values(grid.columns), grid.rows.parameter, exact(grid.rows.from),
+                                 exact(grid.rows.to), values(grid.rows));
   const double points = plan.points() / plan.layers();
   for (int layer = 0; layer < plan.layers(); ++layer) {
     const auto list = ranked(counts[static_cast<std::size_t>(layer)]);

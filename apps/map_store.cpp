@@ -2,6 +2,7 @@
 #include <graze/apps/input_file.hpp>
 #include <graze/apps/map_store.hpp>
 #include <graze/apps/output_file.hpp>
+#include <graze/apps/same_run.hpp>
 
 #include <fmt/format.h>
 
@@ -26,20 +27,18 @@ namespace fs = std::filesystem;
 constexpr const char* run_file = "/run.json";
 
 /// What makes two runs the same: everything that a point's numbers depend on.
-std::uint64_t fingerprint_of(const Json& head) {
-  return checksum(Json{head.at("graze"), head.at("model"), head.at("parameters"), head.at("options")}.dump());
-}
+std::uint64_t fingerprint_of(const Json& head) { return checksum(essence(head, map_essentials).dump()); }
 
 }  // namespace
 
-MapStore::MapStore(const MapPlan& plan, const Json& head)
-    : plan_(plan), fingerprint_(fingerprint_of(head)), kept_(static_cast<std::size_t>(plan.chunks())),
+MapStore::MapStore(const MapPlan& plan, const Json& head, const std::string& advice)
+    : plan_(plan), fingerprint_(fingerprint_of(head)), advice_(advice), kept_(static_cast<std::size_t>(plan.chunks())),
       finished_(static_cast<std::size_t>(plan.chunks()), false) {}
 
-MapStore::MapStore(const MapPlan& plan, const Json& head, const std::string& folder, bool resume)
+MapStore::MapStore(const MapPlan& plan, const Json& head, const std::string& folder, MapBeginning beginning)
     : plan_(plan), fingerprint_(fingerprint_of(head)), out_(folder), folder_(folder + "/chunks") {
   try {
-    resume ? take_up() : begin(head);
+    beginning == MapBeginning::resuming ? take_up(head) : begin(head, beginning == MapBeginning::overwriting);
   } catch (...) {
     if (lock_ >= 0) ::close(lock_);
     throw;
@@ -66,13 +65,18 @@ void MapStore::lock() {
   }
 }
 
-void MapStore::begin(const Json& head) {
+void MapStore::begin(const Json& head, bool overwriting) {
   make_folder(folder_);
   lock();
   if (fs::exists(folder_ + run_file))
     throw std::invalid_argument(fmt::format(
         "--out: {0} holds an unfinished map; --resume {1} goes on with it, and without the folder {0} a new one begins", folder_,
         out_));
+  if (!overwriting && fs::exists(out_ + "/map.h5")) {
+    remove();
+    throw std::invalid_argument(
+        fmt::format("--out {0}: a finished map is there, {0}/map.h5; give another folder, or --overwrite to replace it", out_));
+  }
   finished_.assign(static_cast<std::size_t>(plan_.chunks()), false);
   Json run = head;
   run["chunk_rows"] = plan_.chunk_rows;
@@ -80,26 +84,31 @@ void MapStore::begin(const Json& head) {
   if (const auto failure = sync_folder(folder_)) throw std::invalid_argument(*failure);
 }
 
-void MapStore::take_up() {
+void MapStore::take_up(const Json& head) {
   const std::string name = folder_ + run_file;
   if (!fs::exists(name))
     throw std::invalid_argument(
         fmt::format("--resume: {}: no such file; give the folder that an interrupted run of graze map wrote with --out", name));
   lock();
+  const auto refuse = [&name](const std::string& why) { return std::invalid_argument(fmt::format("--resume: {}{}", name, why)); };
+  const std::string text = read_whole(name);
   Json run;
   try {
-    run = parse_json(read_whole(name));
+    run = parse_json(text);
     plan_.chunk_rows = run.at("chunk_rows");
-    if (plan_.chunk_rows < 1 || fingerprint_of(run) != fingerprint_)
-      throw std::invalid_argument("is of another model, other parameters, other options or another version; give the same");
   } catch (const Json::exception&) {
-    throw std::invalid_argument(fmt::format("--resume: {} is damaged; compute the map anew", name));
-  } catch (const std::invalid_argument& refused) {
-    throw std::invalid_argument(fmt::format("--resume: {} {}", name, refused.what()));
+    throw refuse(" is damaged; compute the map anew");
+  } catch (const std::invalid_argument& broken) {
+    throw refuse(fmt::format(": {}; compute the map anew", broken.what()));
   }
+  if (const auto found = difference(essence(run, map_essentials), essence(head, map_essentials)))
+    throw refuse(fmt::format(" is of another run: {}; give the same", *found));
+  if (plan_.chunk_rows < 1) throw refuse(" is damaged; compute the map anew");
   finished_.assign(static_cast<std::size_t>(plan_.chunks()), false);
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder_))  // what was being written when the end came
-    if (entry.path().filename().string().starts_with(".")) fs::remove(entry.path());
+  // What was being written when the end came.
+  for (const auto& [folder, beginning] : {std::pair{folder_, "."}, {out_, ".map.h5."}})
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+      if (entry.path().filename().string().starts_with(beginning)) fs::remove(entry.path());
   for (int number = 0; number < plan_.chunks(); ++number) {
     if (!fs::exists(file(number))) continue;
     const bool sound = chunk_from(read_whole(file(number)), plan_, fingerprint_, number).has_value();
@@ -119,9 +128,7 @@ std::vector<int> MapStore::missing() const {
 
 int MapStore::finished() const { return static_cast<int>(std::count(finished_.begin(), finished_.end(), true)); }
 
-std::string MapStore::advice() const {
-  return out_.empty() ? "they are lost without --out DIR" : fmt::format("--resume {} goes on with them", out_);
-}
+std::string MapStore::advice() const { return out_.empty() ? advice_ : fmt::format("--resume {} goes on with them", out_); }
 
 std::optional<std::string> MapStore::keep(int number, const std::string& bytes) {
   if (folder_.empty()) {

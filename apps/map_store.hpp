@@ -14,14 +14,20 @@
 
 namespace graze::apps {
 
+/// The parts of a map's head that its numbers depend on; see essence().
+inline const std::vector<std::string> map_essentials = {"graze", "model", "parameters", "options"};
+
+/// A map that is there already is replaced on request alone.
+enum class MapBeginning { anew, overwriting, resuming };
+
 class MapStore {
  public:
-  /// In memory.
-  MapStore(const MapPlan& plan, const Json& head);
-  /// In `folder`/chunks. With `resume`, what an interrupted run of the same head has left there is gone on with.
+  /// In memory. `advice`: what becomes of the chunks after an end before its time.
+  MapStore(const MapPlan& plan, const Json& head, const std::string& advice);
+  /// In `folder`/chunks. Resuming goes on with what an interrupted run of the same head has left there.
   /// @throws std::invalid_argument in one sentence: another run is or was there, or it is of other options, or at work now, or
   /// there is nothing to resume.
-  MapStore(const MapPlan& plan, const Json& head, const std::string& folder, bool resume);
+  MapStore(const MapPlan& plan, const Json& head, const std::string& folder, MapBeginning beginning);
   ~MapStore();
   MapStore(const MapStore&) = delete;
   MapStore& operator=(const MapStore&) = delete;
@@ -45,13 +51,14 @@ class MapStore {
 
  private:
   std::string file(int number) const;
-  void begin(const Json& head);
-  void take_up();
+  void begin(const Json& head, bool overwriting);
+  void take_up(const Json& head);
   void lock();
 
   MapPlan plan_;
   std::uint64_t fingerprint_ = 0;
   std::string out_, folder_;  // empty: in memory
+  std::string advice_;
   std::vector<std::string> kept_;
   std::vector<bool> finished_;
   int damaged_ = 0, lock_ = -1;

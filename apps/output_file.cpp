@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -42,12 +43,19 @@ bool is_special(const fs::path& path) {
   return fs::exists(status) && !fs::is_regular_file(status);
 }
 
-/// The file that a name stands for: links are followed, so that a link stays one.
+/// The file that a name stands for: links are followed, so that a link stays one; also one whose file is not there yet.
 fs::path resolved(const std::string& file) {
+  constexpr int most_links = 40;
   std::error_code error;
   const fs::path target = fs::canonical(file, error);
-  return error ? fs::path(file) : target;
+  if (!error) return target;
+  if (is_special(file)) return file;  // a pipe that /dev/stdout stands for has no name
+  fs::path path = file;
+  for (int i = 0; i < most_links && fs::is_symlink(path, error); ++i) path = path.parent_path() / fs::read_symlink(path, error);
+  return fs::is_symlink(path, error) ? fs::path(file) : path;
 }
+
+fs::path folder_above(const fs::path& path) { return path.parent_path().empty() ? fs::path(".") : path.parent_path(); }
 
 /// A temporary file beside `path`; -1 with errno if it cannot be made.
 int open_temporary(const fs::path& path, std::string& name) {
@@ -74,7 +82,8 @@ void check_writable(const std::string& file) {
   std::error_code error;
   const fs::path path = resolved(file);
   if (fs::is_directory(path, error)) throw std::invalid_argument(file + ": cannot be written: it is a folder");
-  const fs::path folder = path.parent_path().empty() ? fs::path(".") : path.parent_path();
+  if (fs::is_symlink(path, error)) throw std::invalid_argument(cannot_write(file, ELOOP));
+  const fs::path folder = folder_above(path);
   if (!fs::is_directory(folder, error))
     throw std::invalid_argument(fmt::format("{}: cannot be written: there is no folder {}", file, folder.string()));
   if (fs::exists(path, error) && ::access(path.c_str(), W_OK) != 0) throw std::invalid_argument(cannot_write(file, errno));
@@ -105,6 +114,21 @@ void check_distinct(const std::vector<NamedOutput>& outputs, const std::string& 
   }
 }
 
+void check_kind(const std::string& option, const std::string& file, const std::vector<std::string>& endings) {
+  const auto among = [ending = fs::path(file).extension().string()](const std::vector<std::string>& list) {
+    return std::find(list.begin(), list.end(), ending) != list.end();
+  };
+  if (among({".json", ".csv", ".h5", ".hdf5", ".png", ".svg", ".pdf", ".toml"}) && !among(endings))
+    throw std::invalid_argument(fmt::format("{} {}: such a name is that of another kind of file; give one that ends in {}",
+                                            option, file, fmt::join(endings, " or ")));
+}
+
+void check_regular(const std::string& option, const std::string& file) {
+  if (is_special(file))
+    throw std::invalid_argument(
+        fmt::format("{} {}: this is a device, a pipe or a folder; give the name of a file, new or to be replaced", option, file));
+}
+
 std::optional<std::string> write_whole(const std::string& file, std::string_view content) {
   const fs::path path = resolved(file);
   const bool special = is_special(path);
@@ -120,6 +144,8 @@ std::optional<std::string> write_whole(const std::string& file, std::string_view
   if (!special) ::unlink(temporary.c_str());
   return cannot_write(file, error);
 }
+
+std::string folder_of(const std::string& file) { return folder_above(resolved(file)).string(); }
 
 std::optional<std::string> sync_folder(const std::string& folder) {
   const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);

@@ -22,8 +22,17 @@ struct NamedOutput {
 /// @throws std::invalid_argument if two outputs are one file, or one is the `input`.
 void check_distinct(const std::vector<NamedOutput>& outputs, const std::string& input);
 
+/// @throws std::invalid_argument if the name ends as another kind of result does: `endings` are those of its own kind.
+void check_kind(const std::string& option, const std::string& file, const std::vector<std::string>& endings);
+
+/// @throws std::invalid_argument if something that is no regular file is there.
+void check_regular(const std::string& option, const std::string& file);
+
 /// Writes `content`. nullopt: done; else one sentence why not, and what was there before is still there.
 std::optional<std::string> write_whole(const std::string& file, std::string_view content);
+
+/// The folder that an output is written into: links are followed.
+std::string folder_of(const std::string& file);
 
 /// Makes sure that the names in a folder survive a crash of the machine, as write_whole does for contents. nullopt: done; else
 /// one sentence why not.

@@ -64,7 +64,8 @@ std::string sentence(const CLI::App& app, const CLI::App& used, const CLI::Parse
   if (dynamic_cast<const CLI::ExtrasError*>(&error)) {
     std::vector<std::string> extra = command_given ? used.remaining() : app.remaining();
     if (extra.empty()) extra = app.remaining(true);
-    const std::string given = extra.empty() ? "" : extra.front().substr(0, extra.front().find('='));
+    const std::string argument = extra.empty() ? "" : extra.front();
+    const std::string given = argument.substr(0, argument.starts_with("-") ? argument.find('=') : std::string::npos);
     if (given.starts_with("-")) {
       const std::string nearest = nearest_name(given, option_names(used));
       return fmt::format("there is no option {}{}", given, nearest.empty() ? "" : fmt::format(" (did you mean {}?)", nearest));

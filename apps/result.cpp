@@ -69,6 +69,8 @@ bool wants_table(const OutputOptions& options) { return !options.csv.empty() || 
 
 void check_outputs(const OutputOptions& options, const std::string& input) {
   if (options.json == "-" && options.csv == "-") throw std::invalid_argument("--json - and --csv - cannot both go to stdout");
+  if (!options.plot_kind.empty() && options.plot.empty() && options.out.empty())
+    throw std::invalid_argument(fmt::format("--plot-kind {}: there is no picture; give --plot FILE too", options.plot_kind));
   if (!options.out.empty()) {
     make_folder(options.out);
     check_writable(options.out + "/probe");
@@ -78,6 +80,8 @@ void check_outputs(const OutputOptions& options, const std::string& input) {
     if (!file.empty() && file != "-") check_writable(file);
   if (!options.plot.empty()) check_picture_file(options.plot);
   check_distinct({{"--json", options.json}, {"--csv", options.csv}, {"--plot", options.plot}}, input);
+  check_kind("--json", options.json, {".json"});
+  check_kind("--csv", options.csv, {".csv"});
 }
 
 int deliver(const Result& result, const OutputOptions& options, const std::string& command, int code, const Console& console) {

@@ -57,6 +57,15 @@ Json sweeping_json(const SweepingOptions& options) {
           {"standard_error", standard_error_of(options)}};
 }
 
+void check_sweep_start(const Problem& problem, const StartOptions& start, const SweepRange& range) {
+  const Vector state = start_state(problem, start.start);
+  for (const SweepDirection direction : range.directions) {
+    Problem first = problem;
+    set_parameter(first, range.parameter, direction == SweepDirection::up ? range.from : range.to);
+    start_state(first, state);
+  }
+}
+
 Swept carry_out_sweeps(const Problem& problem, const StartOptions& start, const SweepRange& range, const SweepingOptions& options,
                        const Console& console, const std::vector<SweepRow>& so_far) {
   Progress progress(console.err, console.quiet, "sweeping");

@@ -35,6 +35,9 @@ struct SweepRange {
   std::vector<SweepDirection> directions = {SweepDirection::up};
 };
 
+/// @throws std::invalid_argument if the motion cannot begin at the first value of a direction.
+void check_sweep_start(const Problem& problem, const StartOptions& start, const SweepRange& range);
+
 struct Swept {
   std::vector<SweepRow> rows;
   Status status = Status::failed;

@@ -84,6 +84,17 @@ std::vector<Vector> starts_of(const Options& options, const std::array<Axis, 2>&
   return starts;
 }
 
+/// @throws std::invalid_argument if there is none that a motion can begin with.
+void check_starts(const Problem& problem, const std::vector<Vector>& starts) {
+  const auto admissible = [&problem](const Vector& start) {
+    return !problem.system.initial_mode || problem.system.initial_mode(0.0, start, problem.parameters);
+  };
+  if (std::none_of(starts.begin(), starts.end(), admissible))
+    throw std::invalid_argument(
+        fmt::format("no start is admissible: all lie beyond the barrier, r = {}; give --x with values below it",
+                    exact(parameter(problem, "r"))));
+}
+
 /// What stands for a start in "basins": the attractor's id, null beyond a barrier, 0 if the motion was lost, -1 if it was not
 /// run.
 Json code_of(const StartOutcome& outcome) {
@@ -244,6 +255,7 @@ int run(const Options& given, const Console& console) {
   check_forcing(problem);
   const std::array<Axis, 2> axes = axes_of(options, problem);
   const std::vector<Vector> starts = starts_of(options, axes);
+  check_starts(problem, starts);
   Result result;
   result.json = result_head("attractors/1", "attractors", problem, described(options, axes));
   Basins basins;
@@ -264,7 +276,7 @@ int run(const Options& given, const Console& console) {
     message = fmt::format("interrupted after {} of {} starts", starts.size() - static_cast<std::size_t>(left), starts.size());
   } else if (basins.attractors.empty()) {
     status = Status::failed;
-    message = basins.admissible == 0 ? "no start is admissible: all lie beyond the barrier" : "no motion could be carried on";
+    message = "no motion could be carried on";
   }
   set_status(result.json, status, message);
   result.json["starts"] = starts.size();

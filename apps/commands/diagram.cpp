@@ -12,6 +12,7 @@
 #include <graze/apps/pictures/pictures.hpp>
 #include <graze/apps/progress.hpp>
 #include <graze/apps/result.hpp>
+#include <graze/apps/same_run.hpp>
 #include <graze/apps/skeleton_report.hpp>
 #include <graze/apps/sweep_report.hpp>
 #include <graze/apps/sweeping.hpp>
@@ -119,13 +120,13 @@ struct Earlier {
 void check_earlier(Earlier& earlier, const Options& options, const Problem& problem) {
   const auto refuse = [&](const std::string& why) { refuse_to_resume(options.resume, "diagram", why); };
   const Json& result = earlier.result;
-  const Problem before = problem_of(result);
-  const auto index = static_cast<Eigen::Index>(parameter_index(problem.system.parameters, options.parameter));
-  Vector a = problem.parameters, b = before.parameters;
-  if (a.size() == b.size()) a[index] = b[index] = 0.0;
+  problem_of(result);  // or throws
+  Json before = essence(result, {"model", "parameters"}), wanted = result_head("", "", problem, {});
+  before["parameters"].erase(options.parameter);
+  wanted["parameters"].erase(options.parameter);
+  if (const auto found = difference(before, essence(wanted, {"model", "parameters"})))
+    refuse(fmt::format("is of another run: {}; give the same problem and settings", *found));
   const Json given = result.value("options", Json::object());
-  if (before.oscillator != problem.oscillator || before.contact != problem.contact || a != b)
-    refuse("is of another model or of other parameters; give the same problem and settings");
   if (given.value("param", "") != options.parameter || given.value("from", 0.0) != *options.from ||
       given.value("to", 0.0) != *options.to)
     refuse(fmt::format("is over another range: {} from {} to {}", given.value("param", ""), exact(given.value("from", 0.0)),
@@ -141,8 +142,11 @@ void check_earlier(Earlier& earlier, const Options& options, const Problem& prob
   } catch (const Json::exception&) {
     refuse("is damaged; compute it anew");
   }
-  if (!earlier.rows.empty() && !same_options(result, sweeps_json(options, problem)))
-    refuse("has sweeps of another start or of other options; give the same");
+  if (earlier.rows.empty()) return;
+  const Json sweeps = essence({{"options", sweeps_json(options, problem)}}, {"options"})["options"];
+  for (const auto& [name, value] : sweeps.items())
+    if (const auto found = difference({{name, given.value(name, Json())}}, {{name, value}}))
+      refuse(fmt::format("has sweeps of another start or of other options: {}; give the same", *found));
 }
 
 /// The skeleton: what the earlier run has, if that was complete, else computed (from what it has). Adds it to the result.
@@ -224,8 +228,8 @@ void check_options(Options& options, const Problem& problem) {
     throw std::invalid_argument(
         fmt::format("{} is of the sweeps, which --skeleton leaves out", options.sweeping.step ? "--step" : "--standard-error"));
   if (options.skeleton) return;
-  start_state(problem, options.start.start);
   const SweepRange range = range_of(options);
+  check_sweep_start(problem, options.start, range);
   if (!options.sweeping.step) options.sweeping.step = (range.to - range.from) / usual_steps;
   sweep_values(range.from, range.to, *options.sweeping.step);
 }

@@ -48,6 +48,8 @@ int run(const Options& options, const Console& console) {
   check_outputs(options.output, options.start.file);
   for (const auto& [name, value] : {std::pair{"--standard-error", options.standard_error}, {"--change", options.change}})
     if (value && !(*value >= 0.0)) throw std::invalid_argument(fmt::format("{} is {}; allowed is >= 0", name, exact(*value)));
+  if (options.change && options.standard_error)
+    throw std::invalid_argument("--change and --standard-error are two ways to end the average; give one of them");
   if (options.periods < options.interval)
     throw std::invalid_argument(
         fmt::format("--periods {} is less than --interval {}; give at least one interval", options.periods, options.interval));
@@ -110,7 +112,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_number(app, "--standard-error", options->standard_error, "stop where every standard error is below this (default 3e-4)");
   add_count(app, "--interval", options->interval, 1, "forcing periods between two orthonormalisations (default 1)");
   add_number(app, "--change", options->change,
-             "stop where no exponent changes by more than this from one interval to the next instead");
+             "stop where no exponent changes by more than this from one interval to the next, instead of --standard-error");
   add_count(app, "--max-period", options->max_period, 1, "longest period that is recognised (default 64)");
   add_output_options(app, options->output, "lyapunov/1");
   return [options](const Console& console) { return run(*options, console); };

@@ -11,6 +11,7 @@
 #include <graze/apps/pictures/maps.hpp>
 #include <graze/apps/pictures/pictures.hpp>
 #include <graze/apps/result.hpp>
+#include <graze/apps/same_run.hpp>
 
 #include <fmt/format.h>
 
@@ -28,19 +29,23 @@ struct Options {
   StartOptions start;  // problem, settings, settle
   std::vector<std::string> parameters, starts;
   std::string follow = "none", resume, h5;
+  bool overwrite = false;
   MapOptions map;
   std::optional<double> standard_error;
-  std::optional<int> chunk_rows;
+  std::optional<int> chunk_rows, transient;
   OutputOptions output;
 };
 
-ParameterAxis parse_parameter(const std::string& text) {
-  const std::size_t colon = text.find(':');
-  if (colon == std::string::npos || colon == 0 || std::count(text.begin(), text.end(), ':') != 3)
-    throw std::invalid_argument(
-        fmt::format("--param {}: must be NAME:a:b:n, n values from a to b, for example eta:0.65:0.95:200", text));
-  const std::string name = text.substr(0, colon);
-  const Axis axis = parse_axis("--param " + name + ":", text.substr(colon + 1), true);
+/// An axis whose ends are values that the parameter may have.
+ParameterAxis parse_parameter(const Problem& problem, const std::string& text) {
+  const auto [name, axis] = parse_named_axis("--param", text);
+  parameter(problem, name);  // or throws
+  for (const double end : {axis.from, axis.to}) try {
+      Problem at = problem;
+      set_parameter(at, name, end);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(fmt::format("--param {}: {}", text, error.what()));
+    }
   return {name, axis.from, axis.to, axis.count};
 }
 
@@ -48,11 +53,10 @@ MapPlan plan_from(const Options& options, const Console& console) {
   MapPlan plan;
   if (options.parameters.size() != 2)
     throw std::invalid_argument(
-        fmt::format("--param is given {}; a map is over two parameters, for example --param eta:0.65:0.95:200 --param r:1:3:150",
-                    options.parameters.empty() ? "not at all" : counted(options.parameters.size(), "time")));
+        fmt::format("--param is {}; a map is over two parameters, for example --param eta:0.65:0.95:200 --param r:1:3:150",
+                    options.parameters.empty() ? "not given" : "given " + counted(options.parameters.size(), "time")));
   plan.problem = open_problem(options.start, console);
-  plan.grid = {parse_parameter(options.parameters[0]), parse_parameter(options.parameters[1])};
-  for (const ParameterAxis& axis : {plan.grid.columns, plan.grid.rows}) parameter(plan.problem, axis.parameter);  // or throws
+  plan.grid = {parse_parameter(plan.problem, options.parameters[0]), parse_parameter(plan.problem, options.parameters[1])};
   if (!options.starts.empty()) plan.starts.clear();
   for (const std::string& text : options.starts) {
     const auto state = parse_numbers(text);
@@ -63,6 +67,10 @@ MapPlan plan_from(const Options& options, const Console& console) {
   if (options.starts.empty() && plan.problem.start) plan.starts = {plan.problem.start};
   plan.follow = options.follow;
   plan.options = options.map;
+  if (options.transient && options.follow == "none")
+    throw std::invalid_argument(
+        "--transient is of rows that are followed; give --follow up, down or both too (--settle is of starts)");
+  if (options.transient) plan.options.transient = *options.transient;
   plan.options.settle = settle_of(plan.problem, options.start);
   if (options.standard_error) plan.options.standard_error = *options.standard_error;
   if (!(plan.options.standard_error > 0.0))
@@ -96,27 +104,37 @@ MapRows rows_of(const MapStore& store) {
   };
 }
 
+/// HDF5 goes into a regular file alone.
+void check_map_file(const std::string& option, const std::string& file) {
+  if (file == "-") throw std::invalid_argument(option + " -: HDF5 does not go to stdout; give a file name, for example map.h5");
+  check_kind(option, file, {".h5", ".hdf5"});
+  check_regular(option, file);
+  check_writable(file);
+}
+
 void check_all_outputs(const Options& options, const MapPlan& plan) {
+  if (!options.output.out.empty()) make_folder(options.output.out);
   OutputOptions output = options.output;
-  output.out.clear();  // its pictures are drawn if they can be: a cluster may have no gnuplot
+  if (!output.out.empty()) output.plot_kind.clear();
+  output.out.clear();  // its pictures are drawn where there is gnuplot: a cluster may have none
   check_outputs(output, options.start.file);
-  if (!options.h5.empty()) check_writable(options.h5);
+  if (!options.h5.empty()) check_map_file("--h5", options.h5);
   check_distinct({{"--h5", options.h5}, {"--json", output.json}, {"--csv", output.csv}, {"--plot", output.plot}},
                  options.start.file);
   for (const auto& [option, file] : {std::pair{"--json", output.json}, {"--csv", output.csv}})
     if (!file.empty() && plan.points() > most_points_in_text)
       throw std::invalid_argument(fmt::format(
           "{}: {:.0f} points are too many for a text, a million are allowed; take --h5 or --out", option, plan.points()));
-  if (options.output.out.empty()) return;
-  make_folder(options.output.out);
-  check_writable(options.output.out + "/map.h5");
+  if (!options.output.out.empty()) check_map_file("--out", options.output.out + "/map.h5");
 }
 
 /// Where the map goes as HDF5: --h5, and into the folder.
 std::vector<std::string> map_files(const Options& options) {
   std::vector<std::string> files;
   if (!options.output.out.empty()) files.push_back(options.output.out + "/map.h5");
-  if (!options.h5.empty()) files.push_back(options.h5);
+  std::error_code error;
+  const auto place = [&error](const std::string& file) { return std::filesystem::weakly_canonical(file, error); };
+  if (!options.h5.empty() && (files.empty() || place(options.h5) != place(files.front()))) files.push_back(options.h5);
   return files;
 }
 
@@ -135,11 +153,20 @@ int present(const Options& options, const MapPlan& plan, const Json& head, const
       return fmt::format("{}: {}", file, error.what());
     }
   };
+  // A cluster may have no gnuplot: then the folder goes without.
+  const auto folder_picture = [&](const std::string& kind) {
+    const std::string file = fmt::format("{}/map-{}.png", options.output.out, kind);
+    try {
+      check_picture_file(file);
+    } catch (const std::invalid_argument& missing) {
+      return console.note(missing.what());
+    }
+    if (const auto failure = picture(file, kind)) complain(*failure);
+  };
   if (!options.output.plot.empty())
     if (const auto failure = picture(options.output.plot, options.output.plot_kind)) complain(*failure);
   if (!options.output.out.empty() && run.status == Status::done)
-    for (const std::string& kind : picture_names("graze.map/1"))
-      if (const auto failure = picture(fmt::format("{}/map-{}.png", options.output.out, kind), kind)) console.note(*failure);
+    for (const std::string& kind : picture_names("graze.map/1")) folder_picture(kind);
   const std::vector<MapCounts> counts = count_map(plan, rows);
   Result result;
   result.json = head;
@@ -159,17 +186,40 @@ std::optional<MapFile> finished_map(const Options& options, const Json& head) {
   if (options.resume.empty() || !std::filesystem::exists(file) || std::filesystem::exists(options.resume + "/chunks/run.json"))
     return std::nullopt;
   MapFile map(file);
-  for (const char* part : {"graze", "model", "parameters", "options"})
-    if (map.head().value(part, Json()) != head[part])
-      throw std::invalid_argument(fmt::format(
-          "--resume: {} is of another model, other parameters, other options or another version; give the same", file));
+  if (const auto found = difference(essence(map.head(), map_essentials), essence(head, map_essentials)))
+    throw std::invalid_argument(fmt::format("--resume: {} is of another run: {}; give the same", file, *found));
   return map;
+}
+
+/// Whether a map that is not finished goes anywhere: HDF5 has finished ones alone.
+bool wants_part(const Options& options) {
+  return !options.output.json.empty() || !options.output.csv.empty() || !options.output.plot.empty();
+}
+
+/// What becomes of an unfinished map that has no folder.
+std::string without_folder(const Options& options) {
+  std::string text = "they are lost without --out DIR";
+  if (wants_part(options)) {
+    std::vector<std::string> outputs;
+    for (const auto& [option, file] :
+         {std::pair{"--json", options.output.json}, {"--csv", options.output.csv}, {"--plot", options.output.plot}})
+      if (!file.empty()) outputs.emplace_back(option);
+    text = fmt::format("they go to {} and cannot be gone on with; --out DIR would keep them", fmt::join(outputs, " and "));
+  }
+  return options.h5.empty() ? text : text + "; --h5 is for whole maps and is not written";
+}
+
+MapBeginning beginning_of(const Options& options) {
+  if (!options.resume.empty()) return MapBeginning::resuming;
+  return options.overwrite ? MapBeginning::overwriting : MapBeginning::anew;
 }
 
 int lead(const Options& given, Ranks& ranks, const Console& console) {
   Options options = given;
   if (!options.resume.empty() && !options.output.out.empty() && options.output.out != options.resume)
     throw std::invalid_argument("--resume DIR goes on in its own folder; leave --out away");
+  if (options.overwrite && (!options.resume.empty() || options.output.out.empty()))
+    throw std::invalid_argument("--overwrite replaces the finished map in --out DIR; give that, and no --resume");
   options.output.out = options.resume.empty() ? options.output.out : options.resume;
   const MapPlan plan = plan_from(options, console);
   const Json head = map_head(plan, options.start.settings);
@@ -187,9 +237,9 @@ int lead(const Options& given, Ranks& ranks, const Console& console) {
   }
   std::optional<MapStore> store;
   if (options.output.out.empty())
-    store.emplace(plan, head);
+    store.emplace(plan, head, without_folder(options));
   else
-    store.emplace(plan, head, options.output.out, !options.resume.empty());
+    store.emplace(plan, head, options.output.out, beginning_of(options));
   if (!options.resume.empty()) {
     console.note(fmt::format("{} of {} chunks are there already", store->finished(), store->plan().chunks()));
     if (store->damaged() > 0)
@@ -198,14 +248,14 @@ int lead(const Options& given, Ranks& ranks, const Console& console) {
   const int threads = console.threads > 0 || ranks.count() == 1 ? console.thread_count() : 1;
   MapRun run = run_map(*store, head, ranks, threads, console);
   if (run.status != Status::done) {
-    const bool partly = !options.output.json.empty() || !options.output.csv.empty() || !options.output.plot.empty();
-    if (partly) return present(options, store->plan(), head, rows_of(*store), run, console);
+    if (wants_part(options)) return present(options, store->plan(), head, rows_of(*store), run, console);
     return run.unwritable ? 2 : exit_code(run.status);
   }
   for (const std::string& file : map_files(options))
     if (const auto failure = write_map_file(file, store->plan(), head, rows_of(*store))) {
       console.err << fmt::format("graze map: {}; all chunks are finished, {}\n", *failure, store->advice());
-      return 2;
+      run.unwritable = true;
+      return wants_part(options) ? present(options, store->plan(), head, rows_of(*store), run, console) : 2;
     }
   if (map_files(options).empty()) return present(options, store->plan(), head, rows_of(*store), run, console);
   MapFile map(map_files(options).front());
@@ -244,13 +294,15 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_count(
       app, "--settle", options->start.settle, 0,
       "most forcing periods of transient from a start (default: the file's, else 1000); a stable orbit that is proved ends it");
-  add_count(app, "--transient", options->map.transient, 0, "the same from a neighbour's state (default 300)");
+  add_count(app, "--transient", options->transient, 0, "with --follow: the same from a neighbour's state (default 300)");
   add_count(app, "--max-period", options->map.max_period, 1, "longest period that is recognised (default 64)", longest_period);
   add_count(app, "--periods", options->map.periods, 1, "most forcing periods of an average (default 5000)");
   add_number(app, "--standard-error", options->standard_error,
              "bound of lambda_1's standard error where it is averaged (default 3e-3: the sign is what matters)");
   begin_group(app, "Results");
   add_text(app, "--out", options->output.out, "DIR", "folder that gets map.h5 and pictures, and meanwhile the finished chunks");
+  add_flag(app, "--overwrite", options->overwrite,
+           "replace a finished map in --out DIR; without, it is kept and the run refused");
   add_text(app, "--resume", options->resume, "DIR", "go on with what an interrupted or killed run left in DIR (its --out)");
   add_text(app, "--h5", options->h5, "FILE", "the map as HDF5");
   add_text(app, "--json", options->output.json, "FILE|-", "the map as JSON, up to a million points");

@@ -57,6 +57,8 @@ int run(const Options& given, const Console& console) {
   Problem at_end = problem;  // a wrong value is found out now
   set_parameter(at_end, options.parameter, *options.from, "--from");
   set_parameter(at_end, options.parameter, *options.to, "--to");
+  const SweepRange range{options.parameter, *options.from, *options.to, directions(options.direction)};
+  check_sweep_start(problem, options.start, range);
   Json described = options_json(problem, options.start);
   described.update(
       {{"param", options.parameter}, {"from", *options.from}, {"to", *options.to}, {"direction", options.direction}});
@@ -66,7 +68,6 @@ int run(const Options& given, const Console& console) {
   result.json["parameter"] = options.parameter;
   std::vector<SweepRow> so_far;
   if (!options.resume.empty()) so_far = earlier_rows(earlier, options.resume, result.json);
-  const SweepRange range{options.parameter, *options.from, *options.to, directions(options.direction)};
   const Swept swept = carry_out_sweeps(problem, options.start, range, options.sweeping, console, so_far);
   set_status(result.json, swept.status, swept.message);
   result.json["rows"] = rows_json(swept.rows);

@@ -159,7 +159,7 @@ TEST_CASE("diagram goes on from what an interrupted run has left") {
     return misuse(more);
   };
   CHECK_THAT(refused({"--resume", folder.file("nowhere")}), Contains("no such file"));
-  CHECK_THAT(refused({"--resume", out, "--set", "b=0.06"}), Contains("of another model or of other parameters"));
+  CHECK_THAT(refused({"--resume", out, "--set", "b=0.06"}), Contains("of another run: parameters.b is 0.05 there and 0.06 now"));
   CHECK_THAT(misuse({"--skeleton", "--from", "0.743", "--to", "0.748", "--resume", out}),
              Contains("over another range: eta from 0.743 to 0.747"));
   folder.write("left/diagram.json", "{\"command\": \"orbit\"}");

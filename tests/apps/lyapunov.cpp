@@ -70,6 +70,7 @@ TEST_CASE("lyapunov refuses what it does not understand") {
   };
   CHECK_THAT(misuse({"--periods", "3", "--interval", "5"}), Contains("--periods 3 is less than --interval 5"));
   CHECK_THAT(misuse({"--standard-error=-1"}), Contains("--standard-error is -1; allowed is >= 0"));
+  CHECK_THAT(misuse({"--standard-error", "1e-3", "--change", "1e-6"}), Contains("are two ways to end the average"));
   CHECK_THAT(misuse({"--interval", "0"}), Contains("--interval 0"));
   CHECK_THAT(misuse({"--peroids", "3"}), Contains("did you mean"));
 }

@@ -171,6 +171,37 @@ TEST_CASE("map: no byte of a chunk can change without being noticed") {
   CHECK_FALSE(chunk_from(bytes, plan, 42, 0));  // of other rows
 }
 
+TEST_CASE("map: a damaged file is named, with the dataset that is") {
+  const TemporaryFolder folder;
+  const std::string h5 = folder.file("m.h5"), python = "/usr/bin/python3";
+  REQUIRE(run(with({"--h5", h5})).code == 0);
+  const std::string whole = read_file(h5);
+  const auto plotted = [&] {
+    const Outcome outcome = call({"plot", h5, "-o", folder.file("x.png")});
+    CHECK(outcome.code == 2);
+    CHECK_THAT(outcome.err, Contains("graze plot: " + h5 + ": this ") && Contains("; compute the map anew"));
+    return outcome.err;
+  };
+  const auto replaced = [&](const std::string& text, const std::string& other) {
+    std::string bytes = whole;
+    for (std::size_t at = bytes.find(text); at != std::string::npos; at = bytes.find(text, at + 1))
+      bytes.replace(at, text.size(), other);
+    CHECK(bytes != whole);
+    folder.write("m.h5", bytes);
+    return plotted();
+  };
+  CHECK_THAT(replaced(std::string("lambda_1", 9), std::string("lambda_x", 9)), Contains("its dataset \"lambda_1\" is missing"));
+  CHECK_THAT(replaced("\"count\":3", "\"count\":4"), Contains("\"attractor\" has 1 x 3 x 6 values and should have 1 x 4 x 6"));
+  folder.write("m.h5", whole.substr(0, whole.size() / 2));
+  CHECK_THAT(plotted(), Contains("this HDF5 file is truncated or damaged"));
+  folder.write("m.h5", whole);
+  if (run_shell(python + " -c \"import h5py; h5py.File('" + h5 + "', 'r+')['attractor'][...] = 200\"").code != 0) {
+    WARN("python3-h5py is not installed: a wrong attractor was not tested");
+    return;
+  }
+  CHECK_THAT(plotted(), Contains("its dataset \"attractor\" holds a 200"));
+}
+
 TEST_CASE("map refuses what it does not understand") {
   const TemporaryFolder folder;
   const auto misuse = [](const std::vector<std::string>& more, const std::string& id = "hertz-damped") {
@@ -180,19 +211,27 @@ TEST_CASE("map refuses what it does not understand") {
     CHECK(outcome.out.empty());
     return outcome.err;
   };
-  CHECK_THAT(misuse({}), Contains("--param is given not at all; a map is over two parameters"));
+  CHECK_THAT(misuse({}), Contains("--param is not given; a map is over two parameters"));
   CHECK_THAT(misuse({"--param", "eta:0.7:0.8:3"}), Contains("--param is given 1 time"));
   CHECK_THAT(misuse({"--param", "eta:0.7:0.8", "--param", "r:1:2:3"}), Contains("--param eta:0.7:0.8: must be NAME:a:b:n"));
   CHECK_THAT(misuse({"--param", "eta:0.7:0.8:0", "--param", "r:1:2:3"}), Contains("whole number >= 1"));
   CHECK_THAT(misuse({"--param", "eta:0.8:0.7:3", "--param", "r:1:2:3"}), Contains("from less to more"));
   CHECK_THAT(misuse({"--param", "eta:0.7:0.8:3", "--param", "eta:1:2:3"}), Contains("both parameters of the map are eta"));
-  CHECK_THAT(misuse({"--param", "eta:0:0.8:3", "--param", "r:1:2:3"}), Contains("eta"));
+  CHECK_THAT(misuse({"--param", "eta:0:0.8:3", "--param", "r:1:2:3"}), Contains("--param eta:0:0.8:3: parameter eta is 0"));
+  CHECK_THAT(misuse({"--param", "eta:0.7:0.8:99999999999", "--param", "r:1:2:3"}),
+             Contains("--param eta:0.7:0.8:99999999999: the number of values must be a whole number >= 1 and <= 2147483647"));
+  CHECK_THAT(misuse({"--param", "eta:nan:0.8:3", "--param", "r:1:2:3"}),
+             Contains("--param eta:nan:0.8:3: must be NAME:a:b:n, n values from a to b, for example eta:0.65:0.95:200"));
   CHECK_THAT(misuse({"--param", "etta:0.7:0.8:3", "--param", "r:1:2:3"}), Contains("did you mean \"eta\"?"));
   CHECK_THAT(misuse({"--param", "eta:0.7:0.8:3", "--param", "k_r:0:1:3"}), Contains("belongs to the newton contact law"));
   CHECK_THAT(misuse(with({"--start", "1"})), Contains("--start 1: must be two numbers x,v"));
   CHECK_THAT(misuse(with({"--start", "9,0"}), "newton-elastic"), Contains("--start") && Contains("x <= r"));
+  for (const char* start : {"nan,0", "0,inf"})
+    CHECK_THAT(misuse(with({"--start", start})), Contains("--start: the state holds a value that is not a finite number"));
   CHECK_THAT(misuse(with({"--follow", "sideways"})), Contains("--follow sideways"));
   CHECK_THAT(misuse(with({"--standard-error", "0"})), Contains("--standard-error is 0; allowed is > 0"));
+  CHECK_THAT(misuse(with({"--transient", "50"})), Contains("--transient is of rows that are followed; give --follow"));
+  CHECK_THAT(misuse(with({"--plot-kind", "exponent"})), Contains("--plot-kind exponent: there is no picture; give --plot"));
   CHECK_THAT(misuse(with({"--chunk", "0"})), Contains("--chunk 0"));
   CHECK_THAT(misuse(with({"--resume", folder.file("none")})), Contains("no such folder"));
   CHECK_THAT(misuse(with({"--h5", folder.file("none/m.h5")})), Contains("there is no folder"));

@@ -103,9 +103,47 @@ TEST_CASE("map: two threads give the file of one") {
   const Outcome again = run_shell(program(options() + " --resume '" + out + "' --json -"));
   CHECK(again.code == 0);
   CHECK(Json::parse(again.out)["layers"][0]["type"].size() == 16);
+  // Where the problem's file lies, and how its name is written, does not matter.
+  fs::copy_file(problem("hertz-damped"), folder.file("same.toml"));
+  std::string renamed = options();
+  renamed.replace(renamed.find(problem("hertz-damped")), problem("hertz-damped").size(), folder.file("./same.toml"));
+  CHECK(run_shell(program(renamed + " --resume '" + out + "'")).code == 0);
   const Outcome other = run_shell(program(options() + " --set b=0.06 --resume '" + out + "'"));
   CHECK(other.code == 2);
-  CHECK_THAT(other.err, Contains("is of another model, other parameters, other options or another version"));
+  CHECK_THAT(other.err, Contains("is of another run: parameters.b is 0.05 there and 0.06 now; give the same"));
+}
+
+TEST_CASE("map: a finished one is replaced on request alone, and its pictures may be drawn later") {
+  const TemporaryFolder folder;
+  const std::string out = folder.file("run");
+  const auto map = [&](const std::string& more) {
+    return run_shell(program("map '" + problem("newton-elastic") + "' --quiet --param eta:0.65:0.95:3 " + more));
+  };
+  fs::create_directories(out + "/map-attractors.png");  // a picture that cannot be written is told, and costs nothing else
+  const Outcome without = map("--param r:1:2:2 --out '" + out + "'");
+  CHECK(without.code == 2);
+  CHECK_THAT(without.err, Contains("map-attractors.png: cannot be written"));
+  CHECK(fs::exists(out + "/map-exponent.png"));
+  fs::remove(out + "/map-attractors.png");
+  REQUIRE(map("--param r:1:2:2 --resume '" + out + "'").code == 0);
+  CHECK(fs::exists(out + "/map-attractors.png"));
+  const std::string first = read_file(out + "/map.h5");
+  const Outcome refused = map("--param r:1:3:3 --out '" + out + "'");
+  CHECK(refused.code == 2);
+  CHECK_THAT(refused.err, Contains("a finished map is there") && Contains("--overwrite"));
+  CHECK(read_file(out + "/map.h5") == first);
+  CHECK_FALSE(fs::exists(out + "/chunks"));
+  CHECK(map("--param r:1:3:3 --overwrite --out '" + out + "'").code == 0);
+  CHECK(read_file(out + "/map.h5") != first);
+  // The folder is made first, and its map may be named again.
+  const std::string other = folder.file("other");
+  CHECK(map("--param r:1:3:3 --out '" + other + "' --h5 '" + other + "/map.h5'").code == 0);
+  CHECK(read_file(other + "/map.h5") == read_file(out + "/map.h5"));
+  for (const std::string& wrong : {std::string("--overwrite"), "--overwrite --resume '" + out + "'"}) {
+    const Outcome outcome = map("--param r:1:3:3 " + wrong);
+    CHECK(outcome.code == 2);
+    CHECK_THAT(outcome.err, Contains("--overwrite replaces the finished map in --out DIR"));
+  }
 }
 
 TEST_CASE("map: killed at any moment, it is gone on with, and the map is the same") {
@@ -122,6 +160,7 @@ TEST_CASE("map: killed at any moment, it is gone on with, and the map is the sam
   const int kept = chunks(out);
   // A file that was being written, one that was damaged, and one that was cut off.
   std::ofstream(out + "/chunks/.000015.chunk.AbCdEf") << "half";
+  std::ofstream(out + "/.map.h5.AbCdEf") << "half";
   std::string bytes = read_file(out + "/chunks/000000.chunk");
   bytes[bytes.size() / 2] ^= 1;
   std::ofstream(out + "/chunks/000000.chunk", std::ios::binary) << bytes;
@@ -131,6 +170,7 @@ TEST_CASE("map: killed at any moment, it is gone on with, and the map is the sam
   const Outcome resumed = run_shell(program(loud + " --resume '" + out + "'"));
   CHECK_THAT(resumed.err, Contains(fmt::format("{} of 16 chunks are there already", kept - 2)) && Contains("2 damaged chunks"));
   check_finished(resumed, out);
+  CHECK_FALSE(fs::exists(out + "/.map.h5.AbCdEf"));
 }
 
 TEST_CASE("map: Ctrl-C ends it with what there is, and says how to go on") {
@@ -150,7 +190,7 @@ TEST_CASE("map: Ctrl-C ends it with what there is, and says how to go on") {
   CHECK_THAT(anew.err, Contains("holds an unfinished map; --resume"));
   const Outcome other = run_shell(program(options() + " --periods 400 --resume '" + out + "'"));
   CHECK(other.code == 2);
-  CHECK_THAT(other.err, Contains("is of another model, other parameters, other options or another version; give the same"));
+  CHECK_THAT(other.err, Contains("run.json is of another run: options.periods is 5000 there and 400 now; give the same"));
   // Nor do two at a time.
   std::string second;
   const Outcome first = run_shell(program(options() + " --threads 1 --resume '" + out + "'"), [&](pid_t) {
@@ -160,6 +200,32 @@ TEST_CASE("map: Ctrl-C ends it with what there is, and says how to go on") {
   });
   CHECK_THAT(second, Contains("another graze map is at work there"));
   check_finished(first, out);
+}
+
+TEST_CASE("map: interrupted without a folder, it says where its part is") {
+  const TemporaryFolder folder;
+  const std::string json = folder.file("part.json"), h5 = folder.file("m.h5");
+  const Outcome outcome =
+      spawn("map '" + problem("hertz-damped") +
+                "' --param eta:0.70:0.74:40 --param r:1.95:2.1:400 --follow up --threads 1 --h5 " + h5 + " --json " + json,
+            SIGINT, 0.5);
+  CHECK(outcome.code == 130);
+  CHECK_THAT(outcome.err,
+             Contains("they go to --json and cannot be gone on with; --out DIR would keep them; --h5 is for whole maps"));
+  CHECK_FALSE(fs::exists(h5));
+  CHECK(Json::parse(read_file(json))["status"] == "interrupted");
+}
+
+TEST_CASE("map: a disc that is full is said, and no half file is left") {
+  const TemporaryFolder folder;
+  // What a full disc does to a file, an allowance for its size does too.
+  const Outcome outcome =
+      run_shell(fmt::format("sh -c \"trap '' XFSZ; ulimit -f 8; exec {} \"",
+                            program("map '" + problem("newton-elastic") +
+                                    "' --param eta:0.65:0.95:60 --param r:1:3:20 --quiet --h5 '" + folder.file("m.h5") + "'")));
+  CHECK(outcome.code == 2);
+  CHECK_THAT(outcome.err, Contains("m.h5: cannot be written: File too large"));
+  CHECK(folder.files() == 0);
 }
 
 TEST_CASE("map: of several that begin in a folder at once, one goes on and the others say why not") {
@@ -177,7 +243,7 @@ TEST_CASE("map: of several that begin in a folder at once, one goes on and the o
     done += code == 0 ? 1 : 0;
     if (code == 0) continue;
     CHECK(code == 2);
-    CHECK_THAT(error, Contains("another graze map is at work there"));
+    CHECK_THAT(error, Contains("another graze map is at work there") || Contains("a finished map is there"));
   }
   CHECK(done >= 1);
   CHECK(fs::exists(folder.file("run/map.h5")));
@@ -211,6 +277,14 @@ TEST_CASE("map: a rank that dies ends the run, which can be gone on with") {
   CHECK_FALSE(fs::exists(out + "/map.h5"));
   CHECK(chunks(out) >= 3);
   check_finished(run_shell(mpirun + "-n 3 " + program(options() + " --resume '" + out + "'")), out);
+}
+
+TEST_CASE("a command of one process keeps quiet and to its processors under mpirun") {
+  if (!have_mpirun()) return;
+  const Outcome outcome = run_shell(
+      mpirun + "-n 2 " + program("sweep '" + problem("newton-elastic") + "' --from 0.7 --to 0.71 --step 0.005 --quiet"));
+  CHECK(outcome.code == 0);
+  CHECK_THAT(outcome.err, !Contains("TBB"));
 }
 
 TEST_CASE("map: misuse under mpirun is said once, and ends all ranks") {

@@ -54,6 +54,7 @@ TEST_CASE("wrong commands and options are misuse") {
   CHECK_THAT(misuse("orbit " + hertz + " --perod 2"), Contains("no option --perod") && Contains("did you mean --period"));
   CHECK_THAT(misuse("orbit"), Contains("graze orbit: PROBLEM is required"));
   CHECK_THAT(misuse("orbit " + hertz + " again"), Contains("\"again\" is one argument too many"));
+  CHECK_THAT(misuse("orbit " + hertz + " --set b=0.06 r=2"), Contains("\"r=2\" is one argument too many"));
   CHECK_THAT(misuse("orbit " + hertz + " --period two"), Contains("--period two") && Contains("whole number >= 1"));
   CHECK_THAT(misuse("orbit " + hertz + " --period 0"), Contains("whole number >= 1"));
   CHECK_THAT(misuse("orbit " + hertz + " --settle -5"), Contains("whole number >= 0"));
@@ -142,6 +143,36 @@ TEST_CASE("an output is not written over the input or over another output") {
   CHECK_THAT(misuse(run + "--json " + folder.file("link")), Contains("this is the file that is read"));
   CHECK(read_file(input) == text);
   CHECK(spawn("orbit " + hertz + " --settle 300 --json /dev/null --csv /dev/null").code == 0);
+}
+
+TEST_CASE("an output whose name is a link goes where the link points") {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder.file("there"));
+  for (const char* name : {"old.json", "new.json"})
+    std::filesystem::create_symlink(folder.file("there/") + name, folder.file(name));
+  folder.write("there/old.json", "before");
+  const Outcome outcome = spawn("models --json " + folder.file("old.json") + " --csv " + folder.file("t.csv"));
+  CHECK(outcome.code == 0);
+  CHECK(spawn("models --json " + folder.file("new.json")).code == 0);
+  for (const char* name : {"old.json", "new.json"}) {
+    CHECK(std::filesystem::is_symlink(folder.file(name)));
+    CHECK(std::filesystem::is_regular_file(folder.file("there/") + name));
+    CHECK_THAT(read_file(folder.file("there/") + name), Contains("graze.models/1"));
+  }
+  std::filesystem::create_symlink(folder.file("loop.json"), folder.file("loop.json"));
+  CHECK_THAT(misuse("models --json " + folder.file("loop.json")), Contains("Too many levels of symbolic links"));
+}
+
+TEST_CASE("a name of another kind of file is refused") {
+  CHECK_THAT(misuse("models --json a.csv"),
+             Contains("--json a.csv: such a name is that of another kind of file") && Contains("ends in .json"));
+  CHECK_THAT(misuse("orbit " + hertz + " --csv a.png"), Contains("--csv a.png"));
+  const std::string map = "map " + newton + " --param eta:0.7:0.8:2 --param r:1:2:2 --h5 ";
+  CHECK_THAT(misuse(map + "a.json"), Contains("--h5 a.json") && Contains("ends in .h5 or .hdf5"));
+  CHECK_THAT(misuse(map + "-"), Contains("HDF5 does not go to stdout"));
+  const TemporaryFolder folder;
+  REQUIRE(::mkfifo(folder.file("pipe").c_str(), 0600) == 0);
+  CHECK_THAT(misuse(map + folder.file("pipe")), Contains("this is a device, a pipe or a folder"));
 }
 
 TEST_CASE("a user value outside the range is warned of") {

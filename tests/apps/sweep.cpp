@@ -48,9 +48,10 @@ TEST_CASE("sweep follows the attractor and shows hysteresis") {
 TEST_CASE("sweep goes on from what an interrupted run has left, to the last bit") {
   const TemporaryFolder folder;
   const std::vector<std::string> options = {"--from", "0.74", "--to", "0.75", "--step", "0.002"};
-  const auto with = [&](std::vector<std::string> more) {
-    more.insert(more.begin(), options.begin(), options.end());
-    return more;
+  const auto with = [&](std::vector<std::string> more, std::vector<std::string> before = {}) {
+    before.insert(before.end(), options.begin(), options.end());
+    before.insert(before.end(), more.begin(), more.end());
+    return before;
   };
   const std::string out = folder.file("run");
   const Json whole = json_of(run(with({"--out", out, "--json", "-"})));
@@ -67,7 +68,16 @@ TEST_CASE("sweep goes on from what an interrupted run has left, to the last bit"
   CHECK(resumed == whole);  // what was read back is written again as it was, multipliers included
   const Outcome other = run(with({"--resume", out, "--set", "b=0.06"}));
   CHECK(other.code == 2);
-  CHECK_THAT(other.err, Contains("is of another model, other parameters or other options"));
+  CHECK_THAT(other.err, Contains("sweep.json is of another run: parameters.b is 0.05 there and 0.06 now; give the same"));
+  const Outcome shorter = run(with({"--resume", out, "--periods", "400"}));
+  CHECK(shorter.code == 2);
+  CHECK_THAT(shorter.err, Contains("options.periods is 20000 there and 400 now"));
+  std::filesystem::copy_file(problem("newton-elastic"), folder.file("same.toml"));
+  const Outcome renamed = call(with({"--resume", out, "--json", "-", "--quiet"}, {"sweep", folder.file("same.toml")}));
+  CHECK(json_of(renamed)["rows"] == whole["rows"]);
+  folder.write("run/sweep.json", "{\n\"schema\": [1,");
+  CHECK_THAT(run(with({"--resume", out})).err,
+             Contains("run/sweep.json: this is not valid JSON from line 2 on, where it breaks off; compute it anew"));
 }
 
 TEST_CASE("sweep does not depend on the number of threads, where rows are taken back too") {
@@ -96,4 +106,6 @@ TEST_CASE("sweep refuses what it does not understand") {
   CHECK_THAT(misuse({"--from", "0.7", "--to", "0.8", "--step", "1e-9"}), Contains("at most a million"));
   CHECK_THAT(misuse({"--from", "0", "--to", "0.8", "--step", "0.1"}), Contains("--from"));
   CHECK_THAT(misuse({"--from", "0.7", "--to", "0.8", "--step", "0.1", "--direction", "sideways"}), Contains("sideways"));
+  const std::vector<std::string> r = {"--param", "r", "--from", "0", "--to", "3", "--step", "0.5", "--start", "1.5,0"};
+  CHECK_THAT(misuse(r), Contains("--start: the state (1.5, 0) lies inside the barrier") && Contains("x <= r = 0"));
 }

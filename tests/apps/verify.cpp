@@ -132,7 +132,7 @@ TEST_CASE("verify refuses what it does not understand") {
   CHECK_THAT(misuse({"--from", "0.9", "--to", "0.9", "--step", "0.1"}), Contains("its ends must differ"));
   CHECK_THAT(misuse({"--to", "-0.05", "--step", "0.1"}), Contains("--from, --to"));
   CHECK_THAT(misuse({"--param", "eat", "--from", "0.9"}), Contains("eta"));
-  CHECK_THAT(misuse({"--plot-kind", "restitution"}), Contains("add --hard-limit"));
+  CHECK_THAT(misuse({"--plot-kind", "restitution", "--plot", "x.png"}), Contains("add --hard-limit"));
   CHECK_THAT(misuse({"--hard-limit"}, "beam-linear"), Contains("the contact law here is linear"));
   CHECK_THAT(misuse({"--hard-limit", "--set", "k_r=0.8"}, "newton-elastic"), Contains("here k_r is 0.8"));
   CHECK_THAT(misuse({"--hard-limit", "--param", "k_r", "--from", "1"}, "newton-elastic"), Contains("k_r is varied"));

@@ -192,7 +192,7 @@ TEST_CASE("a diagram goes on from where it was interrupted, to the last bit, and
   };
   const Json complete = Json::parse(whole);
   REQUIRE(complete["rows"].size() == count);
-  CHECK_THAT(refused(complete, range), Contains("has sweeps of another start or of other options; give the same"));
+  CHECK_THAT(refused(complete, range), Contains("has sweeps of another start or of other options: "));
   CHECK_THAT(refused(complete, all + std::vector<std::string>{"--start", "0,0.1"}), Contains("has sweeps of another start"));
   CHECK_THAT(refused(complete, range + std::vector<std::string>{"--skeleton"}),
              Contains("is of a whole diagram, which --skeleton would cut down"));

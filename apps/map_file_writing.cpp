@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The file is put together in memory and written as any other output: the HDF5 library cannot end in peace on a disc that is
+// full.
+#include <graze/apps/map_band.hpp>
+#include <graze/apps/map_file.hpp>
+#include <graze/apps/output_file.hpp>
+#include <graze/apps/version.hpp>
+
+#include <fmt/format.h>
+#include <hdf5_hl.h>
+
+#include <cmath>
+
+namespace graze::apps {
+
+using namespace hdf5;
+
+namespace {
+
+constexpr unsigned deflation = 4;                     // more takes longer than it saves
+constexpr std::size_t growth = std::size_t(4) << 20;  // of the file in memory, in bytes
+
+/// Of variable length, which h5py and MATLAB give as a string, not as bytes, and netCDF reads.
+Handle text_type() {
+  Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  check(H5Tset_size(type, H5T_VARIABLE));
+  check(H5Tset_cset(type, H5T_CSET_UTF8));
+  return type;
+}
+
+void set_attribute(hid_t object, const std::string& name, const std::string& text) {
+  const Handle type = text_type(), space = space_of({});
+  const Handle attribute(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  const char* const characters = text.c_str();
+  check(H5Awrite(attribute, type, &characters));
+}
+
+void set_attribute(hid_t object, const std::string& name, double value) {
+  const Handle space = space_of({});
+  const Handle attribute(H5Acreate2(object, name.c_str(), H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  check(H5Awrite(attribute, H5T_NATIVE_DOUBLE, &value));
+}
+
+/// To make an object of a kind so that it keeps no times.
+Handle without_times(hid_t kind) {
+  Handle options(H5Pcreate(kind), H5Pclose);
+  check(H5Pset_obj_track_times(options, 0));
+  return options;
+}
+
+/// A dataset without times. `chunk`: its chunks, compressed; empty: contiguous.
+Handle make_dataset(hid_t file, const std::string& name, hid_t type, const std::vector<hsize_t>& size,
+                    const std::vector<hsize_t>& chunk) {
+  const Handle space = space_of(size), options = without_times(H5P_DATASET_CREATE);
+  if (!chunk.empty()) {
+    check(H5Pset_chunk(options, static_cast<int>(chunk.size()), chunk.data()));
+    check(H5Pset_shuffle(options));
+    check(H5Pset_deflate(options, deflation));
+  }
+  return {H5Dcreate2(file, name.c_str(), type, space, H5P_DEFAULT, options, H5P_DEFAULT), H5Dclose};
+}
+
+void describe(hid_t dataset, const std::string& meaning) {
+  set_attribute(dataset, "long_name", meaning);
+  set_attribute(dataset, "units", std::string("dimensionless"));
+}
+
+herr_t write_part(hid_t dataset, hid_t type, hid_t memory, hid_t file, void* data) {
+  return H5Dwrite(dataset, type, memory, file, H5P_DEFAULT, data);
+}
+
+void write_all(hid_t dataset, hid_t type, const void* data) {
+  check(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data));
+}
+
+/// A dataset that stands for a dimension.
+Handle make_scale(hid_t file, const std::string& name, const std::vector<double>& values, const std::string& meaning) {
+  Handle scale = make_dataset(file, name, H5T_IEEE_F64LE, {values.size()}, {});
+  write_all(scale, H5T_NATIVE_DOUBLE, values.data());
+  describe(scale, meaning);
+  check(H5DSset_scale(scale, name.c_str()));
+  return scale;
+}
+
+std::vector<double> values_of(const ParameterAxis& axis) {
+  std::vector<double> values;
+  for (int i = 0; i < axis.count; ++i) values.push_back(axis.at(i));
+  return values;
+}
+
+std::vector<double> numbers_to(int count) {
+  std::vector<double> values;
+  for (int i = 0; i < count; ++i) values.push_back(i);
+  return values;
+}
+
+const std::string& meaning_of(const MapPlan& plan, const std::string& parameter) {
+  const auto& parameters = plan.problem.system.parameters;
+  return parameters[parameter_index(parameters, parameter)].meaning;
+}
+
+void write_layers(hid_t file, const MapPlan& plan, hid_t layer, hid_t component) {
+  const auto layers = static_cast<hsize_t>(plan.layers()), states = static_cast<hsize_t>(plan.problem.system.states);
+  std::vector<double> starts;
+  std::vector<const char*> follows;
+  for (int i = 0; i < plan.layers(); ++i) {
+    const LayerOrigin origin = layer_origin(plan, i);
+    for (hsize_t k = 0; k < states; ++k)
+      starts.push_back(origin.start ? (*origin.start)[static_cast<Eigen::Index>(k)] : std::nan(""));
+    follows.push_back(map_direction_name(origin.follow).data());
+  }
+  const Handle start = make_dataset(file, "start", H5T_IEEE_F64LE, {layers, states}, {});
+  write_all(start, H5T_NATIVE_DOUBLE, starts.data());
+  describe(start, "state at forcing phase 0 that the layer starts from; NaN: at rest");
+  check(H5DSattach_scale(start, layer, 0));
+  check(H5DSattach_scale(start, component, 1));
+  const Handle type = text_type(), follow = make_dataset(file, "follow", type, {layers}, {});
+  write_all(follow, type, follows.data());
+  set_attribute(follow, "long_name",
+                std::string("way along the columns in which a row was followed; none: each point by itself"));
+  check(H5DSattach_scale(follow, layer, 0));
+}
+
+void write_head(hid_t file, const MapPlan& plan, const Json& head) {
+  set_attribute(file, "schema", std::string(head.at("schema")));
+  set_attribute(file, "graze", std::string(program_version));
+  set_attribute(file, "oscillator", plan.problem.oscillator);
+  set_attribute(file, "contact", plan.problem.contact);
+  set_attribute(file, "units", std::string("dimensionless"));
+  set_attribute(file, "options", head.at("options").dump());
+  set_attribute(file, "head", head.dump());
+  const Handle group(H5Gcreate2(file, "parameters", H5P_DEFAULT, without_times(H5P_GROUP_CREATE), H5P_DEFAULT), H5Gclose);
+  set_attribute(group, "long_name", std::string("parameters of the model; those of the axes as they were without the map"));
+  for (const auto& [name, value] : head.at("parameters").items()) set_attribute(group, name, value.get<double>());
+}
+
+void write_content(hid_t file, const MapPlan& plan, const Json& head, const MapRows& rows) {
+  write_head(file, plan, head);
+  const ParameterGrid& grid = plan.grid;
+  const auto states = static_cast<int>(plan.problem.system.states);
+  const Handle columns =
+      make_scale(file, grid.columns.parameter, values_of(grid.columns), meaning_of(plan, grid.columns.parameter));
+  const Handle rows_scale = make_scale(file, grid.rows.parameter, values_of(grid.rows), meaning_of(plan, grid.rows.parameter));
+  const Handle layer = make_scale(file, "layer", numbers_to(plan.layers()), "number of the layer; see start and follow");
+  const Handle component = make_scale(file, "component", numbers_to(states), "of the state: 0 for x, 1 for x'");
+  write_layers(file, plan, layer, component);
+  const Handle attractor = attractor_type();
+  // With a name in the file, before those of the datasets: netCDF asks for both.
+  check(H5Tcommit2(file, "AttractorType", attractor, H5P_DEFAULT, without_times(H5P_DATATYPE_CREATE), H5P_DEFAULT));
+  const std::array<hid_t, 6> kept = {attractor, H5T_STD_I32LE, H5T_STD_I32LE, H5T_IEEE_F64LE, H5T_IEEE_F64LE, H5T_IEEE_F64LE};
+  const Band all{0, grid.rows.count, plan.layers(), grid.columns.count, states};
+  std::vector<Handle> datasets;
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    const std::vector<hsize_t> size = all.size(fields[i].of_states);
+    std::vector<hsize_t> chunk = size;
+    chunk[0] = 1;
+    chunk[1] = std::min(chunk[1], cell);
+    chunk[2] = std::min(chunk[2], cell);
+    datasets.push_back(make_dataset(file, fields[i].name, kept[i], size, chunk));
+    describe(datasets[i], fields[i].meaning);
+    check(H5DSattach_scale(datasets[i], layer, 0));
+    check(H5DSattach_scale(datasets[i], rows_scale, 1));
+    check(H5DSattach_scale(datasets[i], columns, 2));
+    if (fields[i].of_states) check(H5DSattach_scale(datasets[i], component, 3));
+  }
+  // Band by band, each a row of whole chunks: none is compressed twice, and little is held in memory.
+  for (int first = 0; first < grid.rows.count; first += static_cast<int>(cell)) {
+    const Band band{first, std::min(static_cast<int>(cell), grid.rows.count - first), plan.layers(), grid.columns.count, states};
+    BandData data(band);
+    for (int row = 0; row < band.rows; ++row) {
+      const std::vector<MapPoint> points = rows(first + row);
+      for (int l = 0; l < band.layers; ++l)
+        for (int column = 0; column < band.columns; ++column)
+          data.put(band.place(l, row, column), points[static_cast<std::size_t>(l * band.columns + column)]);
+    }
+    const std::array<void*, 6> memory = data.memory();
+    const std::array<hid_t, 6> types = BandData::types(attractor);
+    for (std::size_t i = 0; i < fields.size(); ++i)
+      transfer(datasets[i], types[i], band, fields[i].of_states, memory[i], write_part);
+  }
+}
+
+/// In memory alone.
+Handle make_file() {
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  check(H5Pset_fapl_core(access, growth, 0));
+  return {H5Fcreate("map", H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose};
+}
+
+/// The bytes of a file that was made in memory, where they are; valid until it changes.
+std::string_view bytes_of(hid_t file) {
+  check(H5Fflush(file, H5F_SCOPE_LOCAL));
+  void* place = nullptr;
+  check(H5Fget_vfd_handle(file, H5P_DEFAULT, &place));
+  const ssize_t size = H5Fget_file_image(file, nullptr, 0);
+  if (size <= 0) throw std::runtime_error("the HDF5 library refuses");
+  return {*static_cast<const char* const*>(place), static_cast<std::size_t>(size)};
+}
+
+}  // namespace
+
+std::optional<std::string> write_map_file(const std::string& file, const MapPlan& plan, const Json& head, const MapRows& rows) {
+  silence();
+  try {
+    const Handle hdf5 = make_file();
+    write_content(hdf5, plan, head, rows);
+    if (auto failure = write_whole(file, bytes_of(hdf5))) return failure;
+    return sync_folder(folder_of(file));
+  } catch (const std::exception& error) {
+    return fmt::format("{}: cannot be written: {}", file, error.what());
+  }
+}
+
+}  // namespace graze::apps
