@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/input_file.hpp>
+#include <graze/apps/map_file.hpp>
 #include <graze/apps/map_store.hpp>
 #include <graze/apps/output_file.hpp>
 #include <graze/apps/same_run.hpp>
@@ -28,6 +29,15 @@ constexpr const char* run_file = "/run.json";
 
 /// What makes two runs the same: everything that a point's numbers depend on.
 std::uint64_t fingerprint_of(const Json& head) { return checksum(essence(head, map_essentials).dump()); }
+
+/// Whether a file is the map that a run of this head would make.
+bool is_map_of(const std::string& file, const Json& head) {
+  try {
+    return !difference(essence(MapFile(file).head(), map_essentials), essence(head, map_essentials));
+  } catch (const std::exception&) {  // it is no map
+    return false;
+  }
+}
 
 }  // namespace
 
@@ -72,10 +82,10 @@ void MapStore::begin(const Json& head, bool overwriting) {
     throw std::invalid_argument(fmt::format(
         "--out: {0} holds an unfinished map; --resume {1} goes on with it, and without the folder {0} a new one begins", folder_,
         out_));
-  if (!overwriting && fs::exists(out_ + "/map.h5")) {
+  if (!overwriting && fs::exists(out_ + "/map.h5") && !is_map_of(out_ + "/map.h5", head)) {
     remove();
     throw std::invalid_argument(
-        fmt::format("--out {0}: a finished map is there, {0}/map.h5; give another folder, or --overwrite to replace it", out_));
+        fmt::format("--out {0}: another map is there, {0}/map.h5; give another folder, or --overwrite to replace it", out_));
   }
   finished_.assign(static_cast<std::size_t>(plan_.chunks()), false);
   Json run = head;

@@ -17,7 +17,7 @@ namespace graze::apps {
 /// The parts of a map's head that its numbers depend on; see essence().
 inline const std::vector<std::string> map_essentials = {"graze", "model", "parameters", "options"};
 
-/// A map that is there already is replaced on request alone.
+/// Another map that is there already is replaced on request alone.
 enum class MapBeginning { anew, overwriting, resuming };
 
 class MapStore {

@@ -15,7 +15,8 @@ namespace {
 
 /// An average that may stop early is expected to last when it has gone on for so many periods.
 constexpr std::int64_t lasting = ManyMotions::periods_for_table / 4;
-constexpr std::size_t stretch = 32;  // forcing periods between two looks at what has been reached
+/// Forcing periods between two looks at what has been reached: an eighth of what there was, lest much be carried in vain.
+constexpr std::size_t shortest_stretch = 32, longest_stretch = 256;
 
 /// One motion with its first tangent vector.
 struct Strand {
@@ -185,6 +186,7 @@ std::vector<LyapunovSpectrum> lane_spectra(const HybridSystem& system, const std
   std::vector<MotionStart> motions;
   std::vector<PeriodResult> results;
   std::int64_t told = 0;
+  std::size_t carried = 0;
   for (;;) {
     const bool cancelled = options.cancelled && options.cancelled();
     motions.clear();
@@ -198,7 +200,9 @@ std::vector<LyapunovSpectrum> lane_spectra(const HybridSystem& system, const std
     }
     if (options.progress && periods > told) options.progress(told = periods);
     if (motions.empty()) break;
+    const std::size_t stretch = std::clamp(carried / 8, shortest_stretch, longest_stretch);
     many.carry(motions, stretch, true, results);
+    carried += stretch;
     const PeriodResult* next = results.data();
     for (Average& average : averages) {
       if (!average.open()) continue;

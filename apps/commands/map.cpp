@@ -302,7 +302,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   begin_group(app, "Results");
   add_text(app, "--out", options->output.out, "DIR", "folder that gets map.h5 and pictures, and meanwhile the finished chunks");
   add_flag(app, "--overwrite", options->overwrite,
-           "replace a finished map in --out DIR; without, it is kept and the run refused");
+           "replace another map in --out DIR; without, it is kept and the run refused");
   add_text(app, "--resume", options->resume, "DIR", "go on with what an interrupted or killed run left in DIR (its --out)");
   add_text(app, "--h5", options->h5, "FILE", "the map as HDF5");
   add_text(app, "--json", options->output.json, "FILE|-", "the map as JSON, up to a million points");
