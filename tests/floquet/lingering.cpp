@@ -40,7 +40,7 @@ TEST_CASE("lingering: what leaves an orbit slowly, or comes to one, goes on and 
   CHECK(on_it.on_an_orbit());
 }
 
-TEST_CASE("lingering: chaos that came back goes on, but was elsewhere; what is away at once does not linger") {
+TEST_CASE("lingering: chaos that came back goes on, but was elsewhere, and what is away at once does not linger") {
   const Lingering back = asked([](int k) { return k < 900 ? std::cos(1.0 * k * k) : 0.5; }, 1);
   CHECK(back.goes_on());
   CHECK_FALSE(back.always());
