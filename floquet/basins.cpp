@@ -62,7 +62,7 @@ class Search {
  private:
   static std::size_t round_size(std::size_t round) { return std::size_t{16} << (2 * std::min<std::size_t>(round, 4)); }
 
-  /// False: interrupted, and nothing of the round is kept.
+  /// False: interrupted. Of the round, only what attractors known before have to say is kept: the rest comes out the same later.
   bool do_round(const std::vector<std::size_t>& todo) {
     const std::size_t attractors = out_.attractors.size();
     std::vector<Run> runs(todo.size());
@@ -98,20 +98,27 @@ class Search {
       if (!whole) {
         out_.attractors.erase(out_.attractors.begin() + static_cast<std::ptrdiff_t>(attractors), out_.attractors.end());
         known_.keep(attractors);
+        take(todo, runs);
         return false;
       }
       open = std::move(left);
     }
+    take(todo, runs);
+    return true;
+  }
+
+  /// The outcomes of those runs that came to an end, as far as their attractors are known.
+  void take(const std::vector<std::size_t>& todo, const std::vector<Run>& runs) {
     for (std::size_t k = 0; k < todo.size(); ++k) {
       StartOutcome& outcome = out_.outcomes[todo[k]];
       const Run& run = runs[k];
-      outcome.fate = run.end == Run::End::reached        ? Fate::reached
-                     : run.end == Run::End::inadmissible ? Fate::inadmissible
-                                                         : Fate::lost;
-      outcome.attractor = run.end == Run::End::reached ? run.attractor : 0;
+      const bool reached = run.end == Run::End::reached;
+      if (reached ? run.attractor >= out_.attractors.size() : run.end != Run::End::inadmissible && run.end != Run::End::lost)
+        continue;
+      outcome.fate = reached ? Fate::reached : run.end == Run::End::inadmissible ? Fate::inadmissible : Fate::lost;
+      outcome.attractor = reached ? run.attractor : 0;
       out_.periods += run.periods;
     }
-    return true;
   }
 
   /// A motion that is watched until it is recognised, or for the transient.

@@ -178,7 +178,7 @@ TEST_CASE("interrupted basins keep what is there, and go on from it to the same 
     CHECK_FALSE(part.complete);
     const auto run = std::count_if(part.outcomes.begin(), part.outcomes.end(),
                                    [](const StartOutcome& outcome) { return outcome.fate != Fate::not_run; });
-    CHECK(run > 0);
+    CHECK(run > 100);  // not only the rounds that are through
     CHECK(run < static_cast<std::ptrdiff_t>(starts.size()));
     CHECK(part.admissible == static_cast<std::size_t>(run));
     // What is known after a part is not changed by the rest.
