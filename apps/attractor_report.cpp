@@ -16,9 +16,13 @@ namespace {
 
 Json number_json(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
-std::string exponent_text(double value, int digits) { return std::isfinite(value) ? rounded(value, digits) : "-infinity"; }
-
 }  // namespace
+
+std::string exponent_text(double value, int digits) {
+  return std::isfinite(value) ? rounded(value, digits) : std::isnan(value) ? "unknown" : value < 0.0 ? "-infinity" : "infinity";
+}
+
+std::string error_text(double value, int digits) { return std::isfinite(value) ? rounded(value, digits) : "unknown"; }
 
 Json numbers_json(const std::vector<double>& values) {
   Json list = Json::array();
@@ -96,7 +100,7 @@ std::string attractor_text(const Attractor& attractor) {
   for (std::size_t i = 0; i < attractor.exponents.size(); ++i) {
     std::vector<std::string> row = {std::to_string(i + 1), exponent_text(attractor.exponents[i], periodic ? 12 : 6)};
     if (periodic) row.push_back(i < average.exponents.size() ? exponent_text(average.exponents[i], 6) : "-");
-    row.push_back(i < average.standard_errors.size() ? exponent_text(average.standard_errors[i], 2) : "-");
+    row.push_back(i < average.standard_errors.size() ? error_text(average.standard_errors[i], 2) : "-");
     table.rows.push_back(std::move(row));
   }
   text += aligned(table);
