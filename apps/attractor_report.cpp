@@ -53,7 +53,9 @@ Json attractor_json(const Attractor& attractor) {
               {"period", attractor.period > 0 ? Json(attractor.period) : Json(nullptr)},
               {"impacts", attractor.period > 0 ? Json(attractor.impacts) : Json(nullptr)},
               {"state", to_json(attractor.state)}};
-  if (attractor.orbit) out["multipliers"] = multipliers_json(attractor.orbit->multipliers);
+  if (!attractor.orbit) return out;
+  add_sticking(out, attractor.orbit->impacts, attractor.orbit->isolated_impacts);
+  out["multipliers"] = multipliers_json(attractor.orbit->multipliers);
   return out;
 }
 
@@ -69,21 +71,21 @@ Attractor attractor_of(const Json& json) {
   out.orbit.emplace();
   out.orbit->period = out.period;
   out.orbit->impacts = out.impacts;
+  out.orbit->isolated_impacts = json.value("isolated_impacts", out.impacts);
   out.orbit->state = out.state;
   out.orbit->multipliers = multipliers_from(json["multipliers"]);
   return out;
 }
 
 std::string attractor_name(const Attractor& attractor) {
-  return attractor.type == AttractorType::periodic ? z_label(attractor.impacts, attractor.period)
-                                                   : std::string(attractor_type_name(attractor.type));
+  if (attractor.type != AttractorType::periodic) return std::string(attractor_type_name(attractor.type));
+  return attractor.orbit ? z_label(*attractor.orbit) : z_label(attractor.impacts, attractor.period);
 }
 
 std::string attractor_text(const Attractor& attractor) {
   std::string text;
   if (attractor.type == AttractorType::periodic) {
-    text =
-        fmt::format("periodic, {}: exponents ln|mu| / (nT) of its multipliers\n", z_label(attractor.impacts, attractor.period));
+    text = fmt::format("periodic, {}: exponents ln|mu| / (nT) of its multipliers\n", attractor_name(attractor));
   } else if (attractor.type == AttractorType::chaotic) {
     text = fmt::format("chaotic: the first exponent is positive by {} standard errors\n",
                        rounded(attractor.exponents[0] / attractor.standard_errors[0], 3));

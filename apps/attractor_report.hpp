@@ -28,7 +28,7 @@ Json attractor_json(const Attractor& attractor);
 /// What of it stands there, read back.
 Attractor attractor_of(const Json& json);
 
-/// "z = 2/3", "chaotic", "undecided".
+/// "z = 2/3", "z = ∞/1" of an orbit that sticks, "chaotic", "undecided".
 std::string attractor_name(const Attractor& attractor);
 
 /// All that `graze lyapunov` prints of an attractor.

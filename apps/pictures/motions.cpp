@@ -48,7 +48,7 @@ Sampled sampled_orbit(const Problem& problem, const Json& orbit, const std::stri
   insert_events(out, events_json(motion.events, contacts_of_run(motion.events)));
   for (int k = 0; k < std::min<int>(period, static_cast<int>(motion.strobe.size())); ++k)
     out.strobe.push_back({motion.strobe[static_cast<std::size_t>(k)][0], motion.strobe[static_cast<std::size_t>(k)][1]});
-  out.title = fmt::format("{}{}", name, z_label(orbit.at("impacts"), period));
+  out.title = fmt::format("{}{}", name, z_label_of(orbit));
   if (orbit.contains("stable")) out.title += orbit["stable"].get<bool>() ? ", stable" : ", unstable";
   return out;
 }

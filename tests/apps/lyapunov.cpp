@@ -62,6 +62,18 @@ TEST_CASE("lyapunov where a direction is forgotten: minus infinity is null in JS
   CHECK(json["exponents"].back().is_null());
 }
 
+TEST_CASE("lyapunov: an attractor that sticks is called as graze orbit calls it") {
+  const std::vector<std::string> options = {"--set", "k_r=0.5", "--set", "eta=0.3", "--set", "r=0"};
+  CHECK_THAT(call("orbit", "newton-elastic", options).out, Contains("z = ∞/1"));
+  CHECK_THAT(call("lyapunov", "newton-elastic", options).out, Contains("periodic, z = ∞/1") && Contains("-infinity"));
+  const Json attractor = spectrum(options, "newton-elastic")["attractor"];
+  CHECK(attractor["sticking"] == true);
+  CHECK(attractor["isolated_impacts"] == 0);
+  CHECK(attractor["impacts"] > 1);
+  CHECK(attractor_name(attractor_of(attractor)) == "z = ∞/1");
+  CHECK_FALSE(spectrum({"--set", "eta=0.925"})["attractor"].contains("sticking"));
+}
+
 TEST_CASE("lyapunov over too few periods: standard errors are unknown, not infinite") {
   const TemporaryFolder folder;
   const std::string json = folder.file("a.json"), csv = folder.file("a.csv");

@@ -146,6 +146,26 @@ TEST_CASE("map: pictures have a cell per point and a legend of what occurs") {
   CHECK(read_file(folder.file("a.svg")) == read_file(folder.file("b.svg")));
 }
 
+TEST_CASE("map: where the motion sticks, all formats know that the exponent is minus infinity") {
+  const TemporaryFolder folder;
+  const std::string h5 = folder.file("m.h5"), json = folder.file("m.json");
+  const Outcome outcome = run(
+      {"--set", "k_r=0.5", "--param", "eta:0.3:0.9:7", "--param", "r:-0.5:0.5:4", "--h5", h5, "--json", json}, "newton-elastic");
+  REQUIRE(outcome.code == 0);
+  CHECK_THAT(outcome.out, Contains("z = ∞/1"));
+  const Json layer = Json::parse(read_file(json))["layers"][0];
+  CHECK(layer["sticking"][0][0] == true);
+  CHECK(layer["impacts"][0][0] > 1);
+  CHECK(layer["lambda_1"][0][0].is_null());
+  CHECK(layer["sticking"][3][6] == false);
+  CHECK(layer["counts"][0]["points"].is_number());
+  for (const std::string kind : {"attractors", "exponent"}) {
+    for (const std::string& from : {h5, json})
+      REQUIRE(call({"plot", from, "--plot-kind", kind, "-o", from + "." + kind + ".svg"}).code == 0);
+    CHECK(read_file(h5 + "." + kind + ".svg") == read_file(json + "." + kind + ".svg"));
+  }
+}
+
 TEST_CASE("map: no byte of a chunk can change without being noticed") {
   MapPlan plan;
   plan.problem = make_problem("linear", "hertz");

@@ -45,6 +45,12 @@ TEST_CASE("sweep follows the attractor and shows hysteresis") {
   }
 }
 
+TEST_CASE("sweep: an attractor that sticks is one, however many impacts of its chatter are counted") {
+  const Outcome outcome = run({"--set", "k_r=0.5", "--set", "r=0", "--from", "0.3", "--to", "0.4", "--step", "0.02"});
+  REQUIRE(outcome.code == 0);
+  CHECK_THAT(outcome.out, Contains("z = ∞/1         6              -infinity  -infinity"));
+}
+
 TEST_CASE("sweep goes on from what an interrupted run has left, to the last bit") {
   const TemporaryFolder folder;
   const std::vector<std::string> options = {"--from", "0.74", "--to", "0.75", "--step", "0.002"};
