@@ -205,6 +205,14 @@ std::string barriers(const Picture& picture) {
   return s;
 }
 
+std::string palette(const Picture& picture) {
+  if (picture.palette.empty()) return "0 '#2c2a7a', 0.5 '#1fa187', 1 '#f2a104'";
+  std::string s;
+  for (const ColourStop& stop : picture.palette)
+    s += fmt::format("{}{} {}", s.empty() ? "" : ", ", exact(stop.value), quoted(stop.colour));
+  return s;
+}
+
 /// What gnuplot is told of one pair of axes: the data, the settings, and at last the plot.
 struct Drawn {
   std::string data, settings, plot;
@@ -226,8 +234,8 @@ Drawn axes(const Picture& picture, const std::string& prefix, int columns, int r
   if (picture.logarithmic_y) s += "set logscale y\nset format y '%.0e'\n";
   if (picture.equal_axes) s += "set size ratio -1\n";
   if (!picture.colour_label.empty())
-    s += "set cblabel " + quoted(picture.colour_label) +
-         "\nset palette defined (0 '#2c2a7a', 0.5 '#1fa187', 1 '#f2a104')\nset cbrange " + range(picture.colour_range) + "\n";
+    s += fmt::format("set cblabel {}\nset palette defined ({})\nset cbrange {}\n", quoted(picture.colour_label), palette(picture),
+                     range(picture.colour_range));
   else
     s += "unset colorbox\nset rmargin 4\n";
   if (!picture.x_names.empty()) {
@@ -250,6 +258,7 @@ Drawn axes(const Picture& picture, const std::string& prefix, int columns, int r
     images += one.rgba;
   };
   if (picture.cells) add_image(image_of(*picture.cells));
+  if (!picture.palette.empty()) add("NaN with points palette notitle");  // or there is no bar of colours
   const std::array<double, 2> x = extent(picture, 0, x_range), y = extent(picture, 1, y_range);
   if (image) {
     Raster raster(x, y, columns, rows);
@@ -284,6 +293,23 @@ std::string single(const Picture& picture, const std::string& format) {
          fmt::format("set bmargin {}\n", lines_below(picture, true)) + drawn.data + drawn.plot;
 }
 
+/// Axes that are not seen, over the whole sheet, for the legend of all others: gnuplot makes none wider than its axes.
+std::string common_legend(const Picture& picture, double y) {
+  std::string plot;
+  for (const Curve& curve : picture.curves)
+    if (!curve.title.empty())
+      plot += fmt::format("{}NaN {} title {}", plot.empty() ? "plot " : ", ", style(curve), quoted(curve.title));
+  if (plot.empty()) return {};
+  return "reset\nset encoding utf8\nunset border\nunset tics\nset xrange [0:1]\nset yrange [0:1]\n" + legend(picture, 0.5, y) +
+         "set lmargin at screen 0.02\nset rmargin at screen 0.98\nset bmargin at screen 0\nset tmargin at screen 1\n" + plot +
+         "\n";
+}
+
+double title_lines_of(const Picture& picture) {
+  const std::string title = title_of(picture);
+  return title.empty() ? 0.6 : 1.0 + static_cast<double>(std::count(title.begin(), title.end(), '\n') + 1);
+}
+
 /// Several on one: below each other with a common x axis, or side by side.
 std::string several(const std::vector<Picture>& pictures, bool below, const std::string& format) {
   const auto count = static_cast<int>(pictures.size());
@@ -291,6 +317,10 @@ std::string several(const std::vector<Picture>& pictures, bool below, const std:
   for (const Picture& picture : pictures) heights += picture.height;
   const Sheet sheet = below ? Sheet{1000, 160 + static_cast<int>(430.0 * heights)} : Sheet{750 * count, 700};
   constexpr double line = 21.0;  // picture elements
+  // Side by side all are alike, whatever their titles say.
+  double most_title_lines = 0.0;
+  for (const Picture& picture : pictures) most_title_lines = std::max(most_title_lines, title_lines_of(picture));
+  const bool shared = !below && pictures.front().common_legend;
   std::string data, commands;
   for (int i = 0; i < count; ++i) {
     const Picture& picture = pictures[static_cast<std::size_t>(i)];
@@ -300,21 +330,21 @@ std::string several(const std::vector<Picture>& pictures, bool below, const std:
     const double height = below ? sheet.height * picture.height / heights : sheet.height;
     above += height;
     const double left = below ? 0.0 : i * width, bottom = below ? sheet.height - above : 0.0;
-    const std::string title = title_of(picture);
-    const double title_lines = title.empty() ? 0.6 : 1.0 + static_cast<double>(std::count(title.begin(), title.end(), '\n') + 1);
-    const double from_x = left + 110.0, to_x = left + width - 35.0;
+    const double title_lines = below ? title_lines_of(picture) : most_title_lines + 0.4;
+    const double from_x = left + 110.0, to_x = left + width - (picture.colour_label.empty() ? 35.0 : 140.0);
     const double from_y = bottom + line * lines_below(picture, names_x), to_y = bottom + height - line * title_lines;
     const Drawn drawn = axes(picture, fmt::format("panel{}", i), static_cast<int>(0.96 * (to_x - from_x)),
                              static_cast<int>(0.96 * (to_y - from_y)));
     data += drawn.data;
     commands += "reset\nset encoding utf8\n" + drawn.settings;
-    commands += legend(picture, (from_x + to_x) / 2.0 / sheet.width, (bottom + 8.0) / sheet.height);
+    commands += shared ? "unset key\n" : legend(picture, (from_x + to_x) / 2.0 / sheet.width, (bottom + 8.0) / sheet.height);
     commands +=
         fmt::format("set lmargin at screen {}\nset rmargin at screen {}\nset bmargin at screen {}\nset tmargin at screen {}\n",
                     from_x / sheet.width, to_x / sheet.width, from_y / sheet.height, to_y / sheet.height);
     if (!names_x) commands += "set format x ''\nunset xlabel\n";
     commands += drawn.plot;
   }
+  if (shared) commands += common_legend(pictures.front(), 8.0 / sheet.height);
   return terminal(format, sheet) + "\nset encoding utf8\n" + data + "set multiplot\n" + commands + "unset multiplot\n";
 }
 

@@ -26,7 +26,7 @@ namespace {
 
 struct Options {
   StartOptions start;  // problem, settings, settle
-  std::vector<std::string> parameters, starts;
+  std::vector<std::string> parameters, starts, layers;
   std::string follow = "none", resume, h5;
   MapOptions map;
   std::optional<double> standard_error;
@@ -100,6 +100,9 @@ void check_all_outputs(const Options& options, const MapPlan& plan) {
   OutputOptions output = options.output;
   output.out.clear();  // its pictures are drawn if they can be: a cluster may have no gnuplot
   check_outputs(output, options.start.file);
+  check_layers(plan, layer_numbers(options.layers));
+  if (!options.layers.empty() && options.output.plot.empty() && options.output.out.empty())
+    throw std::invalid_argument("--layer chooses the layers of a picture; give --plot FILE or --out DIR too");
   if (!options.h5.empty()) check_writable(options.h5);
   check_distinct({{"--h5", options.h5}, {"--json", output.json}, {"--csv", output.csv}, {"--plot", output.plot}},
                  options.start.file);
@@ -128,9 +131,10 @@ int present(const Options& options, const MapPlan& plan, const Json& head, const
     console.err << "graze map: " << sentence << "\n";
     if (code == 0) code = 2;
   };
+  const std::vector<int> layers = layer_numbers(options.layers);
   const auto picture = [&](const std::string& file, const std::string& kind) -> std::optional<std::string> {
     try {
-      return write_whole(file, draw(picture_of_map(plan, rows, kind), ending(file)));
+      return write_whole(file, draw(picture_of_map(plan, rows, kind, layers), ending(file)));
     } catch (const std::exception& error) {
       return fmt::format("{}: {}", file, error.what());
     }
@@ -258,6 +262,8 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_text(app, "--plot", options->output.plot, "FILE", "picture of the map (.png, .svg, .pdf)");
   add_choice(app, "--plot-kind", options->output.plot_kind, picture_names("graze.map/1"),
              "what the picture shows (default attractors)");
+  add_texts(app, "--layer", options->layers, "K",
+            "a layer in the pictures, counted from 0; repeatable, up to 4 stand side by side (default: the first 4)");
   return [options](const Console& console) { return run(*options, console); };
 }
 
