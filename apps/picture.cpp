@@ -162,26 +162,33 @@ std::string image_plot(const Image& image) {
                      exact(image.first[1]));
 }
 
+std::string title_of(const Picture& picture) {
+  return wrapped(picture.title) + (picture.subtitle.empty() ? "" : "\n" + wrapped(picture.subtitle));
+}
+
+double title_lines_of(const Picture& picture) {
+  const std::string title = title_of(picture);
+  return title.empty() ? 0.6 : 1.0 + static_cast<double>(std::count(title.begin(), title.end(), '\n') + 1);
+}
+
 /// Marks, their words where there is room for them, and lines that lead from far words to their marks.
 std::string labels(const Picture& picture) {
   std::string s;
   const std::vector<LabelPlace> places =
-      label_places(picture.labels, extent(picture, 0, picture.x_range), extent(picture, 1, picture.y_range));
+      label_places(picture.labels, extent(picture, 0, picture.x_range), extent(picture, 1, picture.y_range), picture.curves,
+                   std::max(10.0, 33.0 - lines_below(picture, true) - title_lines_of(picture)));
   for (std::size_t i = 0; i < picture.labels.size(); ++i) {
     const Label& label = picture.labels[i];
     const LabelPlace& place = places[i];
     const std::string at = exact(label.x) + ", " + exact(label.y), colour = quoted(label.colour);
-    s += fmt::format("set label {} at {} {} point pt {} ps 1.4 lc rgb {} offset {},{} front tc rgb {}\n", quoted(label.text), at,
-                     place.leftwards ? "right" : "left", label.mark, colour, place.right, place.up, colour);
+    s += fmt::format("set label {} at {} {} point pt {} ps 1.4 lc rgb {} offset {},{} front tc rgb {}{}\n", quoted(label.text),
+                     at, place.leftwards ? "right" : "left", label.mark, colour, place.right, place.up, colour,
+                     label.placed || label.text.empty() ? "" : " boxed");
     if (place.far)
       s += fmt::format("set arrow from {} rto character {}, character {} nohead front lc rgb {} lw 0.8\n", at, place.right,
                        place.up, colour);
   }
   return s;
-}
-
-std::string title_of(const Picture& picture) {
-  return wrapped(picture.title) + (picture.subtitle.empty() ? "" : "\n" + wrapped(picture.subtitle));
 }
 
 /// Barriers: a line each, its words, and a shade over what lies beyond.
@@ -197,10 +204,10 @@ std::string barriers(const Picture& picture) {
       s += fmt::format(
           "set object {} rectangle from {} to graph 1, graph 1 behind fc rgb '#b22222' fs transparent solid 0.07 noborder\n",
           object++, from);
-    s +=
-        barrier.vertical
-            ? fmt::format("set label {} at {}, graph 0.03 right offset -0.6,0 front tc rgb '#b22222'\n", quoted(barrier.text), at)
-            : fmt::format("set label {} at graph 0.01, first {} offset 0,0.6 front tc rgb '#b22222'\n", quoted(barrier.text), at);
+    s += barrier.vertical ? fmt::format("set label {} at {}, graph 0.03 right offset -0.6,0 front tc rgb '#b22222' boxed\n",
+                                        quoted(barrier.text), at)
+                          : fmt::format("set label {} at graph 0.01, first {} offset 0,0.6 front tc rgb '#b22222' boxed\n",
+                                        quoted(barrier.text), at);
   }
   return s;
 }
@@ -244,7 +251,7 @@ Drawn axes(const Picture& picture, const std::string& prefix, int columns, int r
       s += fmt::format("{}{} {}", i ? ", " : "", quoted(picture.x_names[i]), i);
     s += ") rotate by 20 right\n";
   }
-  s += barriers(picture) + labels(picture);
+  s += "set style textbox opaque fillcolor rgb '#30ffffff' noborder margins 0.3,0.2\n" + barriers(picture) + labels(picture);
   if (picture.unit_circle) {
     std::vector<std::array<double, 3>> circle;
     for (int i = 0; i <= 360; ++i) circle.push_back({std::cos(i * M_PI / 180.0), std::sin(i * M_PI / 180.0), 0.0});
@@ -263,12 +270,12 @@ Drawn axes(const Picture& picture, const std::string& prefix, int columns, int r
   if (image) {
     Raster raster(x, y, columns, rows);
     for (const Curve& curve : picture.curves)
-      if (is_dense(curve)) raster.paint(curve);
+      if (goes_with_dense(curve)) raster.paint(curve);
     add_image(raster.image());
   }
   for (std::size_t i = 0; i < picture.curves.size(); ++i) {
     const Curve& curve = picture.curves[i];
-    if (image && is_dense(curve)) {
+    if (image && goes_with_dense(curve)) {
       // What stands for it in the legend; a point outside the picture is no point.
       if (!curve.title.empty()) add(fmt::format("NaN {} title {}", style(curve), quoted(curve.title)));
       continue;
@@ -303,11 +310,6 @@ std::string common_legend(const Picture& picture, double y) {
   return "reset\nset encoding utf8\nunset border\nunset tics\nset xrange [0:1]\nset yrange [0:1]\n" + legend(picture, 0.5, y) +
          "set lmargin at screen 0.02\nset rmargin at screen 0.98\nset bmargin at screen 0\nset tmargin at screen 1\n" + plot +
          "\n";
-}
-
-double title_lines_of(const Picture& picture) {
-  const std::string title = title_of(picture);
-  return title.empty() ? 0.6 : 1.0 + static_cast<double>(std::count(title.begin(), title.end(), '\n') + 1);
 }
 
 /// Several on one: below each other with a common x axis, or side by side.

@@ -29,6 +29,7 @@ struct Label {
   std::string text;
   int mark = 7;
   std::string colour = "black";
+  bool placed = false;  ///< its words stand right beside it, where room was found for them already
 };
 
 /// A line across the picture: x = position (or y = position), with text; `shaded`: what lies beyond it is shaded.

@@ -27,15 +27,26 @@ Picture frame(const Json& result, const std::string& title, const std::string& y
 
 Picture draw_states(const Json& result) {
   Picture picture = frame(result, "Attractors", "x at forcing phase 0 (dimensionless)");
+  // Where both go the same way, the wider band of "down" is seen beside "up", which is drawn after it.
   std::map<std::string, Curve> curves;
   for (const Json& row : result.at("rows")) {
     const std::string direction = row.at("direction");
     Curve& curve = curves[direction];
-    curve.title = "sweep " + direction;
     curve.stroke = Stroke::dots;
-    curve.colour = direction == "up" ? colour_of(0) : colour_of(1);
-    curve.size = 0.25;
+    curve.colour = direction == "up" ? "#1f77b4" : "#fdae6b";
+    curve.size = direction == "up" ? 0.25 : 0.5;
     for (const Json& state : row.at("states")) curve.points.push_back({row.at("value"), state.at(0), 0.0});
+  }
+  if (curves.size() == 1) curves.begin()->second.size = 0.25;
+  for (const auto& [direction, curve] : curves) {
+    if (curve.points.empty()) continue;
+    Curve entry;  // of the legend, where such fine dots would not be seen; its point lies far to the right
+    entry.title = "sweep " + direction;
+    entry.stroke = Stroke::dots;
+    entry.colour = curve.colour;
+    entry.size = 1.2;
+    entry.points.push_back({1e30, curve.points.front()[1], 0.0});
+    picture.curves.push_back(std::move(entry));
   }
   for (auto& [direction, curve] : curves) picture.curves.push_back(std::move(curve));
   return picture;
