@@ -7,6 +7,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <filesystem>
 
 using namespace graze;
@@ -50,6 +51,13 @@ TEST_CASE("sweep: an attractor that sticks is one, however many impacts of its c
   const Outcome outcome = run({"--set", "k_r=0.5", "--set", "r=0", "--from", "0.3", "--to", "0.4", "--step", "0.02"});
   REQUIRE(outcome.code == 0);
   CHECK_THAT(outcome.out, Contains("z = ∞/1         6              -infinity  -infinity"));
+  const Json json =
+      json_of(run({"--set", "k_r=0.5", "--set", "r=0", "--from", "0.3", "--to", "0.4", "--step", "0.02", "--json", "-"}));
+  const Picture exponents = picture_of(json, "exponents");
+  const auto marks = std::find_if(exponents.curves.begin(), exponents.curves.end(),
+                                  [](const Curve& curve) { return curve.title == "exponent 1 is -infinity"; });
+  REQUIRE(marks != exponents.curves.end());
+  CHECK(marks->points.size() == 6);
 }
 
 TEST_CASE("sweep: in its picture down is the wider one below up, and the legend has dots that can be seen") {
