@@ -80,6 +80,7 @@ TEST_CASE("map: JSON, table, HDF5 and h5py tell the same") {
   CHECK(python["r"][0] == 1.9);
   CHECK(python["start"] == Json::parse("[[null, null], [null, null]]"));
   CHECK(python["follow"] == Json({"up", "down"}));
+  CHECK(python["flags"] == Json({{0, 1, 2, 3, 4}, python["names"]}));  // as CF has them
   CHECK(python["filters"] == Json::parse(R"(["gzip", true, [1, 3, 6]])"));
   for (std::size_t layer = 0; layer < 2; ++layer) {
     for (const char* name : {"type", "lambda_1", "standard_error", "state"})
