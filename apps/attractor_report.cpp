@@ -16,9 +16,13 @@ namespace {
 
 Json number_json(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
-std::string exponent_text(double value, int digits) { return std::isfinite(value) ? rounded(value, digits) : "-infinity"; }
-
 }  // namespace
+
+std::string exponent_text(double value, int digits) {
+  return std::isfinite(value) ? rounded(value, digits) : std::isnan(value) ? "unknown" : value < 0.0 ? "-infinity" : "infinity";
+}
+
+std::string error_text(double value, int digits) { return std::isfinite(value) ? rounded(value, digits) : "unknown"; }
 
 Json numbers_json(const std::vector<double>& values) {
   Json list = Json::array();
@@ -49,7 +53,9 @@ Json attractor_json(const Attractor& attractor) {
               {"period", attractor.period > 0 ? Json(attractor.period) : Json(nullptr)},
               {"impacts", attractor.period > 0 ? Json(attractor.impacts) : Json(nullptr)},
               {"state", to_json(attractor.state)}};
-  if (attractor.orbit) out["multipliers"] = multipliers_json(attractor.orbit->multipliers);
+  if (!attractor.orbit) return out;
+  add_sticking(out, attractor.orbit->impacts, attractor.orbit->isolated_impacts);
+  out["multipliers"] = multipliers_json(attractor.orbit->multipliers);
   return out;
 }
 
@@ -65,21 +71,21 @@ Attractor attractor_of(const Json& json) {
   out.orbit.emplace();
   out.orbit->period = out.period;
   out.orbit->impacts = out.impacts;
+  out.orbit->isolated_impacts = json.value("isolated_impacts", out.impacts);
   out.orbit->state = out.state;
   out.orbit->multipliers = multipliers_from(json["multipliers"]);
   return out;
 }
 
 std::string attractor_name(const Attractor& attractor) {
-  return attractor.type == AttractorType::periodic ? z_label(attractor.impacts, attractor.period)
-                                                   : std::string(attractor_type_name(attractor.type));
+  if (attractor.type != AttractorType::periodic) return std::string(attractor_type_name(attractor.type));
+  return attractor.orbit ? z_label(*attractor.orbit) : z_label(attractor.impacts, attractor.period);
 }
 
 std::string attractor_text(const Attractor& attractor) {
   std::string text;
   if (attractor.type == AttractorType::periodic) {
-    text =
-        fmt::format("periodic, {}: exponents ln|mu| / (nT) of its multipliers\n", z_label(attractor.impacts, attractor.period));
+    text = fmt::format("periodic, {}: exponents ln|mu| / (nT) of its multipliers\n", attractor_name(attractor));
   } else if (attractor.type == AttractorType::chaotic) {
     text = fmt::format("chaotic: the first exponent is positive by {} standard errors\n",
                        rounded(attractor.exponents[0] / attractor.standard_errors[0], 3));
@@ -96,7 +102,7 @@ std::string attractor_text(const Attractor& attractor) {
   for (std::size_t i = 0; i < attractor.exponents.size(); ++i) {
     std::vector<std::string> row = {std::to_string(i + 1), exponent_text(attractor.exponents[i], periodic ? 12 : 6)};
     if (periodic) row.push_back(i < average.exponents.size() ? exponent_text(average.exponents[i], 6) : "-");
-    row.push_back(i < average.standard_errors.size() ? exponent_text(average.standard_errors[i], 2) : "-");
+    row.push_back(i < average.standard_errors.size() ? error_text(average.standard_errors[i], 2) : "-");
     table.rows.push_back(std::move(row));
   }
   text += aligned(table);

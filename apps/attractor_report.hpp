@@ -16,6 +16,11 @@ Json numbers_json(const std::vector<double>& values);
 /// Exponents read back: null is -infinity.
 std::vector<double> numbers_of(const Json& json);
 
+/// An exponent for people: "-infinity" where the motion forgets a direction at once, "unknown" where there is none.
+std::string exponent_text(double value, int digits);
+/// A standard error for people: "unknown" where the average was too short for one.
+std::string error_text(double value, int digits);
+
 Json spectrum_json(const LyapunovSpectrum& spectrum);
 
 /// "attractor" in graze.lyapunov/1, graze.sweep/1 and graze.attractors/1.
@@ -23,7 +28,7 @@ Json attractor_json(const Attractor& attractor);
 /// What of it stands there, read back.
 Attractor attractor_of(const Json& json);
 
-/// "z = 2/3", "chaotic", "undecided".
+/// "z = 2/3", "z = ∞/1" of an orbit that sticks, "chaotic", "undecided".
 std::string attractor_name(const Attractor& attractor);
 
 /// All that `graze lyapunov` prints of an attractor.

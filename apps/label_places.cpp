@@ -9,7 +9,7 @@ namespace graze::apps {
 namespace {
 
 // The axes measured in characters of the default picture; what matters is that a box is not smaller than its words.
-constexpr double axes_width = 92.0, axes_height = 26.0;
+constexpr double axes_width = 92.0;
 
 struct Box {
   double left, right, bottom, top;
@@ -18,20 +18,69 @@ struct Box {
 bool overlap(const Box& a, const Box& b) { return a.left < b.right && b.left < a.right && a.bottom < b.top && b.bottom < a.top; }
 
 Box box_of(const Label& label, const LabelPlace& place, double x, double y) {
-  const double width = static_cast<double>(label.text.size()) + 1.0, near = x + place.right, middle = y + place.up;
+  const double width = 1.1 * static_cast<double>(label.text.size()) + 1.0, near = x + place.right, middle = y + place.up;
   return {place.leftwards ? near - width : near, place.leftwards ? near : near + width, middle - 0.5, middle + 0.5};
 }
+
+/// The squares of a fine grid that lines go through or marks stand on.
+class DrawnSquares {
+ public:
+  DrawnSquares(const std::vector<Label>& labels, const std::vector<Curve>& curves, const std::array<double, 2>& x,
+               const std::array<double, 2>& y, double rows)
+      : height_(static_cast<int>(fine * rows)), taken_(static_cast<std::size_t>(width * height_), false) {
+    constexpr double half_mark = 0.6 * fine;
+    for (const Label& label : labels) {
+      const double i = width * (label.x - x[0]) / (x[1] - x[0]), j = height_ * (label.y - y[0]) / (y[1] - y[0]);
+      add(i - half_mark, j, i + half_mark, j);
+    }
+    for (const Curve& curve : curves) {
+      if (curve.stroke == Stroke::dots || curve.stroke == Stroke::marks) continue;
+      for (std::size_t i = 1; i < curve.points.size(); ++i) {
+        const auto &a = curve.points[i - 1], &b = curve.points[i];
+        add(width * (a[0] - x[0]) / (x[1] - x[0]), height_ * (a[1] - y[0]) / (y[1] - y[0]), width * (b[0] - x[0]) / (x[1] - x[0]),
+            height_ * (b[1] - y[0]) / (y[1] - y[0]));
+      }
+    }
+  }
+
+  bool in(const Box& box) const {
+    const auto clamped = [](double value, int most) { return std::clamp(static_cast<int>(std::floor(value)), 0, most - 1); };
+    for (int j = clamped(fine * box.bottom, height_); j <= clamped(fine * box.top, height_); ++j)
+      for (int i = clamped(fine * box.left, width); i <= clamped(fine * box.right, width); ++i)
+        if (taken_[static_cast<std::size_t>(j * width + i)]) return true;
+    return false;
+  }
+
+ private:
+  static constexpr int fine = 4;  // squares to a character
+  static constexpr int width = static_cast<int>(fine * axes_width);
+
+  void add(double from_x, double from_y, double to_x, double to_y) {
+    const double length = std::max(std::abs(to_x - from_x), std::abs(to_y - from_y));
+    if (!(length < 4.0 * width)) return;  // NaN, or from far outside
+    const int steps = 1 + static_cast<int>(length);
+    for (int k = 0; k <= steps; ++k) {
+      const double i = from_x + (to_x - from_x) * k / steps, j = from_y + (to_y - from_y) * k / steps;
+      if (i >= 0.0 && i < width && j >= 0.0 && j < height_)
+        taken_[static_cast<std::size_t>(static_cast<int>(j) * width + static_cast<int>(i))] = true;
+    }
+  }
+
+  int height_;
+  std::vector<bool> taken_;
+};
 
 }  // namespace
 
 std::vector<LabelPlace> label_places(const std::vector<Label>& labels, const std::array<double, 2>& x,
-                                     const std::array<double, 2>& y) {
+                                     const std::array<double, 2>& y, const std::vector<Curve>& curves, double rows) {
+  const DrawnSquares drawn(labels, curves, x, y, rows);
   std::vector<LabelPlace> places;
   std::vector<Box> taken;
   for (const Label& label : labels) {
-    const double column = axes_width * (label.x - x[0]) / (x[1] - x[0]), row = axes_height * (label.y - y[0]) / (y[1] - y[0]);
+    const double column = axes_width * (label.x - x[0]) / (x[1] - x[0]), row = rows * (label.y - y[0]) / (y[1] - y[0]);
     LabelPlace chosen;
-    double least = HUGE_VAL;
+    double least = label.placed ? 0.0 : HUGE_VAL;
     // Above and below, to the right and to the left, and then ever farther away.
     for (int step = 0; step < 10 && least > 0.0 && !label.text.empty(); ++step)
       for (const bool below : {false, true})
@@ -39,9 +88,9 @@ std::vector<LabelPlace> label_places(const std::vector<Label>& labels, const std
           const double up = (below ? -1.0 : 1.0) * (0.7 + 1.1 * step), right = (leftwards ? -1.0 : 1.0) * (1.0 + 0.6 * step);
           const LabelPlace place{right, up, leftwards, step > 1};
           const Box box = box_of(label, place, column, row);
-          const bool outside = box.left < 0.0 || box.right > axes_width || box.bottom < 0.0 || box.top > axes_height;
+          const bool outside = box.left < 0.0 || box.right > axes_width || box.bottom < 0.0 || box.top > rows;
           const auto covered = std::count_if(taken.begin(), taken.end(), [&](const Box& other) { return overlap(box, other); });
-          const double cost = static_cast<double>(covered) + (outside ? 100.0 : 0.0);
+          const double cost = static_cast<double>(covered) + (outside ? 100.0 : 0.0) + (drawn.in(box) ? 0.5 : 0.0);
           if (cost < least) {
             least = cost;
             chosen = place;

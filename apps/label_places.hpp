@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where the words of labels go, so that they neither cover each other nor leave the picture.
+// Where the words of labels go, so that they neither cover each other nor leave the picture, and keep off its curves.
 #pragma once
 
 #include <graze/apps/picture.hpp>
@@ -15,8 +15,9 @@ struct LabelPlace {
   bool far = false;              ///< so far that a line should lead to the mark
 };
 
-/// One place per label; `x` and `y` are the ranges of the axes.
+/// One place per label; `x` and `y` are the ranges of the axes, `curves` what is drawn in them, `rows`
+/// how high they are.
 std::vector<LabelPlace> label_places(const std::vector<Label>& labels, const std::array<double, 2>& x,
-                                     const std::array<double, 2>& y);
+                                     const std::array<double, 2>& y, const std::vector<Curve>& curves = {}, double rows = 26.0);
 
 }  // namespace graze::apps

@@ -163,6 +163,10 @@ void write_content(hid_t file, const MapPlan& plan, const Json& head, const MapR
     check(H5DSattach_scale(datasets[i], columns, 2));
     if (fields[i].of_states) check(H5DSattach_scale(datasets[i], component, 3));
   }
+  // The enumeration once more, as CF has it, for readers that give it as bare numbers.
+  constexpr std::array<unsigned char, map_types - 1> flags = {0, 1, 2, 3, 4};
+  check(H5LTset_attribute_uchar(datasets[0], ".", "flag_values", flags.data(), flags.size()));
+  set_attribute(datasets[0], "flag_meanings", std::string("undecided periodic chaotic inadmissible lost"));
   // Band by band, each a row of whole chunks: none is compressed twice, and little is held in memory.
   for (int first = 0; first < grid.rows.count; first += static_cast<int>(cell)) {
     const Band band{first, std::min(static_cast<int>(cell), grid.rows.count - first), plan.layers(), grid.columns.count, states};

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace graze::apps {
@@ -20,8 +21,8 @@ Json number_json(double value) { return std::isfinite(value) ? Json(value) : Jso
 std::string number_text(double value) { return std::isnan(value) ? "" : exact(value); }
 
 /// By how many points they have, most first.
-std::vector<std::pair<MapCounts::key_type, std::size_t>> ranked(const MapCounts& counts) {
-  std::vector<std::pair<MapCounts::key_type, std::size_t>> list(counts.begin(), counts.end());
+template <class Counts> auto ranked(const Counts& counts) {
+  std::vector<std::pair<typename Counts::key_type, std::size_t>> list(counts.begin(), counts.end());
   std::stable_sort(list.begin(), list.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
   return list;
 }
@@ -29,9 +30,10 @@ std::vector<std::pair<MapCounts::key_type, std::size_t>> ranked(const MapCounts&
 Json counts_json(const MapCounts& counts) {
   Json list = Json::array();
   for (const auto& [kind, count] : ranked(counts)) {
-    const auto& [type, period, impacts] = kind;
+    const auto& [type, period, impacts, sticking] = kind;
     Json entry = {{"type", map_type_name(type)}};
     if (type == MapType::periodic) entry.update({{"period", period}, {"impacts", impacts}});
+    if (sticking) entry["sticking"] = true;
     entry["points"] = count;
     list.push_back(std::move(entry));
   }
@@ -39,7 +41,7 @@ Json counts_json(const MapCounts& counts) {
 }
 
 void add_row(Json& layer, const MapPoint* points, int columns) {
-  for (const char* name : {"type", "period", "impacts", "lambda_1", "standard_error", "state"})
+  for (const char* name : {"type", "period", "impacts", "sticking", "lambda_1", "standard_error", "state"})
     layer[name].push_back(Json::array());
   const auto put = [&layer](const char* name, Json value) { layer[name].back().push_back(std::move(value)); };
   for (int column = 0; column < columns; ++column) {
@@ -48,6 +50,7 @@ void add_row(Json& layer, const MapPoint* points, int columns) {
     put("type", map_type_name(point.type));
     put("period", periodic ? Json(point.period) : Json(nullptr));
     put("impacts", periodic ? Json(point.impacts) : Json(nullptr));
+    put("sticking", sticks(point));
     put("lambda_1", number_json(point.lambda_1));
     put("standard_error", number_json(point.standard_error));
     put("state", point.state.allFinite() ? to_json(point.state) : Json(nullptr));
@@ -56,17 +59,25 @@ void add_row(Json& layer, const MapPoint* points, int columns) {
 
 }  // namespace
 
+bool sticks(const MapPoint& point) {
+  return point.type == MapType::periodic && point.impacts > 0 && point.lambda_1 == -std::numeric_limits<double>::infinity();
+}
+
 std::vector<MapCounts> count_map(const MapPlan& plan, const MapRows& rows) {
   std::vector<MapCounts> counts(static_cast<std::size_t>(plan.layers()));
   for (int row = 0; row < plan.grid.rows.count; ++row) {
     const std::vector<MapPoint> points = rows(row);
-    for (std::size_t i = 0; i < points.size(); ++i)
-      ++counts[i / static_cast<std::size_t>(plan.grid.columns.count)][{points[i].type, points[i].period, points[i].impacts}];
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const MapPoint& point = points[i];
+      ++counts[i / static_cast<std::size_t>(plan.grid.columns.count)][{point.type, point.period, point.impacts, sticks(point)}];
+    }
   }
   return counts;
 }
 
-std::string map_point_name(MapType type, int period, int impacts) {
+std::string map_point_name(const MapCounts::key_type& kind) {
+  const auto& [type, period, impacts, sticking] = kind;
+  if (sticking) return fmt::format("z = ∞/{}", period);
   if (type == MapType::periodic) return impacts == 0 && period == 1 ? "impactless" : z_label(impacts, period);
   return type == MapType::not_run ? "not computed" : std::string(map_type_name(type));
 }
@@ -100,15 +111,16 @@ std::string map_overview(const MapPlan& plan, const std::vector<MapCounts>& coun
                                  exact(grid.rows.to), values(grid.rows));
   const double points = plan.points() / plan.layers();
   for (int layer = 0; layer < plan.layers(); ++layer) {
-    const auto list = ranked(counts[static_cast<std::size_t>(layer)]);
+    std::map<std::string, std::size_t> names;  // one for all numbers of impacts with which a motion sticks
+    for (const auto& [kind, count] : counts[static_cast<std::size_t>(layer)]) names[map_point_name(kind)] += count;
+    const auto list = ranked(names);
     Table table{{"attractor", "points", "%"}, {}};
     std::size_t others = 0;
     for (std::size_t i = 0; i < list.size(); ++i) {
-      const auto& [type, period, impacts] = list[i].first;
       if (i + 1 > most_lines && list.size() > most_lines + 1)
         others += list[i].second;
       else
-        table.rows.push_back({map_point_name(type, period, impacts), std::to_string(list[i].second),
+        table.rows.push_back({list[i].first, std::to_string(list[i].second),
                               fmt::format("{:.2f}", 100.0 * static_cast<double>(list[i].second) / points)});
     }
     if (others > 0)
@@ -156,6 +168,7 @@ MapRows rows_from_json(const MapPlan& plan, const Json& result) {
         if (at("period").is_number()) point.period = at("period");
         if (at("impacts").is_number()) point.impacts = at("impacts");
         if (at("lambda_1").is_number()) point.lambda_1 = at("lambda_1");
+        if (layer.contains("sticking") && at("sticking").get<bool>()) point.lambda_1 = -std::numeric_limits<double>::infinity();
         points.push_back(std::move(point));
       }
     return points;

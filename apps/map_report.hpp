@@ -15,14 +15,18 @@ namespace graze::apps {
 /// A map for JSON, table or text in memory has no more points than this.
 inline constexpr double most_points_in_text = 1e6;
 
-/// How many points of a layer are of a type, a period, a number of impacts.
-using MapCounts = std::map<std::tuple<MapType, int, int>, std::size_t>;
+/// Whether the motion sticks to the barrier in every turn: it then forgets all at once, and its first exponent is -infinity. Its
+/// number of impacts is a matter of definition.
+bool sticks(const MapPoint& point);
+
+/// How many points of a layer are of a type, a period, a number of impacts, and stick.
+using MapCounts = std::map<std::tuple<MapType, int, int, bool>, std::size_t>;
 
 /// One for each layer; one pass over the rows.
 std::vector<MapCounts> count_map(const MapPlan& plan, const MapRows& rows);
 
-/// "z = 1/1", "impactless", "chaotic", ...: for people.
-std::string map_point_name(MapType type, int period, int impacts);
+/// "z = 1/1", "z = ∞/1" where it sticks, "impactless", "chaotic", ...: for people.
+std::string map_point_name(const MapCounts::key_type& kind);
 
 /// "none: each point from rest", "up, from (0.5, 1)".
 std::string layer_name(const MapPlan& plan, int layer);
@@ -32,7 +36,7 @@ std::string map_model(const MapPlan& plan);
 
 std::string map_overview(const MapPlan& plan, const std::vector<MapCounts>& counts);
 
-/// "layers": start, follow, counts, and all points, row by row.
+/// "layers": start, follow, counts, and all points, row by row. "sticking" tells where the null of "lambda_1" is -infinity.
 Json map_json(const MapPlan& plan, const std::vector<MapCounts>& counts, const MapRows& rows);
 
 /// The rows of a result as map_json gives it. @throws std::invalid_argument if it does not fit the plan.

@@ -100,6 +100,11 @@ std::string z_label(int impacts, int period) { return "z = " + label(impacts, pe
 
 std::string z_label(const PeriodicOrbit& orbit) { return "z = " + label(orbit.impacts, orbit.isolated_impacts, orbit.period); }
 
+std::string z_label_of(const Json& orbit) {
+  const int impacts = orbit.at("impacts");
+  return "z = " + label(impacts, orbit.value("isolated_impacts", impacts), orbit.at("period"));
+}
+
 void add_sticking(Json& out, int impacts, int isolated) {
   if (isolated >= impacts) return;
   out["sticking"] = true;

@@ -162,26 +162,33 @@ std::string image_plot(const Image& image) {
                      exact(image.first[1]));
 }
 
+std::string title_of(const Picture& picture) {
+  return wrapped(picture.title) + (picture.subtitle.empty() ? "" : "\n" + wrapped(picture.subtitle));
+}
+
+double title_lines_of(const Picture& picture) {
+  const std::string title = title_of(picture);
+  return title.empty() ? 0.6 : 1.0 + static_cast<double>(std::count(title.begin(), title.end(), '\n') + 1);
+}
+
 /// Marks, their words where there is room for them, and lines that lead from far words to their marks.
 std::string labels(const Picture& picture) {
   std::string s;
   const std::vector<LabelPlace> places =
-      label_places(picture.labels, extent(picture, 0, picture.x_range), extent(picture, 1, picture.y_range));
+      label_places(picture.labels, extent(picture, 0, picture.x_range), extent(picture, 1, picture.y_range), picture.curves,
+                   std::max(10.0, 33.0 - lines_below(picture, true) - title_lines_of(picture)));
   for (std::size_t i = 0; i < picture.labels.size(); ++i) {
     const Label& label = picture.labels[i];
     const LabelPlace& place = places[i];
     const std::string at = exact(label.x) + ", " + exact(label.y), colour = quoted(label.colour);
-    s += fmt::format("set label {} at {} {} point pt {} ps 1.4 lc rgb {} offset {},{} front tc rgb {}\n", quoted(label.text), at,
-                     place.leftwards ? "right" : "left", label.mark, colour, place.right, place.up, colour);
+    s += fmt::format("set label {} at {} {} point pt {} ps 1.4 lc rgb {} offset {},{} front tc rgb {}{}\n", quoted(label.text),
+                     at, place.leftwards ? "right" : "left", label.mark, colour, place.right, place.up, colour,
+                     label.placed || label.text.empty() ? "" : " boxed");
     if (place.far)
       s += fmt::format("set arrow from {} rto character {}, character {} nohead front lc rgb {} lw 0.8\n", at, place.right,
                        place.up, colour);
   }
   return s;
-}
-
-std::string title_of(const Picture& picture) {
-  return wrapped(picture.title) + (picture.subtitle.empty() ? "" : "\n" + wrapped(picture.subtitle));
 }
 
 /// Barriers: a line each, its words, and a shade over what lies beyond.
@@ -197,11 +204,19 @@ std::string barriers(const Picture& picture) {
       s += fmt::format(
           "set object {} rectangle from {} to graph 1, graph 1 behind fc rgb '#b22222' fs transparent solid 0.07 noborder\n",
           object++, from);
-    s +=
-        barrier.vertical
-            ? fmt::format("set label {} at {}, graph 0.03 right offset -0.6,0 front tc rgb '#b22222'\n", quoted(barrier.text), at)
-            : fmt::format("set label {} at graph 0.01, first {} offset 0,0.6 front tc rgb '#b22222'\n", quoted(barrier.text), at);
+    s += barrier.vertical ? fmt::format("set label {} at {}, graph 0.03 right offset -0.6,0 front tc rgb '#b22222' boxed\n",
+                                        quoted(barrier.text), at)
+                          : fmt::format("set label {} at graph 0.01, first {} offset 0,0.6 front tc rgb '#b22222' boxed\n",
+                                        quoted(barrier.text), at);
   }
+  return s;
+}
+
+std::string palette(const Picture& picture) {
+  if (picture.palette.empty()) return "0 '#2c2a7a', 0.5 '#1fa187', 1 '#f2a104'";
+  std::string s;
+  for (const ColourStop& stop : picture.palette)
+    s += fmt::format("{}{} {}", s.empty() ? "" : ", ", exact(stop.value), quoted(stop.colour));
   return s;
 }
 
@@ -226,8 +241,8 @@ Drawn axes(const Picture& picture, const std::string& prefix, int columns, int r
   if (picture.logarithmic_y) s += "set logscale y\nset format y '%.0e'\n";
   if (picture.equal_axes) s += "set size ratio -1\n";
   if (!picture.colour_label.empty())
-    s += "set cblabel " + quoted(picture.colour_label) +
-         "\nset palette defined (0 '#2c2a7a', 0.5 '#1fa187', 1 '#f2a104')\nset cbrange " + range(picture.colour_range) + "\n";
+    s += fmt::format("set cblabel {}\nset palette defined ({})\nset cbrange {}\n", quoted(picture.colour_label), palette(picture),
+                     range(picture.colour_range));
   else
     s += "unset colorbox\nset rmargin 4\n";
   if (!picture.x_names.empty()) {
@@ -236,7 +251,7 @@ Drawn axes(const Picture& picture, const std::string& prefix, int columns, int r
       s += fmt::format("{}{} {}", i ? ", " : "", quoted(picture.x_names[i]), i);
     s += ") rotate by 20 right\n";
   }
-  s += barriers(picture) + labels(picture);
+  s += "set style textbox opaque fillcolor rgb '#30ffffff' noborder margins 0.3,0.2\n" + barriers(picture) + labels(picture);
   if (picture.unit_circle) {
     std::vector<std::array<double, 3>> circle;
     for (int i = 0; i <= 360; ++i) circle.push_back({std::cos(i * M_PI / 180.0), std::sin(i * M_PI / 180.0), 0.0});
@@ -250,16 +265,17 @@ Drawn axes(const Picture& picture, const std::string& prefix, int columns, int r
     images += one.rgba;
   };
   if (picture.cells) add_image(image_of(*picture.cells));
+  if (!picture.palette.empty()) add("NaN with points palette notitle");  // or there is no bar of colours
   const std::array<double, 2> x = extent(picture, 0, x_range), y = extent(picture, 1, y_range);
   if (image) {
     Raster raster(x, y, columns, rows);
     for (const Curve& curve : picture.curves)
-      if (is_dense(curve)) raster.paint(curve);
+      if (goes_with_dense(curve)) raster.paint(curve);
     add_image(raster.image());
   }
   for (std::size_t i = 0; i < picture.curves.size(); ++i) {
     const Curve& curve = picture.curves[i];
-    if (image && is_dense(curve)) {
+    if (image && goes_with_dense(curve)) {
       // What stands for it in the legend; a point outside the picture is no point.
       if (!curve.title.empty()) add(fmt::format("NaN {} title {}", style(curve), quoted(curve.title)));
       continue;
@@ -284,6 +300,18 @@ std::string single(const Picture& picture, const std::string& format) {
          fmt::format("set bmargin {}\n", lines_below(picture, true)) + drawn.data + drawn.plot;
 }
 
+/// Axes that are not seen, over the whole sheet, for the legend of all others: gnuplot makes none wider than its axes.
+std::string common_legend(const Picture& picture, double y) {
+  std::string plot;
+  for (const Curve& curve : picture.curves)
+    if (!curve.title.empty())
+      plot += fmt::format("{}NaN {} title {}", plot.empty() ? "plot " : ", ", style(curve), quoted(curve.title));
+  if (plot.empty()) return {};
+  return "reset\nset encoding utf8\nunset border\nunset tics\nset xrange [0:1]\nset yrange [0:1]\n" + legend(picture, 0.5, y) +
+         "set lmargin at screen 0.02\nset rmargin at screen 0.98\nset bmargin at screen 0\nset tmargin at screen 1\n" + plot +
+         "\n";
+}
+
 /// Several on one: below each other with a common x axis, or side by side.
 std::string several(const std::vector<Picture>& pictures, bool below, const std::string& format) {
   const auto count = static_cast<int>(pictures.size());
@@ -291,6 +319,10 @@ std::string several(const std::vector<Picture>& pictures, bool below, const std:
   for (const Picture& picture : pictures) heights += picture.height;
   const Sheet sheet = below ? Sheet{1000, 160 + static_cast<int>(430.0 * heights)} : Sheet{750 * count, 700};
   constexpr double line = 21.0;  // picture elements
+  // Side by side all are alike, whatever their titles say.
+  double most_title_lines = 0.0;
+  for (const Picture& picture : pictures) most_title_lines = std::max(most_title_lines, title_lines_of(picture));
+  const bool shared = !below && pictures.front().common_legend;
   std::string data, commands;
   for (int i = 0; i < count; ++i) {
     const Picture& picture = pictures[static_cast<std::size_t>(i)];
@@ -300,21 +332,21 @@ std::string several(const std::vector<Picture>& pictures, bool below, const std:
     const double height = below ? sheet.height * picture.height / heights : sheet.height;
     above += height;
     const double left = below ? 0.0 : i * width, bottom = below ? sheet.height - above : 0.0;
-    const std::string title = title_of(picture);
-    const double title_lines = title.empty() ? 0.6 : 1.0 + static_cast<double>(std::count(title.begin(), title.end(), '\n') + 1);
-    const double from_x = left + 110.0, to_x = left + width - 35.0;
+    const double title_lines = below ? title_lines_of(picture) : most_title_lines + 0.4;
+    const double from_x = left + 110.0, to_x = left + width - (picture.colour_label.empty() ? 35.0 : 140.0);
     const double from_y = bottom + line * lines_below(picture, names_x), to_y = bottom + height - line * title_lines;
     const Drawn drawn = axes(picture, fmt::format("panel{}", i), static_cast<int>(0.96 * (to_x - from_x)),
                              static_cast<int>(0.96 * (to_y - from_y)));
     data += drawn.data;
     commands += "reset\nset encoding utf8\n" + drawn.settings;
-    commands += legend(picture, (from_x + to_x) / 2.0 / sheet.width, (bottom + 8.0) / sheet.height);
+    commands += shared ? "unset key\n" : legend(picture, (from_x + to_x) / 2.0 / sheet.width, (bottom + 8.0) / sheet.height);
     commands +=
         fmt::format("set lmargin at screen {}\nset rmargin at screen {}\nset bmargin at screen {}\nset tmargin at screen {}\n",
                     from_x / sheet.width, to_x / sheet.width, from_y / sheet.height, to_y / sheet.height);
     if (!names_x) commands += "set format x ''\nunset xlabel\n";
     commands += drawn.plot;
   }
+  if (shared) commands += common_legend(pictures.front(), 8.0 / sheet.height);
   return terminal(format, sheet) + "\nset encoding utf8\n" + data + "set multiplot\n" + commands + "unset multiplot\n";
 }
 

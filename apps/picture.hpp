@@ -29,6 +29,7 @@ struct Label {
   std::string text;
   int mark = 7;
   std::string colour = "black";
+  bool placed = false;  ///< its words stand right beside it, where room was found for them already
 };
 
 /// A line across the picture: x = position (or y = position), with text; `shaded`: what lies beyond it is shaded.
@@ -46,10 +47,17 @@ struct Cells {
   std::vector<int> colour = {};      ///< index of each cell's colour, row by row, x fastest; -1: none
 };
 
+/// A colour of a scale; between two of them colours are mixed.
+struct ColourStop {
+  double value = 0.0;
+  std::string colour;  ///< "#rrggbb"
+};
+
 struct Picture {
   std::string title, subtitle;
   std::string x_label, y_label, colour_label;
   std::optional<std::array<double, 2>> x_range, y_range, colour_range;
+  std::vector<ColourStop> palette = {};  ///< of the values from colour_range[0] to [1]; empty: a scale of its own
   bool logarithmic_x = false, logarithmic_y = false;
   bool equal_axes = false;  ///< one unit is as long in x as in y
   bool unit_circle = false;
@@ -63,6 +71,7 @@ struct Picture {
   double height = 1.0;               ///< of these axes, as against others below or above them
   std::vector<Picture> below;        ///< further axes under these, with the same x axis
   std::vector<Picture> beside;       ///< or to the right of these
+  bool common_legend = false;        ///< one for these axes and those beside them
 };
 
 /// Endings that say the format: "png", "svg", "pdf".

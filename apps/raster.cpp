@@ -33,6 +33,11 @@ Rgba rgba(const std::string& name) {
 
 bool is_dense(const Curve& curve) { return curve.points.size() > many_points && !curve.coloured; }
 
+bool goes_with_dense(const Curve& curve) {
+  constexpr std::size_t cloud = 500;
+  return is_dense(curve) || (curve.stroke == Stroke::dots && curve.points.size() > cloud && !curve.coloured);
+}
+
 std::vector<std::array<double, 3>> thinned(const Curve& curve, const std::array<double, 2>& x, const std::array<double, 2>& y) {
   if (curve.points.size() < few_points || !is_line(curve)) return curve.points;
   constexpr int fine = 4;  // parts of an element
@@ -51,19 +56,26 @@ std::vector<std::array<double, 3>> thinned(const Curve& curve, const std::array<
 Raster::Raster(const std::array<double, 2>& x, const std::array<double, 2>& y, int columns, int rows)
     : x_(x), y_(y), columns_(columns), rows_(rows), cells_(static_cast<std::size_t>(columns * rows), 0) {}
 
-void Raster::mark(double column, double row, bool wide) {
+void Raster::mark(double column, double row, int width) {
   const auto set = [&](double c, double r) {
     if (!(c >= 0.0 && c <= columns_ && r >= 0.0 && r <= rows_)) return;
     const int i = std::min(static_cast<int>(c), columns_ - 1), j = std::min(static_cast<int>(r), rows_ - 1);
     cells_[static_cast<std::size_t>(j * columns_ + i)] = static_cast<unsigned char>(colours_.size());
   };
+  if (width > 2) {  // a disc
+    const int half = width / 2;
+    for (int dr = -half; dr <= half; ++dr)
+      for (int dc = -half; dc <= half; ++dc)
+        if (dc * dc + dr * dr <= half * half + 1) set(column + dc, row + dr);
+    return;
+  }
   set(column, row);
-  if (!wide) return;
+  if (width < 2) return;
   set(column + 1.0, row);
   set(column, row + 1.0);
 }
 
-void Raster::line(double column, double row, double to_column, double to_row, bool wide) {
+void Raster::line(double column, double row, double to_column, double to_row, int width) {
   // Clipped to the picture (Liang and Barsky): a line may come from far outside.
   double from = 0.0, to = 1.0;
   const auto clip = [&](double start, double change, double limit) {
@@ -82,20 +94,21 @@ void Raster::line(double column, double row, double to_column, double to_row, bo
   const int steps = 1 + static_cast<int>(2.0 * (to - from) * std::max(std::abs(dc), std::abs(dr)));  // half an element each
   for (int i = 0; i <= steps; ++i) {
     const double s = from + (to - from) * i / steps;
-    mark(column + s * dc, row + s * dr, wide);
+    mark(column + s * dc, row + s * dr, width);
   }
 }
 
 void Raster::paint(const Curve& curve) {
   if (colours_.size() < 255) colours_.push_back(curve.colour);
-  const bool wide = is_line(curve) && curve.size > 1.5;
+  const double size = curve.size;
+  const int width = is_line(curve) ? (size > 1.5 ? 2 : 1) : size > 0.8 ? 5 : size > 0.4 ? 3 : size > 0.2 ? 2 : 1;
   double last_column = std::nan(""), last_row = last_column;
   for (const auto& point : curve.points) {
     const double column = place(point[0], x_, columns_), row = place(point[1], y_, rows_);
     if (is_line(curve) && std::isfinite(last_column + last_row + column + row))
-      line(last_column, last_row, column, row, wide);
+      line(last_column, last_row, column, row, width);
     else
-      mark(column, row, wide);
+      mark(column, row, width);
     last_column = column;
     last_row = row;
   }

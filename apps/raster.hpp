@@ -14,6 +14,9 @@ namespace graze::apps {
 /// Whether a curve is better drawn as an image.
 bool is_dense(const Curve& curve);
 
+/// Whether it is drawn in the same image as a dense one: clouds of dots keep their order, which of them lies on top.
+bool goes_with_dense(const Curve& curve);
+
 /// The points of a line without those that cannot be told from the one before; short curves stay as they are.
 std::vector<std::array<double, 3>> thinned(const Curve& curve, const std::array<double, 2>& x, const std::array<double, 2>& y);
 
@@ -39,8 +42,8 @@ class Raster {
   std::size_t painted() const;
 
  private:
-  void mark(double column, double row, bool wide);
-  void line(double column, double row, double to_column, double to_row, bool wide);
+  void mark(double column, double row, int width);
+  void line(double column, double row, double to_column, double to_row, int width);
 
   std::array<double, 2> x_, y_;
   int columns_, rows_;

@@ -66,7 +66,8 @@ Table sweep_overview(const std::vector<SweepRow>& rows, const std::string& param
       high = std::max(high, rows[end].attractor.exponents[0]);
     }
     table.rows.push_back({std::string(sweep_direction_name(rows[i].direction)), rounded(rows[i].value, 7),
-                          rounded(rows[end - 1].value, 7), name, std::to_string(end - i), rounded(low, 4), rounded(high, 4)});
+                          rounded(rows[end - 1].value, 7), name, std::to_string(end - i),
+                          low <= high ? exponent_text(low, 4) : "-", low <= high ? exponent_text(high, 4) : "-"});
     i = end;
   }
   return table;
@@ -131,8 +132,8 @@ Table chaotic_windows_table(const std::vector<ChaoticWindow>& windows, const std
   Table table{{"direction", parameter + " from", "to", "values", "largest exponent", "+-", "at"}, {}};
   for (const ChaoticWindow& window : windows)
     table.rows.push_back({std::string(sweep_direction_name(window.direction)), rounded(window.from, 7), rounded(window.to, 7),
-                          std::to_string(window.values), rounded(window.largest_exponent, 4), rounded(window.standard_error, 2),
-                          rounded(window.at, 7)});
+                          std::to_string(window.values), rounded(window.largest_exponent, 4),
+                          error_text(window.standard_error, 2), rounded(window.at, 7)});
   return table;
 }
 

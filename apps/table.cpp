@@ -42,9 +42,9 @@ std::string aligned(const Table& table, int indent) {
     widths[i] = width(table.columns[i]);
     for (const std::vector<std::string>& row : table.rows) {
       widths[i] = std::max(widths[i], width(row[i]));
-      // A complex number, "-" or an empty cell goes with numbers.
-      const bool complex = row[i].ends_with(" i");
-      if (!row[i].empty() && row[i] != "-" && row[i] != "..." && !complex && !parse_number(row[i])) numeric[i] = false;
+      // A complex number, a number that is missing or an empty cell goes with numbers.
+      const bool complex = row[i].ends_with(" i"), missing = row[i] == "-" || row[i] == "..." || row[i] == "unknown";
+      if (!row[i].empty() && !missing && !complex && !parse_number(row[i])) numeric[i] = false;
     }
   }
   std::string text;

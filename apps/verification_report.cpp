@@ -102,7 +102,7 @@ std::string hard_text(const HardLimit& hard) {
   return text + fmt::format("\ncontacts entered at tau = {}\n", rounded(hard.entry_time, 6)) + aligned(speeds);
 }
 
-std::string z_of(const PeriodicOrbit& orbit) { return label(orbit.impacts, orbit.period); }
+std::string z_of(const PeriodicOrbit& orbit) { return label(orbit.impacts, orbit.isolated_impacts, orbit.period); }
 
 }  // namespace
 

@@ -198,10 +198,9 @@ Table starts_table(const std::vector<Vector>& starts, const Basins& basins) {
 
 std::string overview(const Basins& basins) {
   Table table{{"id", "attractor", "starts", "fraction", "standard error", "exponents", "standard errors", "x", "x'"}, {}};
-  const auto list = [](const std::vector<double>& values, int digits) {
+  const auto list = [](const std::vector<double>& values, int digits, std::string (*text_of)(double, int)) {
     std::string text;
-    for (const double value : values)
-      text += fmt::format("{}{}", text.empty() ? "" : ", ", std::isfinite(value) ? rounded(value, digits) : "-infinity");
+    for (const double value : values) text += (text.empty() ? "" : ", ") + text_of(value, digits);
     return text;
   };
   for (const CoexistingAttractor& found : basins.attractors) {
@@ -209,8 +208,9 @@ std::string overview(const Basins& basins) {
     const bool periodic = attractor.type == AttractorType::periodic;
     table.rows.push_back({std::to_string(table.rows.size() + 1), attractor_name(attractor), std::to_string(found.count),
                           rounded(found.fraction, 4), rounded(found.fraction_error, 2),
-                          list(attractor.exponents, periodic ? 6 : 4), periodic ? "-" : list(attractor.standard_errors, 1),
-                          rounded(attractor.state[0], 9), rounded(attractor.state[1], 9)});
+                          list(attractor.exponents, periodic ? 6 : 4, exponent_text),
+                          periodic ? "-" : list(attractor.standard_errors, 1, error_text), rounded(attractor.state[0], 9),
+                          rounded(attractor.state[1], 9)});
   }
   std::string text = aligned(table);
   text += fmt::format("  of {} admissible starts; x, x' at forcing phase 0", basins.admissible);

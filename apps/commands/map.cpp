@@ -27,7 +27,7 @@ namespace {
 
 struct Options {
   StartOptions start;  // problem, settings, settle
-  std::vector<std::string> parameters, starts;
+  std::vector<std::string> parameters, starts, layers;
   std::string follow = "none", resume, h5;
   bool overwrite = false;
   MapOptions map;
@@ -119,6 +119,9 @@ void check_all_outputs(const Options& options, const MapPlan& plan) {
   output.out.clear();  // its pictures are drawn where there is gnuplot: a cluster may have none
   check_outputs(output, options.start.file);
   if (!options.h5.empty()) check_map_file("--h5", options.h5);
+  check_layers(plan, layer_numbers(options.layers));
+  if (!options.layers.empty() && options.output.plot.empty() && options.output.out.empty())
+    throw std::invalid_argument("--layer chooses the layers of a picture; give --plot FILE or --out DIR too");
   check_distinct({{"--h5", options.h5}, {"--json", output.json}, {"--csv", output.csv}, {"--plot", output.plot}},
                  options.start.file);
   for (const auto& [option, file] : {std::pair{"--json", output.json}, {"--csv", output.csv}})
@@ -146,9 +149,10 @@ int present(const Options& options, const MapPlan& plan, const Json& head, const
     console.err << "graze map: " << sentence << "\n";
     if (code == 0) code = 2;
   };
+  const std::vector<int> layers = layer_numbers(options.layers);
   const auto picture = [&](const std::string& file, const std::string& kind) -> std::optional<std::string> {
     try {
-      return write_whole(file, draw(picture_of_map(plan, rows, kind), ending(file)));
+      return write_whole(file, draw(picture_of_map(plan, rows, kind, layers), ending(file)));
     } catch (const std::exception& error) {
       return fmt::format("{}: {}", file, error.what());
     }
@@ -301,8 +305,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
              "bound of lambda_1's standard error where it is averaged (default 3e-3: the sign is what matters)");
   begin_group(app, "Results");
   add_text(app, "--out", options->output.out, "DIR", "folder that gets map.h5 and pictures, and meanwhile the finished chunks");
-  add_flag(app, "--overwrite", options->overwrite,
-           "replace another map in --out DIR; without, it is kept and the run refused");
+  add_flag(app, "--overwrite", options->overwrite, "replace another map in --out DIR; without, it is kept and the run refused");
   add_text(app, "--resume", options->resume, "DIR", "go on with what an interrupted or killed run left in DIR (its --out)");
   add_text(app, "--h5", options->h5, "FILE", "the map as HDF5");
   add_text(app, "--json", options->output.json, "FILE|-", "the map as JSON, up to a million points");
@@ -310,6 +313,8 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_text(app, "--plot", options->output.plot, "FILE", "picture of the map (.png, .svg, .pdf)");
   add_choice(app, "--plot-kind", options->output.plot_kind, picture_names("graze.map/1"),
              "what the picture shows (default attractors)");
+  add_texts(app, "--layer", options->layers, "K",
+            "a layer in the pictures, counted from 0; repeatable, up to 4 stand side by side (default: the first 4)");
   return [options](const Console& console) { return run(*options, console); };
 }
 

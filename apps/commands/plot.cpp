@@ -3,6 +3,7 @@
 #include <graze/apps/arguments.hpp>
 #include <graze/apps/commands/command.hpp>
 #include <graze/apps/input_file.hpp>
+#include <graze/apps/map_report.hpp>
 #include <graze/apps/output_file.hpp>
 #include <graze/apps/pictures/maps.hpp>
 #include <graze/apps/pictures/pictures.hpp>
@@ -22,14 +23,22 @@ namespace {
 
 struct Options {
   std::string result, output, kind, x;
-  std::vector<std::string> y;
+  std::vector<std::string> y, layers;
 };
 
 Picture picture_of_map_file(const Options& options) {
   if (!options.x.empty() || !options.y.empty()) throw std::invalid_argument("--x and --y are for CSV tables");
   MapFile file(options.result);
   return picture_of_map(
-      file.plan(), [&file](int row) { return file.row(row); }, options.kind);
+      file.plan(), [&file](int row) { return file.row(row); }, options.kind, layer_numbers(options.layers));
+}
+
+Picture picture_of_result(const Json& result, const Options& options) {
+  if (options.layers.empty()) return picture_of(result, options.kind);
+  if (result.value("schema", "") != "graze.map/1")
+    throw std::invalid_argument("--layer chooses a layer of a map, and this is none; leave it away");
+  const MapPlan plan = plan_of(result);
+  return picture_of_map(plan, rows_from_json(plan, result), options.kind, layer_numbers(options.layers));
 }
 
 Picture picture_of_file(const Options& options) {
@@ -40,11 +49,13 @@ Picture picture_of_file(const Options& options) {
     if (format == "csv") {
       if (!options.kind.empty())
         throw std::invalid_argument("--plot-kind is for JSON results; of a table, --x and --y choose columns");
+      if (!options.layers.empty())
+        throw std::invalid_argument("--layer is for maps as .h5 or .json; of a table, --x and --y choose columns");
       return picture_of(parse_csv(text, options.result), options.x, options.y);
     }
     if (format != "json") throw std::invalid_argument("the name must end in .json, .csv or .h5");
     if (!options.x.empty() || !options.y.empty()) throw std::invalid_argument("--x and --y are for CSV tables");
-    return picture_of(parse_json(text), options.kind);
+    return picture_of_result(parse_json(text), options);
   } catch (const std::invalid_argument& error) {
     const std::string message = error.what();  // that of a table names file and line itself
     throw std::invalid_argument(message.starts_with(options.result + ":") ? message : options.result + ": " + message);
@@ -77,6 +88,8 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_text(app, "RESULT", options->result, "FILE", "a result of graze (.json), a table (.csv) or a map (.h5)", Need::required);
   add_text(app, "-o,--output", options->output, "FILE", "the picture (.png, .svg, .pdf)", Need::required);
   add_text(app, "--plot-kind", options->kind, "KIND", "what it shows (default: the first of its schema)");
+  add_texts(app, "--layer", options->layers, "K",
+            "of a map: a layer, counted from 0; repeatable, up to 4 stand side by side (default: the first 4)");
   add_text(app, "--x", options->x, "COLUMN", "of a table: the horizontal axis (default: the first column of numbers)");
   add_texts(app, "--y", options->y, "COLUMN", "of a table: a curve; repeatable (default: all columns of numbers)");
   return [options](const Console& console) { return run(*options, console); };
@@ -89,7 +102,8 @@ Command plot_command() {
           "a picture of a result",
           kinds_text(),
           {"graze plot branch.json -o branch.svg", "graze plot branch.json --plot-kind multipliers -o multipliers.png",
-           "graze plot trajectory.csv --x x --y v -o phase.pdf", "graze plot run/map.h5 -o map.png"},
+           "graze plot trajectory.csv --x x --y v -o phase.pdf", "graze plot run/map.h5 -o map.png",
+           "graze plot run/map.h5 --plot-kind exponent --layer 4 --layer 5 -o exponent.png"},
           setup};
 }
 

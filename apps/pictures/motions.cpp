@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace graze::apps {
 
@@ -17,7 +18,8 @@ namespace {
 constexpr const char* x_label = "x (dimensionless)";
 constexpr const char* v_label = "x' (dimensionless)";
 
-constexpr int samples_per_period = 600;  // a short contact is still a smooth arc
+constexpr int samples_per_period = 600;                                     // a short contact is still a smooth arc
+constexpr std::size_t most_samples_per_period = 2400, most_samples = 9000;  // of a trajectory: more are an image
 
 struct Sampled {
   std::string title;
@@ -48,7 +50,7 @@ Sampled sampled_orbit(const Problem& problem, const Json& orbit, const std::stri
   insert_events(out, events_json(motion.events, contacts_of_run(motion.events)));
   for (int k = 0; k < std::min<int>(period, static_cast<int>(motion.strobe.size())); ++k)
     out.strobe.push_back({motion.strobe[static_cast<std::size_t>(k)][0], motion.strobe[static_cast<std::size_t>(k)][1]});
-  out.title = fmt::format("{}{}", name, z_label(orbit.at("impacts"), period));
+  out.title = fmt::format("{}{}", name, z_label_of(orbit));
   if (orbit.contains("stable")) out.title += orbit["stable"].get<bool>() ? ", stable" : ", unstable";
   return out;
 }
@@ -68,9 +70,32 @@ std::vector<Sampled> orbits_of(const Json& result) {
   return list;
 }
 
+/// A short contact is a polygon in few samples: each period is run through again from its state at phase 0.
+void sample_more_finely(Sampled& motion, const Json& result) {
+  const auto periods = result.at("periods").get<std::size_t>();
+  const std::size_t finer = std::min(most_samples_per_period, most_samples / std::max<std::size_t>(periods, 1));
+  if (periods == 0 || finer == 0 || motion.rows.size() > finer * periods) return;
+  const Problem problem = problem_of(result);
+  const double T = forcing_period(problem.system, problem.parameters);
+  std::vector<std::array<double, 3>> rows;
+  for (std::size_t k = 0; k < periods; ++k) {
+    const Motion again = run_motion(problem.system, problem.parameters, vector_from(result.at("stroboscopic").at(k)),
+                                    {.periods = 1, .samples = static_cast<int>(finer)});
+    for (std::size_t i = 0; i < finer && i < again.samples.size(); ++i)
+      rows.push_back({T * static_cast<double>(k) + again.samples[i][0], again.samples[i][1], again.samples[i][2]});
+  }
+  if (rows.empty()) return;
+  // The end, and what there is of a period in which the motion ended.
+  const double last = rows.back()[0];
+  std::copy_if(motion.rows.begin(), motion.rows.end(), std::back_inserter(rows),
+               [last](const auto& row) { return row[0] > last; });
+  motion.rows = std::move(rows);
+}
+
 Sampled trajectory_of(const Json& result) {
   Sampled out;
   for (const Json& row : result.at("samples")) out.rows.push_back({row.at(0), row.at(1), row.at(2)});
+  sample_more_finely(out, result);
   insert_events(out, result.at("events"));
   for (const Json& state : result.at("stroboscopic")) out.strobe.push_back({state.at(0), state.at(1)});
   return out;

@@ -149,7 +149,7 @@ class Wording {
   void put(const PlacedWords& placed, const std::string& text, const std::string& colour) {
     constexpr int dot = 0;  // the smallest mark that a label can have
     const SkeletonCurves::Point at = axes_.point(placed.anchor);
-    words_.labels.push_back({at[0], at[1], text, dot, colour});
+    words_.labels.push_back({at[0], at[1], text, dot, colour, true});
     if (placed.leader.empty()) return;
     if (!words_.leaders.points.empty()) words_.leaders.points.push_back({NAN, NAN, 0.0});
     for (const Cell& cell : placed.leader) words_.leaders.points.push_back(axes_.point(cell));

@@ -27,15 +27,26 @@ Picture frame(const Json& result, const std::string& title, const std::string& y
 
 Picture draw_states(const Json& result) {
   Picture picture = frame(result, "Attractors", "x at forcing phase 0 (dimensionless)");
+  // Where both go the same way, the wider band of "down" is seen beside "up", which is drawn after it.
   std::map<std::string, Curve> curves;
   for (const Json& row : result.at("rows")) {
     const std::string direction = row.at("direction");
     Curve& curve = curves[direction];
-    curve.title = "sweep " + direction;
     curve.stroke = Stroke::dots;
-    curve.colour = direction == "up" ? colour_of(0) : colour_of(1);
-    curve.size = 0.25;
+    curve.colour = direction == "up" ? "#1f77b4" : "#fdae6b";
+    curve.size = direction == "up" ? 0.25 : 0.5;
     for (const Json& state : row.at("states")) curve.points.push_back({row.at("value"), state.at(0), 0.0});
+  }
+  if (curves.size() == 1) curves.begin()->second.size = 0.25;
+  for (const auto& [direction, curve] : curves) {
+    if (curve.points.empty()) continue;
+    Curve entry;  // of the legend, where such fine dots would not be seen; its point lies far to the right
+    entry.title = "sweep " + direction;
+    entry.stroke = Stroke::dots;
+    entry.colour = curve.colour;
+    entry.size = 1.2;
+    entry.points.push_back({1e30, curve.points.front()[1], 0.0});
+    picture.curves.push_back(std::move(entry));
   }
   for (auto& [direction, curve] : curves) picture.curves.push_back(std::move(curve));
   return picture;
@@ -47,9 +58,24 @@ std::string exponent_colour(const std::string& direction, std::size_t exponent) 
   return exponent == 0 ? "#d95f02" : "#fdc08a";
 }
 
+/// Marks at the lower edge where the first exponent is -infinity, for the motion sticks.
+void add_forgetful(Picture& picture, const Json& result) {
+  double lowest = -0.1;
+  Curve marks{.title = "exponent 1 is -infinity", .stroke = Stroke::marks, .colour = "#a0127d", .size = 0.8, .mark = 11};
+  for (const Json& row : result.at("rows")) {
+    const Json& exponents = row.at("exponents");
+    for (const Json& exponent : exponents)
+      if (exponent.is_number()) lowest = std::min(lowest, exponent.get<double>());
+    if (!exponents.empty() && exponents[0].is_null()) marks.points.push_back({row.at("value"), 0.0, 0.0});
+  }
+  for (auto& point : marks.points) point[1] = 1.05 * lowest;
+  if (!marks.points.empty()) picture.curves.push_back(std::move(marks));
+}
+
 Picture exponents_within(const Json& result, const std::array<double, 2>& x_range) {
   Picture picture = frame(result, "Lyapunov exponents", "exponent (per unit of dimensionless time)");
   picture.x_range = x_range;
+  picture.legend_columns = 2;
   if (!result.at("rows").empty())
     picture.curves.push_back({"", Stroke::solid, "#555555", 1.0, 0, {{x_range[0], 0.0, 0.0}, {x_range[1], 0.0, 0.0}}});
   std::map<std::string, std::vector<Curve>> curves;
@@ -66,6 +92,7 @@ Picture exponents_within(const Json& result, const std::array<double, 2>& x_rang
       curve.points.push_back({row.at("value"), exponents[i].is_null() ? NAN : exponents[i].get<double>(), 0.0});
     }
   }
+  add_forgetful(picture, result);
   std::size_t most = 0;
   for (const auto& [direction, list] : curves) most = std::max(most, list.size());
   for (std::size_t i = most; i-- > 0;)  // the first exponent over the others

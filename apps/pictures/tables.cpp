@@ -117,12 +117,22 @@ Picture draw_columns(const Table& table, const std::string& x, const Columns& y)
   return picture;
 }
 
+/// A table as `graze map --csv` writes it.
+bool is_map(const Table& table) {
+  for (const char* name : {"layer", "type", "period", "impacts", "lambda_1", "standard_error"})
+    if (!has(table, name)) return false;
+  return true;
+}
+
 }  // namespace
 
 Picture picture_of(const Table& table, const std::string& x, const std::vector<std::string>& y) {
   if (table.rows.empty()) throw std::invalid_argument("there is nothing to draw: the table is a header without rows");
   const bool choice = !x.empty() || !y.empty();
   if (!choice && is_branches(table)) return draw_branches(table);
+  if (!choice && is_map(table))
+    throw std::invalid_argument(
+        "this is the table of a map, which is drawn from its .h5 or .json; give one of these, or name columns by --x and --y");
   Picture picture = draw_columns(table, x, y);
   // Points of a section follow each other in time, but lines between them mean nothing.
   if (!choice && (table.columns == Columns{"x", "v"} || table.columns == Columns{"phase", "speed"})) {

@@ -87,7 +87,7 @@ Comparison compare_value(const Published& published, const PublishedPoint& item,
   row.uncertainty = point->precision;
   row.computed_text = fmt::format("{:.{}f}", point->value, 12);
   row.verdict = agrees_with_print(point->value, point->precision, item.eta, item.digits) ? Verdict::agrees : Verdict::differs;
-  row.details["orbit"] = z_label(point->orbit.impacts, point->orbit.period);
+  row.details["orbit"] = z_label(point->orbit);
   row.details["state"] = to_json(point->orbit.state);
   row.details["multipliers"] = to_json(point->orbit.multipliers.values);
   if (row.verdict == Verdict::agrees) return row;
@@ -113,7 +113,7 @@ Comparison compare_multipliers(const Published& published, const PublishedPoint&
   const PeriodicOrbit orbit = orbit_at(problem, *point);
   const std::vector<std::complex<double>>& computed = orbit.multipliers.values;
   row.computed = to_json(computed);
-  row.computed_text = fmt::format("{} ({})", text(computed, item.digits), z_label(orbit.impacts, orbit.period));
+  row.computed_text = fmt::format("{} ({})", text(computed, item.digits), z_label(orbit));
   row.uncertainty = orbit.checks.residual;
   row.verdict = orbit.converged() && agree(computed, item.multipliers, item.digits) ? Verdict::agrees : Verdict::differs;
   if (row.verdict == Verdict::agrees || parameter(problem, "beta") != 0.0) return row;

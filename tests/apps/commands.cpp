@@ -4,6 +4,7 @@
 
 #include <graze/apps/commands/command.hpp>
 #include <graze/apps/json.hpp>
+#include <graze/apps/pictures/pictures.hpp>
 #include <graze/apps/table.hpp>
 
 #include <catch2/catch.hpp>
@@ -217,6 +218,23 @@ TEST_CASE("verify agrees with itself") {
     INFO(check["name"]);
     CHECK(check["ok"] == true);
   }
+}
+
+TEST_CASE("trajectory: its picture has smooth contacts, however few its samples are") {
+  const Json result = json_of({"trajectory", problem("hertz-damped"), "--periods", "3", "--samples", "20"});
+  REQUIRE(result["samples"].size() == 61);
+  const Picture picture = picture_of(result, "phase");
+  const auto& points = picture.curves.front().points;
+  CHECK(points.size() > 7000);
+  double widest = 0.0;  // way from point to point
+  for (std::size_t i = 1; i < points.size(); ++i)
+    widest = std::max(widest, std::hypot(points[i][0] - points[i - 1][0], points[i][1] - points[i - 1][1]));
+  CHECK(widest < 0.05);
+  CHECK(points.back()[0] == result["samples"].back()[1]);
+  // Of very many periods the samples are drawn as they are.
+  Json long_run = result;
+  long_run["periods"] = 1000000;
+  CHECK(picture_of(long_run, "phase").curves.front().points.size() < 100);
 }
 
 TEST_CASE("trajectory gives samples and contacts") {

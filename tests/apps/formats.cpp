@@ -3,6 +3,7 @@
 #include "graze_program.hpp"
 
 #include <graze/apps/json.hpp>
+#include <graze/apps/label_places.hpp>
 #include <graze/apps/number.hpp>
 #include <graze/apps/output_file.hpp>
 #include <graze/apps/pictures/pictures.hpp>
@@ -150,7 +151,8 @@ TEST_CASE("very many points are drawn as an image and none is lost") {
   for (int i = 0; i < 300000; ++i) dots.points.push_back({std::fmod(i * 0.618034, 1.0), std::fmod(i * 0.414214, 1.0), 0.0});
   CHECK(is_dense(dots));
   Raster raster({-1.0, 1.0}, {-1.0, 1.0});
-  raster.paint({.stroke = Stroke::dots, .points = {{0.0, 0.0, 0.0}, {1.0, 1.0, 0.0}, {-1.0, -1.0, 0.0}, {2.0, 0.0, 0.0}}});
+  raster.paint(
+      {.stroke = Stroke::dots, .size = 0.1, .points = {{0.0, 0.0, 0.0}, {1.0, 1.0, 0.0}, {-1.0, -1.0, 0.0}, {2.0, 0.0, 0.0}}});
   CHECK(raster.painted() == 3);
   Raster line({0.0, 1.0}, {0.0, 1.0});
   line.paint({.size = 1.0, .points = {{-1.0, 0.5, 0.0}, {1e9, 0.5, 0.0}, {std::nan(""), 0.0, 0.0}, {0.5, 0.9, 0.0}}});
@@ -161,10 +163,51 @@ TEST_CASE("very many points are drawn as an image and none is lost") {
   CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(20));  // measured: 1 s
 }
 
+TEST_CASE("clouds of dots keep their order where one of them is an image, and wider dots are wider there") {
+  Picture picture;
+  Curve below{.stroke = Stroke::dots, .colour = "#fdae6b", .size = 0.5}, above{.stroke = Stroke::dots, .size = 0.25};
+  for (int i = 0; i < 13000; ++i) below.points.push_back({i * 1e-4, std::sin(i), 0.0});
+  for (int i = 0; i < 900; ++i) above.points.push_back({i * 1e-3, 0.0, 0.0});
+  picture.curves = {below, above};
+  CHECK_FALSE(is_dense(above));
+  CHECK_THAT(gnuplot_script(picture, "png"), !Contains("$curve1"));  // in the image too
+  Raster raster({-1.0, 1.0}, {-1.0, 1.0});
+  raster.paint({.stroke = Stroke::dots, .size = 0.5, .points = {{0.0, 0.0, 0.0}}});
+  CHECK(raster.painted() == 9);
+}
+
+TEST_CASE("the words of labels keep off curves and marks where there is room, and stand on white") {
+  Picture picture;
+  picture.x_range = picture.y_range = {{0.0, 1.0}};
+  picture.labels.push_back({.x = 0.5, .y = 0.5, .text = "PD1 0.5"});
+  const auto place = [&] { return label_places(picture.labels, *picture.x_range, *picture.y_range, picture.curves).front(); };
+  CHECK(place().up > 0.0);
+  CHECK_FALSE(place().leftwards);
+  picture.curves.push_back({.points = {{0.5, 0.5, 0.0}, {1.0, 0.6, 0.0}}});
+  CHECK((place().up < 0.0 || place().leftwards));
+  picture.labels.push_back({.x = 0.52, .y = 0.47, .text = ""});
+  CHECK(place().leftwards);
+  picture.labels.front().placed = true;
+  CHECK_FALSE(place().leftwards);
+  picture.labels.front().placed = false;
+  picture.barriers.push_back({.vertical = false, .position = 0.9, .text = "barrier"});
+  const std::string script = gnuplot_script(picture, "svg");
+  CHECK_THAT(script, Contains("set style textbox opaque") && Contains("'PD1 0.5' at") && Contains("boxed"));
+  CHECK(draw(picture, "svg").size() > 2000);
+}
+
+TEST_CASE("the table of a map is no picture, unless columns are named") {
+  const Table table{{"layer", "r", "eta", "type", "period", "impacts", "lambda_1", "standard_error", "x", "v"},
+                    {{"0", "1", "0.7", "periodic", "1", "1", "-0.05", "0", "0.1", "0.2"},
+                     {"0", "1", "0.8", "periodic", "1", "1", "-0.06", "0", "0.3", "0.2"}}};
+  CHECK_THROWS_WITH(picture_of(table), Contains("give one of these, or name columns by --x and --y"));
+  CHECK(picture_of(table, "eta", {"lambda_1"}).curves.size() == 1);
+}
+
 TEST_CASE("an image has four bytes an element, from the lower left corner on") {
   Raster raster({-1.0, 1.0}, {0.0, 1.0}, 4, 2);
-  raster.paint({.stroke = Stroke::dots, .colour = "#102030", .points = {{-0.9, 0.1, 0.0}}});
-  raster.paint({.stroke = Stroke::dots, .colour = "#fffefd", .points = {{0.9, 0.9, 0.0}}});
+  raster.paint({.stroke = Stroke::dots, .colour = "#102030", .size = 0.1, .points = {{-0.9, 0.1, 0.0}}});
+  raster.paint({.stroke = Stroke::dots, .colour = "#fffefd", .size = 0.1, .points = {{0.9, 0.9, 0.0}}});
   const Image image = raster.image();
   CHECK(image.columns == 4);
   CHECK(image.rows == 2);

@@ -2,7 +2,9 @@
 // graze lyapunov: its JSON on periodic and chaotic attractors, its budget, misuse.
 #include "graze_program.hpp"
 
+#include <graze/apps/attractor_report.hpp>
 #include <graze/apps/json.hpp>
+#include <graze/apps/table.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -58,6 +60,33 @@ TEST_CASE("lyapunov in chaos: positive by many standard errors, and a budget tha
 TEST_CASE("lyapunov where a direction is forgotten: minus infinity is null in JSON") {
   const Json json = spectrum({"--set", "k_r=0", "--set", "r=1"}, "newton-elastic");
   CHECK(json["exponents"].back().is_null());
+}
+
+TEST_CASE("lyapunov: an attractor that sticks is called as graze orbit calls it") {
+  const std::vector<std::string> options = {"--set", "k_r=0.5", "--set", "eta=0.3", "--set", "r=0"};
+  CHECK_THAT(call("orbit", "newton-elastic", options).out, Contains("z = ∞/1"));
+  CHECK_THAT(call("lyapunov", "newton-elastic", options).out, Contains("periodic, z = ∞/1") && Contains("-infinity"));
+  const Json attractor = spectrum(options, "newton-elastic")["attractor"];
+  CHECK(attractor["sticking"] == true);
+  CHECK(attractor["isolated_impacts"] == 0);
+  CHECK(attractor["impacts"] > 1);
+  CHECK(attractor_name(attractor_of(attractor)) == "z = ∞/1");
+  CHECK_FALSE(spectrum({"--set", "eta=0.925"})["attractor"].contains("sticking"));
+}
+
+TEST_CASE("lyapunov over too few periods: standard errors are unknown, not infinite") {
+  const TemporaryFolder folder;
+  const std::string json = folder.file("a.json"), csv = folder.file("a.csv");
+  for (const auto& [id, eta] : {std::pair{"newton-elastic", "eta=0.95"}, {"hertz-damped", "eta=0.72"}}) {
+    const Outcome outcome = call("lyapunov", id, {"--set", eta, "--periods", "10", "--json", json, "--csv", csv});
+    CHECK(outcome.code == 0);
+    CHECK_THAT(outcome.out, Contains("unknown") && !Contains("infinity"));
+    CHECK(Json::parse(read_file(json))["time_average"]["standard_errors"][0].is_null());
+    CHECK(parse_csv(read_file(csv), csv).rows[0][4] == "inf");
+  }
+  CHECK(error_text(std::nan(""), 2) == "unknown");
+  CHECK(exponent_text(-HUGE_VAL, 2) == "-infinity");
+  CHECK(exponent_text(std::nan(""), 2) == "unknown");
 }
 
 TEST_CASE("lyapunov refuses what it does not understand") {

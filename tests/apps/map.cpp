@@ -4,6 +4,7 @@
 
 #include <graze/apps/map_chunk.hpp>
 #include <graze/apps/map_report.hpp>
+#include <graze/apps/pictures/map_colours.hpp>
 #include <graze/apps/pictures/pictures.hpp>
 #include <graze/apps/table.hpp>
 
@@ -79,6 +80,7 @@ TEST_CASE("map: JSON, table, HDF5 and h5py tell the same") {
   CHECK(python["r"][0] == 1.9);
   CHECK(python["start"] == Json::parse("[[null, null], [null, null]]"));
   CHECK(python["follow"] == Json({"up", "down"}));
+  CHECK(python["flags"] == Json({{0, 1, 2, 3, 4}, python["names"]}));  // as CF has them
   CHECK(python["filters"] == Json::parse(R"(["gzip", true, [1, 3, 6]])"));
   for (std::size_t layer = 0; layer < 2; ++layer) {
     for (const char* name : {"type", "lambda_1", "standard_error", "state"})
@@ -133,10 +135,15 @@ TEST_CASE("map: pictures have a cell per point and a legend of what occurs") {
   for (const Curve& curve : picture.curves) titles.push_back(curve.title);
   CHECK(std::count(titles.begin(), titles.end(), "chaotic") == 1);
   CHECK(std::count(titles.begin(), titles.end(), "undecided") == 0);
+  CHECK(std::count(titles.begin(), titles.end(), "z = 1/1") + std::count(titles.begin(), titles.end(), "impactless") > 0);
+  CHECK(picture.common_legend);
   const Picture exponent = picture_of(result, "exponent");
+  CHECK(exponent.curves.empty());
+  CHECK_THAT(gnuplot_script(exponent, "svg"), Contains("set palette defined (-") && Contains(" 0 '#f7f7f7'"));
   for (std::size_t i = 0; i < 18; ++i) {  // warm colours where the exponent is positive
     const bool positive = result["layers"][0]["lambda_1"][i / 6][i % 6].get<double>() > 0.0;
-    CHECK((exponent.cells->colour[i] >= 4) == positive);
+    const std::string colour = exponent.cells->colours[static_cast<std::size_t>(exponent.cells->colour[i])];
+    CHECK((colour.substr(1, 2) > colour.substr(5, 2)) == positive);  // more red than blue
   }
   for (const char* kind : {"attractors", "exponent"})
     CHECK(call({"plot", h5, "--plot-kind", kind, "-o", folder.file("p.svg")}).code == 0);
@@ -144,6 +151,105 @@ TEST_CASE("map: pictures have a cell per point and a legend of what occurs") {
   CHECK(call({"plot", h5, "-o", folder.file("a.svg")}).code == 0);
   CHECK(call({"plot", json, "-o", folder.file("b.svg")}).code == 0);
   CHECK(read_file(folder.file("a.svg")) == read_file(folder.file("b.svg")));
+}
+
+TEST_CASE("map: any layer can be drawn") {
+  const TemporaryFolder folder;
+  const std::string h5 = folder.file("m.h5"), json = folder.file("m.json"), png = folder.file("m.png");
+  const std::vector<std::string> layers = {"--follow", "both", "--start", "0,0", "--start", "0.5,0", "--start", "1,0"};
+  std::vector<std::string> options = with(layers);
+  options.insert(options.end(), {"--h5", h5, "--json", json, "--plot", folder.file("m.svg"), "--layer", "5"});
+  REQUIRE(run(options).code == 0);
+  CHECK_THAT(read_file(folder.file("m.svg")), Contains("layer 5: rows followed down, from (1, 0)") && !Contains("layer 4"));
+  CHECK(call({"plot", json, "--layer", "4", "--layer", "1", "-o", folder.file("p.svg")}).code == 0);
+  CHECK_THAT(read_file(folder.file("p.svg")), Contains("layer 4: ") && Contains("layer 1: ") && !Contains("layer 0"));
+  CHECK(call({"plot", h5, "-o", folder.file("p.svg")}).code == 0);
+  CHECK_THAT(read_file(folder.file("p.svg")), Contains("(the first 4 of 6 layers; --layer draws others)"));
+  const auto misuse = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), "plot");
+    more.insert(more.end(), {"-o", png});
+    const Outcome outcome = call(more);
+    CHECK(outcome.code == 2);
+    return outcome.err;
+  };
+  CHECK_THAT(misuse({h5, "--layer", "6"}), Contains("--layer 6: this map has 6 layers; give one from 0 to 5"));
+  CHECK_THAT(misuse({json, "--layer", "one"}), Contains("--layer one: must be a whole number"));
+  CHECK_THAT(misuse({h5, "--layer", "0", "--layer", "1", "--layer", "2", "--layer", "3", "--layer", "4"}),
+             Contains("--layer is given 5 times; a picture shows 4 layers at most"));
+  CHECK_THAT(misuse({folder.write("t.csv", "a,b\n1,2\n"), "--layer", "0"}), Contains("--layer is for maps"));
+  CHECK_THAT(misuse({folder.write("o.json", "{\"schema\": \"graze.orbit/1\"}"), "--layer", "0"}), Contains("this is none"));
+  CHECK_THAT(run(with({"--layer", "1", "--plot", png})).err, Contains("this map has one layer, 0; leave --layer away"));
+  CHECK_THAT(run(with({"--layer", "0"})).err, Contains("give --plot FILE or --out DIR too"));
+}
+
+TEST_CASE("map: a picture tells what its cells without attractor are") {
+  Json result =
+      json_of(run({"--param", "eta:0.7:0.8:3", "--param", "r:1:3:3", "--start", "1.5,0.2", "--json", "-"}, "newton-elastic"));
+  Json& layer = result["layers"][0];
+  for (std::size_t column = 0; column < 3; ++column) {
+    layer["type"][2][column] = "not_run";
+    layer["lambda_1"][2][column] = nullptr;
+  }
+  for (const std::string kind : {"attractors", "exponent"}) {
+    const Picture picture = picture_of(result, kind);
+    std::vector<std::string> titles;
+    for (const Curve& curve : picture.curves) titles.push_back(curve.title);
+    CHECK(std::count(titles.begin(), titles.end(), "start inside the barrier") == 1);
+    CHECK(std::count(titles.begin(), titles.end(), "not computed") == 1);
+    CHECK(std::count(titles.begin(), titles.end(), "lost") == 0);
+    CHECK_THAT(picture.subtitle, Contains("incomplete: 33 % of the points are not computed"));
+    CHECK(picture.cells->colour[0] >= 0);
+    CHECK(picture.cells->colour[8] == -1);
+    CHECK(draw(picture, "svg").size() > 2000);
+  }
+}
+
+TEST_CASE("map: the most frequent z have colours of their own, the others are told by period") {
+  std::vector<MapPoint> points;
+  for (int impacts = 1; impacts <= 8; ++impacts)
+    for (int k = 0; k < 10 - impacts; ++k) {
+      MapPoint point;
+      point.type = MapType::periodic;
+      point.period = 1;
+      point.impacts = impacts;
+      point.lambda_1 = -0.1 * impacts;
+      points.push_back(point);
+    }
+  points.back().period = 11;
+  const MapColours colours = attractor_colours(points);
+  std::vector<std::string> titles;
+  for (const Curve& curve : colours.legend) titles.push_back(curve.title);
+  CHECK(titles ==
+        std::vector<std::string>{"z = 1/1", "z = 2/1", "z = 3/1", "z = 4/1", "z = 5/1", "other z of period 1", "z = 8/11"});
+  CHECK(colours.index(points[0]) != colours.index(points[10]));
+  CHECK(colours.scale.empty());
+  points.back().lambda_1 = -HUGE_VAL;  // it sticks
+  CHECK(attractor_colours(points).legend.back().title == "z = ∞/11 (sticks)");
+  const MapColours exponents = exponent_colours(points);
+  REQUIRE(exponents.legend.size() == 1);
+  CHECK(exponents.legend[0].title == "-infinity (sticks)");
+  CHECK(exponents.scale.front().value == Approx(-0.8));
+  CHECK(exponents.index(points[0]) != exponents.index(points.back()));
+}
+
+TEST_CASE("map: where the motion sticks, all formats know that the exponent is minus infinity") {
+  const TemporaryFolder folder;
+  const std::string h5 = folder.file("m.h5"), json = folder.file("m.json");
+  const Outcome outcome = run(
+      {"--set", "k_r=0.5", "--param", "eta:0.3:0.9:7", "--param", "r:-0.5:0.5:4", "--h5", h5, "--json", json}, "newton-elastic");
+  REQUIRE(outcome.code == 0);
+  CHECK_THAT(outcome.out, Contains("z = ∞/1"));
+  const Json layer = Json::parse(read_file(json))["layers"][0];
+  CHECK(layer["sticking"][0][0] == true);
+  CHECK(layer["impacts"][0][0] > 1);
+  CHECK(layer["lambda_1"][0][0].is_null());
+  CHECK(layer["sticking"][3][6] == false);
+  CHECK(layer["counts"][0]["points"].is_number());
+  for (const std::string kind : {"attractors", "exponent"}) {
+    for (const std::string& from : {h5, json})
+      REQUIRE(call({"plot", from, "--plot-kind", kind, "-o", from + "." + kind + ".svg"}).code == 0);
+    CHECK(read_file(h5 + "." + kind + ".svg") == read_file(json + "." + kind + ".svg"));
+  }
 }
 
 TEST_CASE("map: no byte of a chunk can change without being noticed") {

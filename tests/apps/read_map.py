@@ -23,6 +23,8 @@ with h5py.File(sys.argv[1]) as file:
         "r": file["r"][:].tolist(),
         "start": [[number(x) for x in row] for row in file["start"][:]],
         "follow": [name.decode() for name in file["follow"][:]],
+        "flags": [field.attrs["flag_values"].tolist(), field.attrs["flag_meanings"].split()],
+        "names": [names[value] for value in sorted(names)],
         "filters": [field.compression, field.shuffle, list(field.chunks)],
         "type": [[[names[x] for x in row] for row in layer] for layer in field[:]],
         "period": file["period"][:].tolist(),

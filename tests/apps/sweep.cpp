@@ -3,9 +3,11 @@
 #include "graze_program.hpp"
 
 #include <graze/apps/json.hpp>
+#include <graze/apps/pictures/pictures.hpp>
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <filesystem>
 
 using namespace graze;
@@ -43,6 +45,30 @@ TEST_CASE("sweep follows the attractor and shows hysteresis") {
       CHECK_FALSE(row["impact_speeds"].empty());
     }
   }
+}
+
+TEST_CASE("sweep: an attractor that sticks is one, however many impacts of its chatter are counted") {
+  const Outcome outcome = run({"--set", "k_r=0.5", "--set", "r=0", "--from", "0.3", "--to", "0.4", "--step", "0.02"});
+  REQUIRE(outcome.code == 0);
+  CHECK_THAT(outcome.out, Contains("z = ∞/1         6              -infinity  -infinity"));
+  const Json json =
+      json_of(run({"--set", "k_r=0.5", "--set", "r=0", "--from", "0.3", "--to", "0.4", "--step", "0.02", "--json", "-"}));
+  const Picture exponents = picture_of(json, "exponents");
+  const auto marks = std::find_if(exponents.curves.begin(), exponents.curves.end(),
+                                  [](const Curve& curve) { return curve.title == "exponent 1 is -infinity"; });
+  REQUIRE(marks != exponents.curves.end());
+  CHECK(marks->points.size() == 6);
+}
+
+TEST_CASE("sweep: in its picture down is the wider one below up, and the legend has dots that can be seen") {
+  const Json json = json_of(run({"--from", "0.9", "--to", "0.91", "--step", "0.005", "--direction", "both", "--json", "-"}));
+  const Picture picture = picture_of(json, "states");
+  REQUIRE(picture.curves.size() == 4);
+  CHECK(picture.curves[0].title == "sweep down");
+  CHECK(picture.curves[0].size > 1.0);
+  CHECK(picture.curves[1].title == "sweep up");
+  CHECK(picture.curves[2].size > picture.curves[3].size);
+  CHECK_THAT(gnuplot_script(picture, "svg"), !Contains("e+29"));
 }
 
 TEST_CASE("sweep goes on from what an interrupted run has left, to the last bit") {
