@@ -352,6 +352,16 @@ std::string several(const std::vector<Picture>& pictures, bool below, const std:
 
 }  // namespace
 
+Curve legend_entry(const std::string& title, const std::string& colour) {
+  Curve curve;
+  curve.title = title;
+  curve.stroke = Stroke::marks;
+  curve.mark = 5;
+  curve.colour = colour;
+  curve.points.push_back({1e30, 1e30, 0.0});
+  return curve;
+}
+
 std::string ending(const std::string& file) {
   std::string text = std::filesystem::path(file).extension().string();
   if (!text.empty()) text.erase(0, 1);

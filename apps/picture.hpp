@@ -23,6 +23,9 @@ struct Curve {
   bool coloured = false;
 };
 
+/// A mark in the legend only: its point lies far outside.
+Curve legend_entry(const std::string& title, const std::string& colour);
+
 /// A point with a mark and text beside it.
 struct Label {
   double x = 0.0, y = 0.0;

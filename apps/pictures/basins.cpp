@@ -63,17 +63,6 @@ void add_dots(Picture& picture, const std::vector<std::array<double, 2>>& starts
   }
 }
 
-/// A mark in the legend only: its point lies far outside.
-Curve legend_entry(const std::string& title, const std::string& colour) {
-  Curve curve;
-  curve.title = title;
-  curve.stroke = Stroke::marks;
-  curve.mark = 5;
-  curve.colour = colour;
-  curve.points.push_back({1e30, 1e30, 0.0});
-  return curve;
-}
-
 Picture draw_basins(const Json& result) {
   Picture picture;
   picture.title = "Basins of attraction";

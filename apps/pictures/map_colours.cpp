@@ -43,17 +43,6 @@ const Hue& hue_of(int period) {
 constexpr const char *impactless_colour = "#e3edf5", *sticking_colour = "#a0127d", *chaotic_colour = "#c0281c",
                      *undecided_colour = "#555555", *inadmissible_colour = "#cccccc", *lost_colour = "#000000";
 
-/// A mark in the legend only: its point lies far outside.
-Curve legend_entry(const std::string& title, const std::string& colour) {
-  Curve curve;
-  curve.title = title;
-  curve.stroke = Stroke::marks;
-  curve.mark = 5;
-  curve.colour = colour;
-  curve.points.push_back({1e30, 1e30, 0.0});
-  return curve;
-}
-
 /// Collects classes of points: a colour each, one line of the legend each.
 class Classes {
  public:

@@ -43,6 +43,17 @@ std::vector<MapPoint> in_arena(int threads, const ParameterGrid& grid, const std
   return points;
 }
 
+/// By 1e-4, with the exponents of orbits from their multipliers alone.
+SweepOptions fine_sweep(double from, double to, SweepDirection direction) {
+  SweepOptions options;
+  options.from = from;
+  options.to = to;
+  options.step = 0.0001;
+  options.directions = {direction};
+  options.attractor.periods_on_orbit = 0;
+  return options;
+}
+
 /// Equal to the last bit, NaN included.
 bool same(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
@@ -189,13 +200,8 @@ TEST_CASE("map: a transient that grows for a while is not taken for chaos") {
 
 TEST_CASE("sweep: past a period doubling it goes on with the doubled orbit") {
   // The PD is at eta = 0.919542643. The end of a row is an orbit to rounding, and the next one's unstable orbit is near.
-  SweepOptions options;
-  options.from = 0.9190;
-  options.to = 0.9198;
-  options.step = 0.0001;
-  options.directions = {SweepDirection::down};
-  options.attractor.periods_on_orbit = 0;
-  const std::vector<SweepRow> rows = sweep(damped_hertz(), hertz_parameters(), Vector{{0.0, 0.0}}, options);
+  const std::vector<SweepRow> rows =
+      sweep(damped_hertz(), hertz_parameters(), Vector{{0.0, 0.0}}, fine_sweep(0.9190, 0.9198, SweepDirection::down));
   REQUIRE(rows.size() == 9);
   for (const SweepRow& row : rows) {
     INFO(row.value);
@@ -208,13 +214,7 @@ TEST_CASE("sweep: chaos in narrow bands is not taken for a motion that lingers")
   // The cascade of the cantilever's 4/2 orbit ends in bands so narrow that the motion repeats itself to 2e-3 for good.
   const HybridSystem system = make_oscillator("cantilever", "linear");
   const Vector p = parameters(system, {{"b", 0.026}, {"xi", 0.08}, {"r", 0.079}, {"beta", 36.0 / 35.0}, {"k_S", 25.0}});
-  SweepOptions options;
-  options.from = 0.5904;
-  options.to = 0.5905;
-  options.step = 0.0001;
-  options.directions = {SweepDirection::up};
-  options.attractor.periods_on_orbit = 0;
-  const std::vector<SweepRow> rows = sweep(system, p, Vector{{0.0, 0.0}}, options);
+  const std::vector<SweepRow> rows = sweep(system, p, Vector{{0.0, 0.0}}, fine_sweep(0.5904, 0.5905, SweepDirection::up));
   REQUIRE(rows.size() == 2);
   for (const SweepRow& row : rows) CHECK(row.attractor.type == AttractorType::chaotic);
   CHECK(rows[1].attractor.exponents[0] < 0.008);
