@@ -52,7 +52,7 @@ class VisitedCells {
  private:
   void choose(const std::vector<Vector>& states, int across);
 
-  Vector low_, size_;
+  Vector low_, per_size_;  ///< one over the size of a cell
   CellSet cells_;
   std::size_t least_in_window_ = 0;
 };
