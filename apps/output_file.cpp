@@ -47,7 +47,7 @@ bool is_special(const fs::path& path) {
 fs::path resolved(const std::string& file) {
   constexpr int most_links = 40;
   std::error_code error;
-  const fs::path target = fs::canonical(file, error);
+  fs::path target = fs::canonical(file, error);
   if (!error) return target;
   if (is_special(file)) return file;  // a pipe that /dev/stdout stands for has no name
   fs::path path = file;

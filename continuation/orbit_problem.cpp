@@ -98,6 +98,8 @@ bool OrbitProblem::evaluate(const Vector& u, const TransitionOptions& options) {
     failure_ = refused.what();
     return false;
   }
+  // Where a branch begins there is no orbit before that the phase could refer to.
+  if (equations_.autonomous() && !equations_.has_phase_reference()) equations_.set_phase_reference(u.head(states()));
   if (equations_.evaluate(u.head(u.size() - 1), options)) return true;
   failure_ = termination_text(equations_.failure());
   return false;

@@ -37,15 +37,22 @@ class BatchMeans {
   double mean() const { return total() / static_cast<double>(std::max<std::int64_t>(count_, 1)); }
   /// Infinite until there are enough batches.
   double standard_error() const { return error_; }
+  /// What the ends of the series leave open: where terms alternate by much (the growth along an orbit of several periods), the
+  /// mean depends on how many there are. The spread of a term over their number, as good as nothing in chaos.
+  double edge() const { return count_ > 1 ? std::sqrt(variance()) / static_cast<double>(count_) : 0.0; }
   /// Integrated correlation time in terms of the series: error^2 = 2 tau variance / count; 1/2 for independent terms.
   double correlation_time() const {
-    const auto n = static_cast<double>(count_);
-    const double variance = count_ > 1 ? (squares_ - sum_ * sum_ / n) / (n - 1.0) : 0.0, error = standard_error();
-    return variance > 0.0 ? 0.5 * error * error * n / variance : 0.5;
+    const double error = standard_error(), spread = variance();
+    return spread > 0.0 ? 0.5 * error * error * static_cast<double>(count_) / spread : 0.5;
   }
 
  private:
   static constexpr std::size_t most = 64;
+
+  double variance() const {
+    const auto n = static_cast<double>(count_);
+    return count_ > 1 ? std::max(0.0, (squares_ - sum_ * sum_ / n) / (n - 1.0)) : 0.0;
+  }
 
   double error_of_batches() const {
     const std::size_t n = batches_.size();

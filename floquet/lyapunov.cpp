@@ -116,7 +116,9 @@ LyapunovSpectrum lyapunov_spectrum(const HybridSystem& system, const Vector& p, 
   const auto exponent = [&](std::size_t i) {
     return lost[i] ? -std::numeric_limits<double>::infinity() : means[i].mean() / interval_time;
   };
-  const auto error = [&](std::size_t i) { return lost[i] ? 0.0 : means[i].standard_error() / interval_time; };
+  const auto error = [&](std::size_t i) {
+    return lost[i] ? 0.0 : std::hypot(means[i].standard_error(), means[i].edge()) / interval_time;
+  };
   out.stop = LyapunovStop::budget;
   std::int64_t aligned = 0;
   while (out.periods + options.interval <= options.max_periods) {

@@ -151,12 +151,21 @@ class Average {
     }
     return sum / static_cast<double>(std::max<std::int64_t>(count, 1)) / interval_time_;
   }
-  /// The motions are independent of each other.
+  /// The motions are independent of each other, but for the ends of their series: near an orbit they do not part. Where they do
+  /// not agree as well as each one's own error says (some have settled, or what correlates them in time lasts longer than they),
+  /// their spread counts.
   double standard_error(std::size_t i) const {
     if (lost_[i]) return 0.0;
-    double squares = 0.0;
-    for (const Strand& strand : strands_) squares += strand.means[i].standard_error() * strand.means[i].standard_error();
-    return std::sqrt(squares) / static_cast<double>(strands_.size()) / interval_time_;
+    const auto n = static_cast<double>(strands_.size());
+    double squares = 0.0, edges = 0.0, mean = 0.0, apart = 0.0;
+    for (const Strand& strand : strands_) {
+      squares += strand.means[i].standard_error() * strand.means[i].standard_error();
+      edges += strand.means[i].edge() / n;
+      mean += strand.means[i].mean() / n;
+    }
+    for (const Strand& strand : strands_) apart += (strand.means[i].mean() - mean) * (strand.means[i].mean() - mean);
+    const double spread = strands_.size() > 1 ? apart / (n - 1.0) / n : 0.0;
+    return std::sqrt(std::max(squares / (n * n), spread) + edges * edges) / interval_time_;
   }
 
   const LyapunovOptions& options_;

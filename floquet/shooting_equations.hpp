@@ -37,6 +37,7 @@ class ShootingEquations {
   void set_parameters(const Vector& p) { propagator_.set_parameters(p); }
   /// Phase condition of an autonomous orbit: through x_ref, normal to the field there.
   void set_phase_reference(const Vector& x_ref);
+  bool has_phase_reference() const { return phase_reference_.size() > 0; }
 
   /// Leaves a contact of stretch j out (see LeftOutContact), one on each at most; j = -1: none is left out any more.
   void leave_out(int j, const LeftOutContact& contact = {}) {

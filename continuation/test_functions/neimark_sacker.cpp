@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // NS: a complex pair of multipliers crosses the unit circle. Test: the product of (mu_i mu_j - 1) over all pairs. It also passes
-// zero where two real multipliers have product 1 (a neutral saddle, no bifurcation), which is ruled out afterwards. In a
-// dissipative system with one degree of freedom det M < 1, so that it cannot occur there.
+// zero where two real multipliers have product 1 (a neutral saddle, no bifurcation), and a complex pair outside the circle may
+// become two real multipliers there: a point is one of NS where as many multipliers leave the circle as pairs do, or enter it. In
+// a dissipative system with one degree of freedom det M < 1, so that neither can occur.
 #include <graze/continuation/test_functions/test_function.hpp>
 
 #include <cmath>
@@ -10,9 +11,16 @@ namespace graze {
 
 namespace {
 
-int complex_pairs_outside(const TestPoint& point) {
-  int count = 0;
-  for (const auto& mu : nontrivial(point.branch.multipliers)) count += mu.imag() > 0.0 && std::abs(mu) > 1.0 ? 1 : 0;
+struct Outside {
+  int all = 0, pairs = 0;
+};
+Outside outside(const TestPoint& point) {
+  Outside count;
+  for (const auto& mu : nontrivial(point.branch.multipliers)) {
+    if (!(std::abs(mu) > 1.0)) continue;
+    ++count.all;
+    count.pairs += mu.imag() > 0.0 ? 1 : 0;
+  }
   return count;
 }
 
@@ -30,7 +38,8 @@ TestFunction neimark_sacker_test() {
     return product.real();
   };
   test.confirm = [](const TestPoint& before, const TestPoint& after) {
-    return complex_pairs_outside(before) != complex_pairs_outside(after);
+    const Outside a = outside(before), b = outside(after);
+    return a.pairs != b.pairs && b.all - a.all == 2 * (b.pairs - a.pairs);
   };
   test.locate = [](OrbitProblem& problem, const Vector& u, const TestPoint& near) {
     double theta = 0.0, closest = std::numeric_limits<double>::infinity();
