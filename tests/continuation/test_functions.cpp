@@ -154,6 +154,25 @@ TEST_CASE("every test function's value changes sign exactly at its bifurcation, 
   }
 }
 
+TEST_CASE("neither a neutral saddle nor a pair that becomes real is taken for Neimark-Sacker") {
+  using Values = std::vector<std::complex<double>>;
+  const TestFunction test = neimark_sacker_test();
+  const auto confirms = [&test](const Values& before, const Values& after) {
+    const CurvePoint curve;
+    BranchPoint a, b;
+    a.multipliers.values = before;
+    b.multipliers.values = after;
+    return test.confirm({curve, a}, {curve, b});
+  };
+  const std::complex<double> inside(0.6, 0.79), outside(0.61, 0.8), far(2.0, 0.01);
+  const auto pair = [](const std::complex<double>& mu, double a, double b) { return Values{mu, std::conj(mu), a, b}; };
+  CHECK(confirms(pair(inside, 0.2, 0.1), pair(outside, 0.2, 0.1)));
+  CHECK(confirms(pair(outside, 3.0, 0.1), pair(inside, 3.0, 0.1)));
+  CHECK_FALSE(confirms({34.3, 5.6, 0.178, 0.0004}, {34.3, 5.6, 0.179, 0.0004}));
+  CHECK_FALSE(confirms(pair(far, 0.49, 0.1), {2.05, 1.96, 0.51, 0.1}));  // the product of two passes one beside it
+  CHECK_FALSE(confirms({2.05, 1.96, 0.99, 0.1}, pair(far, 1.01, 0.1)));  // beside a fold
+}
+
 TEST_CASE("every test function locates its point to the precision it states") {
   for (const Family& family : families()) {
     for (const TestFunction& test : test_functions()) {

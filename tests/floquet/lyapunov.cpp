@@ -37,6 +37,26 @@ TEST_CASE("batch means: the error of a correlated series is that of its correlat
   CHECK(std::abs(means.mean()) < 4.0 * error);
 }
 
+TEST_CASE("batch means: where terms alternate, their ends are no secret") {
+  BatchMeans means;
+  for (int k = 0; k < 125; ++k) means.add(k % 2 ? -2.0 : 2.0);
+  CHECK(means.mean() == Approx(2.0 / 125.0));
+  CHECK(means.edge() == Approx(2.0 / 125.0).epsilon(0.01));
+}
+
+TEST_CASE("motions that stay together at a stable orbit are not sixteen witnesses of chaos") {
+  // A linear stop at which the norm of a tangent vector alternates by seventy from period to period; the orbit's exponent is
+  // -2.7e-5, and 125 periods of each motion end on the larger half.
+  const HybridSystem system = make_oscillator("linear", "linear");
+  const Vector p = parameters(
+      system, {{"b", 0.011211269796007485}, {"k_S", 5338.038392993008}, {"eta", 1.0253945205925283}, {"r", 0.823360803917355}});
+  const Attractor attractor = find_attractor(system, p, vector({-0.3109646792801404, 0.0}));
+  CHECK(attractor.type == AttractorType::periodic);
+  CHECK(attractor.period == 2);
+  CHECK(attractor.impacts == 2);
+  CHECK(attractor.exponents[0] == Approx(-2.7256e-5).epsilon(1e-4));
+}
+
 TEST_CASE("Kaplan and Yorke's dimension") {
   CHECK(kaplan_yorke_dimension({-0.1, -0.2}) == 0.0);
   CHECK(kaplan_yorke_dimension({0.1, -0.2}) == Approx(1.5));
