@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace graze {
@@ -15,6 +16,32 @@ namespace {
 /// How far along the step from `before` u lies, in arclength.
 double place_of(const ZeroProblem& zero, const CurvePoint& before, const Vector& u) {
   return zero.weights.cwiseProduct(before.tangent).dot(u - before.u);
+}
+
+/// Where within its stretches a motion without contacts comes nearest to one, as a fraction of a stretch: there its first will
+/// be.
+double nearest_approach(OrbitProblem& problem, const Vector& shortened, double length) {
+  constexpr int samples = 32;
+  ShootingEquations& equations = problem.equations();
+  double nearest = -std::numeric_limits<double>::infinity(), place = 0.5;
+  Transition transition;
+  for (int j = 0; j < problem.nodes(); ++j) {
+    const double start = equations.node_time(shortened, j), step = length / samples;
+    Vector x = equations.node(shortened, j);
+    for (int k = 0; k < samples; ++k) {
+      for (const Event& event : problem.system().events) {
+        if (event.from != equations.stretch(j).mode0) continue;
+        const double gap = event.guard.value(start + k * step, x, equations.parameters());
+        if (!(gap > nearest)) continue;
+        nearest = gap;
+        place = static_cast<double>(k) / samples;
+      }
+      carry(equations.propagator(), start + k * step, start + (k + 1) * step, x, {.sensitivity = Sensitivity::none}, transition);
+      if (transition.termination != Termination::time) return 0.5;
+      x = transition.x1;
+    }
+  }
+  return place;
 }
 
 }  // namespace
@@ -31,7 +58,7 @@ double BranchFollower::better_section(OrbitProblem& problem, const Vector& u) co
   for (int j = 0; j < problem.nodes(); ++j)
     for (const EventRecord& event : problem.equations().stretch(j).events)
       places.push_back((event.t - problem.equations().node_time(shortened, j)) / length);
-  if (places.empty()) return current;
+  if (places.empty()) places.push_back(nearest_approach(problem, shortened, length));
   std::sort(places.begin(), places.end());
   const double room = std::min(places.front(), 1.0 - places.back());
   constexpr double too_close = 0.02;

@@ -85,6 +85,24 @@ TEST_CASE("the impactless orbit grazes where its amplitude equals the clearance,
   }
 }
 
+TEST_CASE("the impactless orbit grazes also where its maximum lies next to phase 0") {
+  Case c = oscillator("newton");
+  for (const auto& [name, value] : {std::pair("b", 0.010422852115207468), {"k_r", 0.9399025589058793}, {"r", 1.3113797800059455}})
+    c[name] = value;
+  c["eta"] = 0.48;
+  const PeriodicOrbit orbit = shoot(c.system, c.p, steady_response(c.p), 1);
+  REQUIRE(orbit.converged());
+  REQUIRE(orbit.impacts == 0);
+  ContinuationOptions options;
+  options.parameter = "eta";
+  options.to = 0.5;
+  const std::vector<Branch> branches = continue_orbit(c.system, orbit, options);
+  CHECK(branches[0].stop == BranchStop::grazing);
+  const auto grazings = of_type(branches[0], PointType::GR);
+  REQUIRE(grazings.size() == 1);
+  CHECK(std::abs(grazings[0]->value - 0.4873521031679208) < 1e-12);  // ((1 - eta^2)^2 + 4 b^2 eta^2) r^2 = 1
+}
+
 TEST_CASE("a soft contact passes through grazing: labels change at GR points and the branch goes on") {
   Case c = oscillator("hertz");
   c["b_H"] = 0.1;
