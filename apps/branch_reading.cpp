@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <stdexcept>
 
 namespace graze::apps {
@@ -31,6 +32,31 @@ Admissibility admissibility_from(const Json& point) {
   return point.at("admissible").get<bool>() ? Admissibility::admissible : Admissibility::inadmissible;
 }
 
+OrbitChecks checks_from(const Json& json) {
+  const auto number = [](const Json& value) { return value.is_null() ? -1.0 : value.get<double>(); };
+  OrbitChecks checks;
+  checks.residual = number(json.at("residual"));
+  checks.liouville = number(json.at("liouville"));
+  if (json.contains("finite_difference_applicable")) {
+    checks.finite_difference.emplace();
+    checks.finite_difference->applicable = json["finite_difference_applicable"];
+    checks.finite_difference->disagreement = number(json.at("finite_difference"));
+    checks.finite_difference->error_estimate = json.value("finite_difference_error", 0.0);
+  }
+  return checks;
+}
+
+NewtonReport newton_from(const Json& json) {
+  NewtonReport report;
+  const std::string text = json.at("status");
+  for (const NewtonStatus status : {NewtonStatus::converged, NewtonStatus::iteration_limit, NewtonStatus::stalled,
+                                    NewtonStatus::evaluation_failed, NewtonStatus::singular})
+    if (newton_status_text(status) == text) report.status = status;
+  for (const Json& residual : json.at("residuals"))
+    report.residual_history.push_back(residual.is_null() ? std::nan("") : residual.get<double>());
+  return report;
+}
+
 SpecialPoint special_point_from(const Json& json, const HybridSystem& system, const Vector& p, std::size_t parameter) {
   SpecialPoint point;
   point.type = point_type(json.at("type").get<std::string>());
@@ -54,6 +80,8 @@ SpecialPoint special_point_from(const Json& json, const HybridSystem& system, co
   orbit.multipliers = multipliers_from(json.at("multipliers"));
   orbit.admissible = admissibility_from(json);
   orbit.newton.status = NewtonStatus::converged;
+  if (json.contains("checks")) orbit.checks = checks_from(json["checks"]);
+  if (json.contains("newton")) point.newton = newton_from(json["newton"]);
   for (const auto& [name, value] : json.at("details").items()) {
     if (value.is_string()) point.details.insert_or_assign(name, value.get<std::string>());
     if (value.is_number()) point.details.insert_or_assign(name, value.get<double>());
@@ -97,6 +125,7 @@ Branch branch_from(const Json& json, const Problem& problem, const std::string& 
     point.impacts = item.at("impacts");
     point.isolated_impacts = item.value("isolated_impacts", point.impacts);
     point.stable = item.at("stable");
+    if (item.contains("checks")) point.checks = checks_from(item["checks"]);
     point.admissible = admissibility_from(item);
     branch.points.push_back(std::move(point));
   }

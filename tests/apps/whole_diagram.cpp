@@ -3,6 +3,7 @@
 #include "graze_program.hpp"
 
 #include <graze/apps/branch_reading.hpp>
+#include <graze/apps/branch_report.hpp>
 #include <graze/apps/pictures/pictures.hpp>
 #include <graze/apps/sweep_report.hpp>
 
@@ -102,6 +103,8 @@ TEST_CASE("a whole diagram is the skeleton and the sweeps, and the two agree") {
   // What simulation settles on lies on what continuation found.
   const Problem model = problem_of(whole);
   const std::vector<Branch> branches = branches_from_json(whole);
+  for (std::size_t i = 0; i < branches.size(); ++i)  // what is read is what was written, proofs and all
+    for (const char* part : {"points", "special_points"}) CHECK(branch_json(branches[i])[part] == whole["branches"][i][part]);
   const std::vector<SweepRow> rows = rows_from(whole["rows"]);
   std::size_t periodic = 0, chaotic = 0;
   for (const SweepRow& row : rows) {
