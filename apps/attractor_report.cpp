@@ -112,6 +112,13 @@ std::string attractor_text(const Attractor& attractor) {
     text += fmt::format("  Liouville residual {} per period (bound 1e-10, {})\n", rounded(average.liouville_residual, 2),
                         average.liouville_residual < 1e-10 ? "ok" : "FAILED");
   text += fmt::format("  averaged over {} forcing periods: {}\n", average.periods, lyapunov_stop_text(average.stop));
+  if (periodic && !average.exponents.empty()) {
+    constexpr double too_many = 5.0;
+    const double apart = std::abs(average.exponents[0] - attractor.exponents[0]) / average.standard_errors[0];
+    if (std::isfinite(apart) && apart > too_many)
+      text += fmt::format("  it differs from the orbit's first exponent by {} standard errors: part of it was the way there\n",
+                          rounded(apart, 3));
+  }
   return text;
 }
 

@@ -74,6 +74,22 @@ TEST_CASE("lyapunov: an attractor that sticks is called as graze orbit calls it"
   CHECK_FALSE(spectrum({"--set", "eta=0.925"})["attractor"].contains("sticking"));
 }
 
+TEST_CASE("lyapunov: an average that was taken on the way to an orbit says so") {
+  Attractor attractor;
+  attractor.type = AttractorType::periodic;
+  attractor.period = 34;
+  attractor.impacts = 60;
+  attractor.state = Vector{{0.6, -0.1}};
+  attractor.exponents = {-0.005, -0.075};
+  LyapunovSpectrum& average = attractor.time_average;
+  average.periods = 200000;
+  average.exponents = {0.02, -0.1};
+  average.standard_errors = {0.002, 0.002};
+  CHECK_THAT(attractor_text(attractor), Contains("by 12.5 standard errors: part of it was the way there"));
+  average.standard_errors = {0.01, 0.01};
+  CHECK_THAT(attractor_text(attractor), !Contains("the way there"));
+}
+
 TEST_CASE("lyapunov over too few periods: standard errors are unknown, not infinite") {
   const TemporaryFolder folder;
   const std::string json = folder.file("a.json"), csv = folder.file("a.csv");
