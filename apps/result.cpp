@@ -72,9 +72,9 @@ void check_outputs(const OutputOptions& options, const std::string& input) {
   if (!options.plot_kind.empty() && options.plot.empty() && options.out.empty())
     throw std::invalid_argument(fmt::format("--plot-kind {}: there is no picture; give --plot FILE too", options.plot_kind));
   if (!options.out.empty()) {
+    check_picture_file(options.out + "/*." + folder_format);  // before there is a folder
     make_folder(options.out);
     check_writable(options.out + "/probe");
-    check_picture_file(options.out + "/probe." + folder_format);
   }
   for (const std::string& file : {options.json, options.csv, options.plot})
     if (!file.empty() && file != "-") check_writable(file);
