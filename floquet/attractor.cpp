@@ -35,8 +35,17 @@ std::optional<PeriodicOrbit> orbit_at_the_end(const HybridSystem& system, const 
 /// A motion that lingers is given transients three times as long, then nine times, ...
 constexpr int most_rounds = 3, shortest_transient = 300;
 
-/// Off an unstable orbit that it is on, farther each time.
-void push_off(Vector& state, int round) { state[0] -= 1e-4 * std::pow(10.0, round) * (1.0 + state.lpNorm<Eigen::Infinity>()); }
+/// Off an unstable orbit that it is on, farther each time; not into a barrier.
+void push_off(const HybridSystem& system, const Vector& p, int round, Vector& state) {
+  const double far = 1e-4 * std::pow(10.0, round) * (1.0 + state.lpNorm<Eigen::Infinity>());
+  for (const double way : {-far, far}) {
+    Vector pushed = state;
+    pushed[0] += way;
+    if (system.initial_mode && !system.initial_mode(0.0, pushed, p)) continue;
+    state = pushed;
+    return;
+  }
+}
 
 /// The periods that each of the motions of an average was carried.
 std::int64_t length(const LyapunovSpectrum& average) {
@@ -222,9 +231,12 @@ class SideBySide {
     for (std::size_t k = 0; k < repeating.size(); ++k) {
       if (!watches[k].goes_on()) continue;
       const std::size_t i = open[repeating[k]];
-      if (round < most_rounds) lingering.push_back(i);
-      if (round == most_rounds && watches[k].always()) out_[i].type = AttractorType::undecided;
-      if (watches[k].on_an_orbit()) push_off(out_[i].state, round);
+      if (round == most_rounds) {
+        if (watches[k].always()) out_[i].type = AttractorType::undecided;
+        continue;
+      }
+      lingering.push_back(i);
+      if (watches[k].on_an_orbit()) push_off(system_, starts_[i].p, round, out_[i].state);
     }
     return lingering;
   }
@@ -354,7 +366,7 @@ void average_on_attractor(const HybridSystem& system, const Vector& p, Attractor
       if (watch->always()) attractor.type = AttractorType::undecided;
       return;
     }
-    if (watch->on_an_orbit()) push_off(attractor.state, round);
+    if (watch->on_an_orbit()) push_off(system, p, round, attractor.state);
     longer.transient = 3 * std::max(longer.transient, shortest_transient);
     attractor = approach_attractor(system, p, attractor.state, longer);
     if (attractor.type == AttractorType::periodic || attractor.termination != Termination::time)
