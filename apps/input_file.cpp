@@ -54,8 +54,7 @@ Json read_to_resume(const std::string& folder, const std::string& command) {
 }
 
 void check_same_run(const Json& earlier, const Json& head, const std::string& folder) {
-  const std::vector<std::string> parts = {"model", "parameters", "options"};
-  if (const auto found = difference(essence(earlier, parts), essence(head, parts)))
+  if (const auto found = difference(earlier, head, {"model", "parameters", "options"}))
     refuse_to_resume(folder, head["command"], fmt::format("is of another run: {}; give the same", *found));
 }
 

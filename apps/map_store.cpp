@@ -33,7 +33,7 @@ std::uint64_t fingerprint_of(const Json& head) { return checksum(essence(head, m
 /// Whether a file is the map that a run of this head would make.
 bool is_map_of(const std::string& file, const Json& head) {
   try {
-    return !difference(essence(MapFile(file).head(), map_essentials), essence(head, map_essentials));
+    return !difference(MapFile(file).head(), head, map_essentials);
   } catch (const std::exception&) {  // it is no map
     return false;
   }
@@ -111,7 +111,7 @@ void MapStore::take_up(const Json& head) {
   } catch (const std::invalid_argument& broken) {
     throw refuse(fmt::format(": {}; compute the map anew", broken.what()));
   }
-  if (const auto found = difference(essence(run, map_essentials), essence(head, map_essentials)))
+  if (const auto found = difference(run, head, map_essentials))
     throw refuse(fmt::format(" is of another run: {}; give the same", *found));
   if (plan_.chunk_rows < 1) throw refuse(" is damaged; compute the map anew");
   finished_.assign(static_cast<std::size_t>(plan_.chunks()), false);

@@ -40,4 +40,8 @@ Json essence(const Json& head, const std::vector<std::string>& parts) {
 
 std::optional<std::string> difference(const Json& there, const Json& now) { return difference_in(there, now, {}); }
 
+std::optional<std::string> difference(const Json& there, const Json& now, const std::vector<std::string>& parts) {
+  return difference(essence(there, parts), essence(now, parts));
+}
+
 }  // namespace graze::apps

@@ -15,5 +15,7 @@ Json essence(const Json& head, const std::vector<std::string>& parts);
 
 /// The first difference: "parameters.b is 0.05 there and 0.06 now"; nullopt: there is none.
 std::optional<std::string> difference(const Json& there, const Json& now);
+/// The first in the essence of two heads.
+std::optional<std::string> difference(const Json& there, const Json& now, const std::vector<std::string>& parts);
 
 }  // namespace graze::apps

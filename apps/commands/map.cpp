@@ -190,7 +190,7 @@ std::optional<MapFile> finished_map(const Options& options, const Json& head) {
   if (options.resume.empty() || !std::filesystem::exists(file) || std::filesystem::exists(options.resume + "/chunks/run.json"))
     return std::nullopt;
   MapFile map(file);
-  if (const auto found = difference(essence(map.head(), map_essentials), essence(head, map_essentials)))
+  if (const auto found = difference(map.head(), head, map_essentials))
     throw std::invalid_argument(fmt::format("--resume: {} is of another run: {}; give the same", file, *found));
   return map;
 }

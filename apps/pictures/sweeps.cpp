@@ -40,12 +40,10 @@ Picture draw_states(const Json& result) {
   if (curves.size() == 1) curves.begin()->second.size = 0.25;
   for (const auto& [direction, curve] : curves) {
     if (curve.points.empty()) continue;
-    Curve entry;  // of the legend, where such fine dots would not be seen; its point lies far to the right
-    entry.title = "sweep " + direction;
+    Curve entry = legend_entry("sweep " + direction, curve.colour);  // such fine dots would not be seen in it
     entry.stroke = Stroke::dots;
-    entry.colour = curve.colour;
     entry.size = 1.2;
-    entry.points.push_back({1e30, curve.points.front()[1], 0.0});
+    entry.points = {{1e30, curve.points.front()[1], 0.0}};  // to the right alone: the range of x is given, that of y is not
     picture.curves.push_back(std::move(entry));
   }
   for (auto& [direction, curve] : curves) picture.curves.push_back(std::move(curve));
