@@ -57,34 +57,43 @@ template <class Real> std::int64_t cells_below(const Grid& grid, std::int64_t k,
   }
 }
 
-/// Takes the motions that are on the grid as far as they are far from the barrier, or points_ahead sees. (Without branches: where
-/// they lead to is anybody's guess.)
+/// Takes the motions that are on the grid as far as they are far from the barrier, or points_ahead sees. (What each lane has for
+/// itself is looked up one by one; the rest is done together.)
 template <class Real, bool Tangent> void march(Memory<Real>& m) {
-  for_each(m.is(Task::marching), [&](std::size_t lane) {
+  constexpr std::size_t W = width<Real>;
+  const Mask<Real> marching = m.is(Task::marching);
+  alignas(64) double over[W] = {}, by_c[W] = {}, by_s[W] = {}, to_c[W] = {}, to_s[W] = {};
+  for_each(marching, [&](std::size_t lane) {
     const Grid& grid = *m.grid[lane];
-    const double cell_length = m.coefficient[cell][lane], P = m.field[transient_p][lane], Q = m.field[transient_q][lane];
     const auto here = static_cast<std::int64_t>(m.field[next_point][lane]);
-    const std::int64_t over = cells_below<Real>(grid, here, P, Q, m.field[ceiling][lane]), k = here + over;
-    const double turn_c = grid.turn_c[static_cast<std::size_t>(over)], turn_s = grid.turn_s[static_cast<std::size_t>(over)];
-    m.field[transient_p][lane] = dot(turn_c, P, turn_s, Q);
-    m.field[transient_q][lane] = wedge(turn_c, Q, turn_s, P);
-    if constexpr (Tangent) {
-      const double E = m.field[spiral_c][lane], F = m.field[spiral_s][lane];
-      m.field[spiral_c][lane] = wedge(turn_c, E, turn_s, F);
-      m.field[spiral_s][lane] = dot(turn_c, F, turn_s, E);
-    }
-    m.field[flown][lane] += static_cast<double>(over) * cell_length;
-    m.field[phase_c][lane] = grid.phase_c[k];
-    m.field[phase_s][lane] = grid.phase_s[k];
-    const auto point = static_cast<double>(k);
-    const bool ends = point == m.coefficient[cells][lane], sees_no_end = !ends & (over == points_ahead - 1);
-    m.field[next_point][lane] = point + (sees_no_end ? 0.0 : 1.0);
-    m.field[ahead][lane] = m.field[trial][lane] = cell_length;
-    m.field[tried][lane] = 0.0;
-    static constexpr double task[] = {static_cast<double>(Task::flight), static_cast<double>(Task::period_end),
-                                      static_cast<double>(Task::marching)};
-    m.task[lane] = task[(ends ? 1 : 0) + (sees_no_end ? 2 : 0)];
+    const std::int64_t n =
+        cells_below<Real>(grid, here, m.field[transient_p][lane], m.field[transient_q][lane], m.field[ceiling][lane]);
+    over[lane] = static_cast<double>(n);
+    by_c[lane] = grid.turn_c[static_cast<std::size_t>(n)];
+    by_s[lane] = grid.turn_s[static_cast<std::size_t>(n)];
+    to_c[lane] = grid.phase_c[here + n];
+    to_s[lane] = grid.phase_s[here + n];
   });
+  const Real n = take<Real>(over), c = take<Real>(by_c), s = take<Real>(by_s), P = m[transient_p], Q = m[transient_q];
+  m.set(transient_p, marching, dot(c, P, s, Q));
+  m.set(transient_q, marching, wedge(c, Q, s, P));
+  if constexpr (Tangent) {
+    const Real E = m[spiral_c], F = m[spiral_s];
+    m.set(spiral_c, marching, wedge(c, E, s, F));
+    m.set(spiral_s, marching, dot(c, F, s, E));
+  }
+  m.set(phase_c, marching, take<Real>(to_c));
+  m.set(phase_s, marching, take<Real>(to_s));
+  const Real point = m[next_point] + n, length = m[cell];
+  const Mask<Real> ends = marching & (point == m[cells]);
+  const Mask<Real> sees_no_end = marching & (!ends) & (n == Real(static_cast<double>(points_ahead - 1)));
+  m.set(flown, marching, Real(m[flown] + n * length));
+  m.set(next_point, marching, Real(point + select(sees_no_end, Real(0.0), Real(1.0))));
+  m.set(ahead, marching, length);
+  m.set(trial, marching, length);
+  m.set(tried, marching, Real(0.0));
+  m.assign(marching & !sees_no_end, Task::flight);
+  m.assign(ends, Task::period_end);
 }
 
 /// Whether the polynomial of degree N with Bernstein coefficients from partial sums of b is <= 0 on the step and < 0 at its end.
