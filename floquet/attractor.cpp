@@ -162,6 +162,7 @@ void conclude(const HybridSystem& system, const Vector& p, LyapunovSpectrum aver
   attractor.state = attractor.time_average.state;
   std::vector<Vector> ends = attractor.time_average.others;
   ends.insert(ends.begin(), attractor.state);
+  if (ends.size() > 1) ends = that_may_settle(system, p, ends, options.lyapunov.flow);
   const std::size_t together = options.lyapunov.all_threads ? threads_here() : 1;
   for (std::size_t begin = 0; begin < ends.size(); begin += together) {
     std::vector<std::optional<PeriodicOrbit>> orbits(std::min(together, ends.size() - begin));

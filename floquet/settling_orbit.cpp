@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/approaching.hpp>
 #include <graze/floquet/lane_orbits.hpp>
 #include <graze/floquet/settle.hpp>
 #include <graze/floquet/settling_orbit.hpp>
@@ -21,22 +22,13 @@ namespace {
 /// A settled state returns this closely after one period of its orbit, relative to 1 + |x|; Newton decides, not this.
 constexpr double worth_trying = 0.03;
 
-/// A return whose tangent grows by more than this is not one to a stable orbit: its distance cannot account for that.
+/// A return whose tangent grows by more than this is not one to a stable orbit: its distance cannot account for that. Nor is a
+/// motion on its way to one whose tangent has grown so much after long_enough periods (chaos with an exponent of 0.054 a period).
 constexpr double hopeless_growth = 1e3;
+constexpr int long_enough = 128;
 
 /// Returns that orbit_of_close_returns tries.
 constexpr std::size_t most_tries = 3;
-
-/// A motion has come closer to an orbit if its distance is less than this times what it was before.
-constexpr double closer = 0.75;
-constexpr double on_it = 1e-9;  // nearer than this there is nothing to see
-
-/// Forcing periods in which the slowest multiplier halves a distance.
-int halving_time(double slowest, int period) {
-  constexpr double most = 20000.0;
-  const double turns = slowest > 0.0 ? std::ceil(std::log(0.5) / std::log(slowest)) : 1.0;
-  return period * static_cast<int>(std::clamp(turns, 1.0, most / period));
-}
 
 using Pair = std::array<double, 2>;
 
@@ -52,17 +44,21 @@ double distance(const PeriodicOrbit& orbit, const Vector& x) {
   return least;
 }
 
-/// True if the motion from x comes closer to the orbit: by half, in the time in which its slowest multiplier halves a distance.
+/// True if the motion from x comes closer to the orbit.
 bool approaches(const HybridSystem& system, const Vector& p, const PeriodicOrbit& orbit, const Vector& x,
                 const FlowOptions& flow) {
-  const double before = distance(orbit, x), slowest = std::abs(orbit.multipliers.values.front());
-  if (before < on_it) return true;
+  Approaching approaching(distance(orbit, x), std::abs(orbit.multipliers.values.front()), orbit.period);
   SettleOptions options;
-  options.periods = halving_time(slowest, orbit.period);
+  options.periods = approaching.periods();
   options.max_period = 0;
   options.flow = flow;
-  const Settled later = settle(system, p, x, options);
-  return later.termination == Termination::time && distance(orbit, later.state) < closer * before;
+  for (Vector at = x; approaching.open();) {
+    const Settled later = settle(system, p, at, options);
+    if (later.termination != Termination::time) return false;
+    approaching.see(distance(orbit, later.state));
+    at = later.state;
+  }
+  return approaching.comes_closer();
 }
 
 /// The largest modulus of its eigenvalues; NaN where they cannot be found.
@@ -71,23 +67,25 @@ double spectral_radius(const Matrix& A) {
   return A.eigenvalues().cwiseAbs().maxCoeff();
 }
 
-/// The stable orbit of period n (or a divisor) that the motion through these states comes closer to.
-std::optional<PeriodicOrbit> stable_orbit_near(const HybridSystem& system, const Vector& p, const std::vector<Vector>& states,
-                                               int n, const FlowOptions& flow) {
-  const Vector& state = states.front();
+/// The stable orbit of period n (or a divisor) that these states are near to.
+std::optional<PeriodicOrbit> stable_orbit_of(const HybridSystem& system, const Vector& p, const std::vector<Vector>& states,
+                                             int n, const FlowOptions& flow) {
   ShootingOptions shooting;
   shooting.flow = flow;
   PeriodicOrbit orbit = shoot(system, p, states, n, shooting);
-  const double scale = 1.0 + state.lpNorm<Eigen::Infinity>();
-  const bool near = orbit.converged() && distance(orbit, state) < 2.0 * worth_trying * scale;
-  if (near && orbit.stable() && orbit.admissible == Admissibility::admissible && approaches(system, p, orbit, state, flow))
-    return orbit;
+  const double scale = 1.0 + size(states.front());
+  const bool near = orbit.converged() && distance(orbit, states.front()) < 2.0 * worth_trying * scale;
+  if (near && orbit.stable() && orbit.admissible == Admissibility::admissible) return orbit;
   return std::nullopt;
 }
 
-}  // namespace
-
-namespace {
+/// That, if the motion through them comes closer to it.
+std::optional<PeriodicOrbit> stable_orbit_near(const HybridSystem& system, const Vector& p, const std::vector<Vector>& states,
+                                               int n, const FlowOptions& flow) {
+  auto orbit = stable_orbit_of(system, p, states, n, flow);
+  if (orbit && approaches(system, p, *orbit, states.front(), flow)) return orbit;
+  return std::nullopt;
+}
 
 /// The periods after which states return to the first of them, the closest return first.
 template <class State> std::vector<int> returns_of(const std::vector<State>& states, double nearness, int max_period) {
@@ -196,20 +194,34 @@ std::vector<int> worth_a_try(const std::vector<int>& periods) {
 }
 
 /// Whether motions come closer to the orbits that they may be settling on, as approaches() has it.
-std::vector<bool> all_approach(ManyMotions& many, const std::vector<std::size_t>& sets, const std::vector<Vector>& states,
+std::vector<bool> all_approach(ManyMotions& many, const std::vector<std::size_t>& sets, std::vector<Vector> states,
                                const std::vector<LaneOrbit>& orbits) {
-  std::vector<Run> runs;
-  for (std::size_t i = 0; i < orbits.size(); ++i) {
-    const int periods = halving_time(std::abs(orbits[i].multipliers.front()), static_cast<int>(orbits[i].states.size()));
-    runs.push_back({distance(orbits[i], states[i]) < on_it ? 0 : periods, states[i]});
+  std::vector<Approaching> watches;
+  for (std::size_t i = 0; i < orbits.size(); ++i)
+    watches.emplace_back(distance(orbits[i], states[i]), std::abs(orbits[i].multipliers.front()),
+                         static_cast<int>(orbits[i].states.size()));
+  for (;;) {
+    std::vector<Run> runs;
+    std::vector<std::size_t> of, sets_of_runs;
+    for (std::size_t i = 0; i < watches.size(); ++i) {
+      if (!watches[i].open()) continue;
+      runs.push_back({watches[i].periods(), states[i]});
+      sets_of_runs.push_back(sets[i]);
+      of.push_back(i);
+    }
+    if (of.empty()) break;
+    carry_side_by_side(many, sets_of_runs, runs, [] { return false; });
+    for (std::size_t k = 0; k < of.size(); ++k) {
+      const std::size_t i = of[k];
+      states[i] = runs[k].at;
+      if (runs[k].termination == Termination::time)
+        watches[i].see(distance(orbits[i], states[i]));
+      else
+        watches[i].stop();
+    }
   }
-  carry_side_by_side(many, sets, runs, [] { return false; });
   std::vector<bool> out;
-  for (std::size_t i = 0; i < orbits.size(); ++i) {
-    const double before = distance(orbits[i], states[i]);
-    out.push_back(before < on_it ||
-                  (runs[i].termination == Termination::time && distance(orbits[i], runs[i].at) < closer * before));
-  }
+  for (const Approaching& watch : watches) out.push_back(watch.comes_closer());
   return out;
 }
 
@@ -268,12 +280,45 @@ std::vector<SettlingLook> look_for_orbits(const HybridSystem& system, ManyMotion
   }
 }
 
+std::vector<Vector> that_may_settle(const HybridSystem& system, const Vector& p, const std::vector<Vector>& states,
+                                    const FlowOptions& flow) {
+  ManyMotions many(system, flow);
+  const std::size_t set = many.add_parameters(p);
+  std::vector<MotionStart> motions;
+  for (const Vector& state : states) motions.push_back({set, state[0], state[1]});
+  std::vector<PeriodResult> results;
+  many.carry(motions, long_enough, true, results);
+  std::vector<Vector> out;
+  const PeriodResult* next = results.data();
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    Eigen::Matrix2d growth = Eigen::Matrix2d::Identity();
+    for (int k = 0; k < long_enough; ++k, ++next)
+      growth = Eigen::Matrix2d{{next->Phi[0], next->Phi[1]}, {next->Phi[2], next->Phi[3]}} * growth;
+    if (!(spectral_radius(growth) > hopeless_growth)) out.push_back(states[i]);
+  }
+  return out;
+}
+
+namespace {
+
+/// Whether the last of these returns, after 1, 2, ... periods, is closer than those after a divisor of as many: else it would
+/// lead to the orbits that they lead to.
+bool closer_than_divisors(const std::vector<double>& distances) {
+  const std::size_t n = distances.size();
+  for (std::size_t d = 1; d <= n / 2; ++d)
+    if (n % d == 0 && distances[n - 1] > 0.5 * distances[d - 1]) return false;
+  return true;
+}
+
+}  // namespace
+
 std::optional<PeriodicOrbit> settling_orbit(const HybridSystem& system, const Vector& p, const Vector& state, int max_period,
                                             const FlowOptions& flow) {
   Propagator propagator(system, p, {}, flow);
   const double T = forcing_period(system, p), scale = 1.0 + state.lpNorm<Eigen::Infinity>();
   std::vector<Vector> states{state};
-  std::vector<int> worth;  // periods of returns not looked at yet
+  std::vector<int> worth;       // periods of returns not looked at yet
+  std::vector<Vector> refused;  // states on stable orbits that the motion does not approach; more than one return leads to them
   std::size_t together = 1;
   std::unique_ptr<ManyMotions> many;
   // In chaos there are many returns, and most are to unstable orbits. What Newton's method finds out in lanes need not be found
@@ -291,9 +336,16 @@ std::optional<PeriodicOrbit> settling_orbit(const HybridSystem& system, const Ve
       for (const int n : worth) guesses.push_back({0, {pairs.begin(), pairs.begin() + n}});
       orbits = shoot_side_by_side(*many, guesses);
     }
+    const auto is_refused = [&](const auto& orbit) {
+      return std::any_of(refused.begin(), refused.end(),
+                         [&](const Vector& x) { return distance(orbit, x) < Approaching::on_it; });
+    };
     for (std::size_t i = 0; i < worth.size(); ++i) {
-      if (!orbits.empty() && verdict(orbits[i], state) == Verdict::no) continue;
-      if (auto orbit = stable_orbit_near(system, p, {states.begin(), states.begin() + worth[i]}, worth[i], flow)) return orbit;
+      if (!orbits.empty() && (verdict(orbits[i], state) == Verdict::no || is_refused(orbits[i]))) continue;
+      auto orbit = stable_orbit_of(system, p, {states.begin(), states.begin() + worth[i]}, worth[i], flow);
+      if (!orbit || is_refused(*orbit)) continue;
+      if (approaches(system, p, *orbit, state, flow)) return orbit;
+      refused.push_back(orbit->state);
     }
     worth.clear();
     together *= 2;
@@ -301,18 +353,25 @@ std::optional<PeriodicOrbit> settling_orbit(const HybridSystem& system, const Ve
   };
   Transition transition;
   Matrix growth = Matrix::Identity(state.size(), state.size());
-  for (int n = 1; n <= max_period; ++n) {
+  std::vector<double> distances;  // of the returns
+  bool shrinks =
+      false;  // after one of the returns; the others can wait until it is known that the tangent does not grow for long
+  for (int n = 1; n <= max_period || (!worth.empty() && n <= long_enough); ++n) {
     carry(propagator, 0.0, T, states.back(), {.sensitivity = Sensitivity::state}, transition);
     if (transition.termination != Termination::time) break;
     const Vector next = transition.x1;
     growth = transition.Phi * growth;
-    if ((next - state).lpNorm<Eigen::Infinity>() < worth_trying * scale && !(spectral_radius(growth) > hopeless_growth))
-      worth.push_back(n);
-    if (worth.size() == together)
+    distances.push_back(apart(next, state) / scale);
+    if (n <= max_period && distances.back() < worth_trying && closer_than_divisors(distances)) {
+      const double grown = spectral_radius(growth);
+      if (!(grown > hopeless_growth)) worth.push_back(n);
+      shrinks = shrinks || grown < 1.0;
+    }
+    if (shrinks && worth.size() >= together)
       if (auto orbit = look()) return orbit;
     states.push_back(next);
   }
-  return look();
+  return spectral_radius(growth) > hopeless_growth ? std::nullopt : look();
 }
 
 int ReturnWatch::see(const Vector& state) {

@@ -48,6 +48,11 @@ std::vector<SettlingLook> look_for_orbits(const HybridSystem& system, ManyMotion
                                           const std::vector<SettlingMotion>& motions, double nearness,
                                           const FlowOptions& flow = {});
 
+/// Those of some states, of the same parameters, from which a motion may be settling on a stable orbit: its tangent does not grow
+/// for long. (In chaos it does; to find that out for all is less work than settling_orbit has with a few.) Carried in lanes.
+std::vector<Vector> that_may_settle(const HybridSystem& system, const Vector& p, const std::vector<Vector>& states,
+                                    const FlowOptions& flow = {});
+
 /// Looks, period by period, for returns to a state that moves on in doubling steps (Brent's way to find a cycle): most motions
 /// are near their orbit long before a transient is over.
 class ReturnWatch {

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Approaching: whether a motion comes closer to a stable orbit, by its distance now and then.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+namespace graze {
+
+/// Asked for the distance each time that the orbit's slowest multiplier should have halved it. Once less than 3/4 of it are left,
+/// it has come closer; an orbit whose tangent is far from normal takes two such times, or more (after k of them (3/4)^k may be
+/// left). From far off, where a motion may be on its way past the orbit, it is watched to the end.
+class Approaching {
+ public:
+  static constexpr double on_it = 1e-9;  ///< nearer than this there is nothing to see
+
+  /// `slowest`: modulus of the orbit's first multiplier; `period`: of the orbit, in forcing periods.
+  Approaching(double distance, double slowest, int period) : before_(distance), closer_(distance < on_it) {
+    constexpr double most = 20000.0;
+    constexpr int not_long = 256, most_times = 8;
+    const double turns = slowest > 0.0 ? std::ceil(std::log(0.5) / std::log(slowest)) : 1.0;
+    periods_ = period * static_cast<int>(std::clamp(turns, 1.0, most / period));
+    times_ = std::clamp(not_long / periods_, 1, most_times);
+  }
+
+  bool open() const { return !closer_ && done_ < times_; }
+  int periods() const { return periods_; }  ///< until the distance is asked for
+  void see(double distance) {
+    constexpr double far_off = 1e-3;
+    ++done_;
+    const bool closer = distance < std::max(on_it, std::pow(0.75, done_) * before_);
+    closer_ = closer && (before_ < far_off || done_ == times_);
+  }
+  void stop() { done_ = times_; }
+  bool comes_closer() const { return closer_; }
+
+ private:
+  double before_;
+  bool closer_;
+  int periods_ = 1, times_ = 1, done_ = 0;
+};
+
+}  // namespace graze
