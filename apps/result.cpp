@@ -23,26 +23,30 @@ struct OutputFile {
   std::function<std::string()> content;
 };
 
-/// Files to be written, each with what goes into it.
+/// The files that get the JSON.
+std::vector<std::string> json_files(const OutputOptions& options, const std::string& command) {
+  std::vector<std::string> list;
+  if (!options.json.empty() && options.json != "-") list.push_back(options.json);
+  if (!options.out.empty()) list.push_back(fmt::format("{}/{}.json", options.out, command));
+  return list;
+}
+
+/// Files to be written, each with what goes into it. Pictures come last: who is told to end has a while for it, and not for ever.
 std::vector<OutputFile> files(const Result& result, const OutputOptions& options, const std::string& command) {
   std::vector<OutputFile> list;
-  const auto json = [&result] { return pretty(result.json); };
   const auto table = [&result] { return csv(result.table); };
   const auto picture = [&result](const std::string& file, const std::string& kind) {
     return [&result, file, kind] { return draw(picture_of(result.json, kind), ending(file)); };
   };
-  if (!options.json.empty() && options.json != "-") list.push_back({options.json, json});
+  for (const std::string& file : json_files(options, command)) list.push_back({file, [&result] { return pretty(result.json); }});
   if (!options.csv.empty() && options.csv != "-") list.push_back({options.csv, table});
+  if (!options.out.empty()) list.push_back({fmt::format("{}/{}.csv", options.out, command), table});
   if (!options.plot.empty()) list.push_back({options.plot, picture(options.plot, options.plot_kind)});
-  if (!options.out.empty()) {
-    const std::string stem = options.out + "/" + command;
-    list.push_back({stem + ".json", json});
-    list.push_back({stem + ".csv", table});
+  if (!options.out.empty())
     for (const std::string& kind : pictures_for(result.json)) {
-      const std::string file = fmt::format("{}-{}.{}", stem, kind, folder_format);
+      const std::string file = fmt::format("{}/{}-{}.{}", options.out, command, kind, folder_format);
       list.push_back({file, picture(file, kind)});
     }
-  }
   return list;
 }
 
