@@ -59,10 +59,12 @@ void add_output_options(CLI::App& app, OutputOptions& options, const std::string
   std::vector<std::string> kinds = picture_names("graze." + schema);
   for (const std::string& kind : picture_names("graze." + other))
     if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) kinds.push_back(kind);
-  if (!kinds.empty()) add_text(app, "--plot", options.plot, "FILE", "picture of the result (.png, .svg, .pdf)");
+  options.pictures = !kinds.empty();
+  if (options.pictures) add_text(app, "--plot", options.plot, "FILE", "picture of the result (.png, .svg, .pdf)");
   if (kinds.size() > 1)
     add_choice(app, "--plot-kind", options.plot_kind, kinds, fmt::format("what the picture shows (default {})", kinds.front()));
-  add_text(app, "--out", options.out, "DIR", "folder that gets JSON, table and all pictures");
+  add_text(app, "--out", options.out, "DIR",
+           options.pictures ? "folder that gets JSON, table and all pictures" : "folder that gets JSON and table");
 }
 
 bool writes_files(const OutputOptions& options) {
@@ -76,7 +78,7 @@ void check_outputs(const OutputOptions& options, const std::string& input) {
   if (!options.plot_kind.empty() && options.plot.empty() && options.out.empty())
     throw std::invalid_argument(fmt::format("--plot-kind {}: there is no picture; give --plot FILE too", options.plot_kind));
   if (!options.out.empty()) {
-    check_picture_file(options.out + "/*." + folder_format);  // before there is a folder
+    if (options.pictures) check_picture_file(options.out + "/*." + folder_format);  // before there is a folder
     make_folder(options.out);
     check_writable(options.out + "/probe");
   }

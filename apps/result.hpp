@@ -25,6 +25,7 @@ struct OutputOptions {
   std::string plot;       ///< picture; its ending says the format
   std::string plot_kind;  ///< empty: the first that fits the result
   std::string out;        ///< folder for all of it
+  bool pictures = true;   ///< whether its results have any
 };
 
 /// Adds --json, --csv, --plot, --out; and --plot-kind where pictures of `schema` come in several kinds. `other`: a second schema

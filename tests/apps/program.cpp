@@ -6,6 +6,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <fmt/format.h>
+
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -283,6 +285,26 @@ TEST_CASE("whoever asks the program to end, what was computed is kept; under noh
   });
   CHECK(outcome.code == 0);
   CHECK(Json::parse(read_file(out))["status"] == "done");
+}
+
+TEST_CASE("without gnuplot --out is refused where there would be pictures, and only there") {
+  const TemporaryFolder folder, empty;
+  const std::string path = std::getenv("PATH");
+  ::setenv("PATH", empty.file("").c_str(), 1);
+  const Outcome models = spawn("models --out " + folder.file("models"));
+  const Outcome lyapunov = spawn("lyapunov " + hertz + " --quiet --out " + folder.file("lyapunov"));
+  const Outcome sweep = spawn("sweep " + newton + " --from 0.9 --to 0.91 --step 0.01 --out " + folder.file("sweep"));
+  const Outcome reproduce = spawn("reproduce --out " + folder.file("reproduce"));
+  ::setenv("PATH", path.c_str(), 1);
+  CHECK(models.code == 0);
+  CHECK(std::filesystem::exists(folder.file("models/models.json")));
+  CHECK(lyapunov.code == 0);
+  CHECK(std::filesystem::exists(folder.file("lyapunov/lyapunov.csv")));
+  for (const Outcome& outcome : {sweep, reproduce}) {
+    CHECK(outcome.code == 2);
+    CHECK_THAT(outcome.err, Contains("gnuplot, which is not installed"));
+  }
+  CHECK(folder.files() == 2);
 }
 
 TEST_CASE("gnuplot does not outlive the program or its patience") {
