@@ -56,7 +56,8 @@ TEST_CASE("wrong commands and options are misuse") {
   CHECK_THAT(misuse("orbit " + hertz + " --perod 2"), Contains("no option --perod") && Contains("did you mean --period"));
   CHECK_THAT(misuse("orbit"), Contains("graze orbit: PROBLEM is required"));
   CHECK_THAT(misuse("orbit " + hertz + " again"), Contains("\"again\" is one argument too many"));
-  CHECK_THAT(misuse("orbit " + hertz + " --set b=0.06 r=2"), Contains("\"r=2\" is one argument too many"));
+  CHECK_THAT(misuse("orbit " + hertz + " --set b=0.06 r=2"),
+             Contains("\"r=2\" is one argument too many") && Contains("behind a --set of its own: --set r=2"));
   CHECK_THAT(misuse("orbit " + hertz + " --period two"), Contains("--period two") && Contains("whole number >= 1"));
   CHECK_THAT(misuse("orbit " + hertz + " --period 0"), Contains("whole number >= 1"));
   CHECK_THAT(misuse("orbit " + hertz + " --settle -5"), Contains("whole number >= 0"));
@@ -103,6 +104,22 @@ TEST_CASE("a wrong setting is misuse") {
   CHECK_THAT(misuse("orbit " + newton + " --set r=nan"), Contains("r is nan; allowed is any finite number"));
   CHECK_THAT(misuse("orbit " + newton + " --set k_H=100"),
              Contains("no parameter \"k_H\"") && Contains("k_r") && Contains("k_H belongs to the hertz contact law"));
+  for (const std::string name : {"k_e", "F0", "k_h"})  // of an excitation, of another, of a contact
+    CHECK_THAT(misuse("orbit " + newton + " --set " + name + "=100"), Contains("choose one of b, beta, ") &&
+                                                                          Contains(name + " is a physical quantity") &&
+                                                                          Contains("section [physical]"));
+  CHECK_THAT(misuse("orbit " + newton + " --set nonsense=1"), !Contains("physical"));
+}
+
+TEST_CASE("defaults are noted with what to do for others, and not where a setting gave one") {
+  const TemporaryFolder folder;
+  const std::string file =
+      folder.write("p.toml", "[model]\noscillator = \"linear\"\ncontact = \"newton\"\n[parameters]\neta = 0.9\nr = 1\nk_r = 0.8\n"
+                             "b = 0.1\n");
+  const std::string both = spawn("orbit " + file + " --settle 10").err,
+                    one = spawn("orbit " + file + " --settle 10 --set xi=0.9").err;
+  CHECK_THAT(both, Contains("does not give beta = 0, xi = 1: these are defaults; give others in its [parameters] or by --set"));
+  CHECK_THAT(one, Contains("does not give beta = 0: "));
 }
 
 TEST_CASE("the last of several settings of a parameter holds") {
