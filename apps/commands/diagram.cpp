@@ -113,6 +113,7 @@ struct Earlier {
   bool skeleton_done = false;
   std::vector<Branch> branches;
   std::vector<CutOff> cut_off;
+  SeedsSoFar seeds;  // of a skeleton that is not done
   std::vector<SweepRow> rows;
 };
 
@@ -135,11 +136,13 @@ void check_earlier(Earlier& earlier, const Options& options, const Problem& prob
   if (whole && options.skeleton) refuse("is of a whole diagram, which --skeleton would cut down; leave --skeleton out");
   earlier.branches = branches_from_json(result);
   const std::string status = whole ? result.value("parts", Json::object()).value("skeleton", "") : result.value("status", "");
-  earlier.skeleton_done = status == "done" && same_options(result, skeleton_json(options), "max_step");
+  const bool same = same_options(result, skeleton_json(options), "max_step");
+  earlier.skeleton_done = status == "done" && same;
   try {
     earlier.cut_off = cut_off_from(result.at("cut_off"));
+    if (same && result.contains("seed_search")) earlier.seeds = seeds_from(result, problem, options.parameter);
     if (whole) earlier.rows = rows_from(result.at("rows"));
-  } catch (const Json::exception&) {
+  } catch (const std::exception&) {
     refuse("is damaged; compute it anew");
   }
   if (earlier.rows.empty()) return;
@@ -158,6 +161,8 @@ Status add_skeleton(Result& result, Earlier& earlier, const Options& options, co
     Progress progress(console.err, console.quiet, "skeleton");
     SkeletonOptions computing = skeleton_options(options, problem, console, progress);
     computing.so_far = std::move(earlier.branches);
+    computing.seeds_so_far = std::move(earlier.seeds.seeds);
+    computing.searched_so_far = std::move(earlier.seeds.searched);
     Skeleton found = skeleton(problem.system, problem.parameters, computing);
     put_skeleton(result.json, found, parameter_index(problem.system.parameters, options.parameter));
     earlier.branches = std::move(found.graph.branches);
@@ -168,6 +173,13 @@ Status add_skeleton(Result& result, Earlier& earlier, const Options& options, co
   result.table = branches_table(earlier.branches);
   result.text += skeleton_text(result.json["seeds"].size(), earlier.branches, earlier.cut_off, options.parameter);
   return status;
+}
+
+/// Where the skeleton was interrupted.
+std::string interruption(const Json& skeleton, std::size_t branches) {
+  const std::size_t parts = skeleton.at("seed_search").at("parts"), done = skeleton["seed_search"].at("done").size();
+  if (done < parts) return fmt::format("interrupted in the search for seeds; {} of its {} parts were done by then", done, parts);
+  return fmt::format("interrupted; {} branches were complete or begun by then", branches);
 }
 
 /// Whether simulation and continuation agree.
@@ -252,8 +264,7 @@ int run(const Options& given, const Console& console) {
   result.text = describe(problem, options.parameter) + "\n\n";
   Status status = add_skeleton(result, earlier, options, problem, console);
   std::string message;
-  if (status == Status::interrupted)
-    message = fmt::format("interrupted; {} branches were complete or begun by then", earlier.branches.size());
+  if (status == Status::interrupted) message = interruption(result.json, earlier.branches.size());
   if (status == Status::failed)
     message = fmt::format("no periodic orbit was found for {} in [{}, {}]", options.parameter, exact(*options.from),
                           exact(*options.to));
