@@ -285,11 +285,11 @@ TEST_CASE("Ctrl-C keeps what was computed and exits with 130") {
 TEST_CASE("whoever asks the program to end, what was computed is kept; under nohup a terminal that closes asks nothing") {
   const TemporaryFolder folder;
   const std::string out = folder.file("r.json");
-  const std::string sweep = "sweep " + newton + " --from 0.7 --to 0.76 --step 0.0001 --json " + out;
+  const std::string sweep = "sweep " + newton + " --from 0.7 --to 0.76 --step 0.00003 --json " + out;
   for (const int signal : {SIGTERM, SIGHUP}) {
-    const Outcome outcome = spawn(sweep, signal, 0.5);
+    const Outcome outcome = spawn(sweep, signal, 0.4);
     CHECK(outcome.code == 130);
-    CHECK_THAT(outcome.err, Contains("interrupted after ") && Contains(" of 601 values"));
+    CHECK_THAT(outcome.err, Contains("interrupted after ") && Contains(" of 2001 values"));
     const Json json = Json::parse(read_file(out), nullptr, false);
     REQUIRE_FALSE(json.is_discarded());
     CHECK(json["status"] == "interrupted");
@@ -298,7 +298,7 @@ TEST_CASE("whoever asks the program to end, what was computed is kept; under noh
   }
   const auto begun = std::chrono::steady_clock::now();
   const Outcome outcome = run_shell(fmt::format("sh -c \"trap '' HUP; exec '{}' {}\"", GRAZE_PROGRAM, sweep), [&](pid_t child) {
-    return std::chrono::steady_clock::now() - begun > std::chrono::milliseconds(500) && ::kill(child, SIGHUP) == 0;
+    return std::chrono::steady_clock::now() - begun > std::chrono::milliseconds(400) && ::kill(child, SIGHUP) == 0;
   });
   CHECK(outcome.code == 0);
   CHECK(Json::parse(read_file(out))["status"] == "done");
