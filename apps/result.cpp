@@ -4,6 +4,7 @@
 #include <graze/apps/output_file.hpp>
 #include <graze/apps/pictures/pictures.hpp>
 #include <graze/apps/result.hpp>
+#include <graze/apps/stints.hpp>
 
 #include <fmt/format.h>
 
@@ -88,6 +89,18 @@ void check_outputs(const OutputOptions& options, const std::string& input) {
   check_distinct({{"--json", options.json}, {"--csv", options.csv}, {"--plot", options.plot}}, input);
   check_kind("--json", options.json, {".json"});
   check_kind("--csv", options.csv, {".csv"});
+}
+
+std::optional<double> keeping_stints(const OutputOptions& options) {
+  const bool kept = !options.out.empty() || (!options.json.empty() && options.json != "-" && !is_special(options.json));
+  return kept ? std::optional(stint_length()) : std::nullopt;
+}
+
+void keep(const Json& part, const OutputOptions& options, const std::string& command, const Console& console) {
+  for (const std::string& file : json_files(options, command)) {
+    if (is_special(file)) continue;  // a pipe gets one result
+    if (const auto failure = write_whole(file, pretty(part))) console.err << "graze " << command << ": " << *failure << "\n";
+  }
 }
 
 int deliver(const Result& result, const OutputOptions& options, const std::string& command, int code, const Console& console) {

@@ -6,6 +6,7 @@
 #include <graze/apps/json.hpp>
 #include <graze/apps/table.hpp>
 
+#include <optional>
 #include <string>
 
 namespace CLI {
@@ -41,6 +42,12 @@ bool writes_files(const OutputOptions& options);
 
 /// Whether its table goes anywhere.
 bool wants_table(const OutputOptions& options);
+
+/// How long a stint (stints.hpp) is in seconds, after which keep() has something to do; nullopt: it never has.
+std::optional<double> keeping_stints(const OutputOptions& options);
+
+/// Writes the JSON files, and nothing else, with what there is by now. One that cannot be written is told on console.err.
+void keep(const Json& part, const OutputOptions& options, const std::string& command, const Console& console);
 
 /// Writes the files, then prints the result on console.out: the text, or the JSON or CSV if that was sent there. Returns `code`,
 /// or instead of 0, 2 if something could not be written (each with a sentence on console.err), 130 if drawing was interrupted.

@@ -14,6 +14,7 @@
 #include <graze/apps/result.hpp>
 #include <graze/apps/same_run.hpp>
 #include <graze/apps/skeleton_report.hpp>
+#include <graze/apps/stints.hpp>
 #include <graze/apps/sweep_report.hpp>
 #include <graze/apps/sweeping.hpp>
 
@@ -24,6 +25,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <stdexcept>
 
@@ -117,6 +119,9 @@ struct Earlier {
   std::vector<SweepRow> rows;
 };
 
+/// Writes what there is of a result, with a message on it.
+using KeepPart = std::function<void(const Json& part, const std::string& message)>;
+
 /// @throws std::invalid_argument if it was not one of the same model over the same range, or if it cannot be gone on with.
 void check_earlier(Earlier& earlier, const Options& options, const Problem& problem) {
   const auto refuse = [&](const std::string& why) { refuse_to_resume(options.resume, "diagram", why); };
@@ -152,19 +157,42 @@ void check_earlier(Earlier& earlier, const Options& options, const Problem& prob
       refuse(fmt::format("has sweeps of another start or of other options: {}; give the same", *found));
 }
 
+/// The sweeps before they are run.
+void put_parts(Json& json, const Options& options, const Earlier& earlier, Status skeleton) {
+  if (options.skeleton) return;
+  json["parts"] = {{"skeleton", status_name(skeleton)}, {"sweeps", "not run"}};
+  json["rows"] = rows_json(earlier.rows);
+}
+
 /// The skeleton: what the earlier run has, if that was complete, else computed (from what it has). Adds it to the result.
-Status add_skeleton(Result& result, Earlier& earlier, const Options& options, const Problem& problem, const Console& console) {
+Status add_skeleton(Result& result, Earlier& earlier, const Options& options, const Problem& problem, const Console& console,
+                    const KeepPart& keep_part) {
   Status status = Status::done;
   if (earlier.skeleton_done) {
     for (const char* key : skeleton_keys) result.json[key] = earlier.result.at(key);
   } else {
+    const std::size_t parameter = parameter_index(problem.system.parameters, options.parameter);
     Progress progress(console.err, console.quiet, "skeleton");
+    Stints stints(keeping_stints(options.output), Stints::End::goes_on);
+    std::size_t told = 0;
     SkeletonOptions computing = skeleton_options(options, problem, console, progress);
     computing.so_far = std::move(earlier.branches);
     computing.seeds_so_far = std::move(earlier.seeds.seeds);
     computing.searched_so_far = std::move(earlier.seeds.searched);
+    computing.keep = [&](const std::function<Skeleton()>& so_far) {
+      ++told;
+      stints.news();
+      if (!stints.over()) return;
+      const Skeleton part = so_far();
+      Json json = result.json;
+      put_skeleton(json, part, parameter);
+      put_parts(json, options, earlier, Status::interrupted);
+      keep_part(json, fmt::format("kept with {} branches complete, while it went on", part.graph.branches.size()));
+      stints.begin(told);
+    };
+    stints.begin(told);
     Skeleton found = skeleton(problem.system, problem.parameters, computing);
-    put_skeleton(result.json, found, parameter_index(problem.system.parameters, options.parameter));
+    put_skeleton(result.json, found, parameter);
     earlier.branches = std::move(found.graph.branches);
     earlier.cut_off = std::move(found.graph.cut_off);
     if (found.graph.interrupted) status = Status::interrupted;
@@ -197,8 +225,15 @@ std::string off_branches_text(const OffBranches& off, const std::vector<SweepRow
 
 /// The sweeps up and down over the range. Adds them to the result.
 Swept add_sweeps(Result& result, const Earlier& earlier, const SweepRange& range, const Options& options, const Problem& problem,
-                 const Console& console) {
-  Swept swept = carry_out_sweeps(problem, options.start, range, options.sweeping, console, earlier.rows);
+                 const Console& console, const KeepPart& keep_part) {
+  const auto keep_rows = [&](const Swept& part) {
+    Json json = result.json;
+    json["parts"]["sweeps"] = status_name(part.status);
+    json["rows"] = rows_json(part.rows);
+    keep_part(json, part.message);
+  };
+  Swept swept = carry_out_sweeps(problem, options.start, range, options.sweeping, console, earlier.rows,
+                                 {keeping_stints(options.output), keep_rows});
   const std::vector<ChaoticWindow> windows = chaotic_windows(swept.rows);
   result.json["rows"] = rows_json(swept.rows);
   result.json["chaotic_windows"] = chaotic_windows_json(windows);
@@ -260,29 +295,32 @@ int run(const Options& given, const Console& console) {
   described.update({{"param", options.parameter}, {"from", *options.from}, {"to", *options.to}, {"skeleton", options.skeleton}});
   described.update(skeleton_json(options));
   if (!options.skeleton) described.update(sweeping_json(options.sweeping));
+  const auto complete = [&](const Json& found, Status status, const std::string& message) {
+    Json json = result_head(options.skeleton ? "branch/1" : "diagram/1", "diagram", problem, described);
+    json["parameter"] = options.parameter;
+    set_status(json, status, message);
+    json.update(found);
+    return json;
+  };
+  const KeepPart keep_part = [&](const Json& part, const std::string& message) {
+    keep(complete(part, Status::interrupted, message), options.output, "diagram", console);
+  };
   Result result;
   result.text = describe(problem, options.parameter) + "\n\n";
-  Status status = add_skeleton(result, earlier, options, problem, console);
+  Status status = add_skeleton(result, earlier, options, problem, console, keep_part);
+  put_parts(result.json, options, earlier, status);
   std::string message;
   if (status == Status::interrupted) message = interruption(result.json, earlier.branches.size());
   if (status == Status::failed)
     message = fmt::format("no periodic orbit was found for {} in [{}, {}]", options.parameter, exact(*options.from),
                           exact(*options.to));
-  if (!options.skeleton) {
-    result.json["parts"] = {{"skeleton", status_name(status)}, {"sweeps", "not run"}};
-    result.json["rows"] = rows_json(earlier.rows);
-    if (status != Status::interrupted) {
-      const Swept swept = add_sweeps(result, earlier, range_of(options), options, problem, console);
-      result.json["parts"]["sweeps"] = status_name(swept.status);
-      if (status == Status::done || swept.status == Status::interrupted) message = swept.message;
-      if (swept.status != Status::done) status = swept.status;
-    }
+  if (!options.skeleton && status != Status::interrupted) {
+    const Swept swept = add_sweeps(result, earlier, range_of(options), options, problem, console, keep_part);
+    result.json["parts"]["sweeps"] = status_name(swept.status);
+    if (status == Status::done || swept.status == Status::interrupted) message = swept.message;
+    if (swept.status != Status::done) status = swept.status;
   }
-  Json head = result_head(options.skeleton ? "branch/1" : "diagram/1", "diagram", problem, described);
-  head["parameter"] = options.parameter;
-  set_status(head, status, message);
-  head.update(result.json);
-  result.json = std::move(head);
+  result.json = complete(result.json, status, message);
   if (status != Status::done) console.err << "graze diagram: " << message << "\n";
   return deliver(result, options.output, "diagram", exit_code(status), console);
 }

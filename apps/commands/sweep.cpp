@@ -68,9 +68,16 @@ int run(const Options& given, const Console& console) {
   result.json["parameter"] = options.parameter;
   std::vector<SweepRow> so_far;
   if (!options.resume.empty()) so_far = earlier_rows(earlier, options.resume, result.json);
-  const Swept swept = carry_out_sweeps(problem, options.start, range, options.sweeping, console, so_far);
-  set_status(result.json, swept.status, swept.message);
-  result.json["rows"] = rows_json(swept.rows);
+  const auto with_rows = [head = result.json](const Swept& swept) {
+    Json json = head;
+    set_status(json, swept.status, swept.message);
+    json["rows"] = rows_json(swept.rows);
+    return json;
+  };
+  const KeepingRows keeping{keeping_stints(options.output),
+                            [&](const Swept& swept) { keep(with_rows(swept), options.output, "sweep", console); }};
+  const Swept swept = carry_out_sweeps(problem, options.start, range, options.sweeping, console, so_far, keeping);
+  result.json = with_rows(swept);
   result.table = samples_table(swept.rows, options.parameter);
   result.text = describe(problem, options.parameter) + "\n\n" + aligned(sweep_overview(swept.rows, options.parameter));
   if (swept.status != Status::done) console.err << "graze sweep: " << swept.message << "\n";
