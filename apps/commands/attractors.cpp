@@ -332,7 +332,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_count(app, "--periods", options->periods, 1,
             "of such an average: who settles on no orbit in them is chaotic or undecided (default 20000)");
   add_count(app, "--max-period", options->max_period, 1, "longest period that is recognised (default 64)", longest_period);
-  add_text(app, "--resume", options->resume, "DIR", "go on from the result that an interrupted run left in DIR (its --out)");
+  add_text(app, "--resume", options->resume, "DIR", "go on from what an interrupted or killed run left in DIR (its --out)");
   add_output_options(app, options->output, "attractors/1");
   return [options](const Console& console) { return run(*options, console); };
 }

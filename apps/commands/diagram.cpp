@@ -333,7 +333,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_number(app, "--from", options->from, "one end of its range", Need::required);
   add_number(app, "--to", options->to, "the other end", Need::required);
   add_flag(app, "--skeleton", options->skeleton, "the skeleton alone, without sweeps (graze.branch/1)");
-  add_text(app, "--resume", options->resume, "DIR", "go on from the result that an interrupted run left in DIR (its --out)");
+  add_text(app, "--resume", options->resume, "DIR", "go on from what an interrupted or killed run left in DIR (its --out)");
   begin_group(app, "Skeleton");
   add_count(app, "--max-period", options->max_period, 1, "longest period that is followed (default 16)");
   add_count(app, "--multiples", options->multiples, 1,

@@ -93,7 +93,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_number(app, "--to", options->to, "upper end", Need::required);
   add_choice(app, "--direction", options->direction, {"up", "down", "both"}, "which way it goes (default up)");
   add_sweeping_options(app, options->sweeping, Need::required, "from one value to the next");
-  add_text(app, "--resume", options->resume, "DIR", "go on from the result that an interrupted run left in DIR (its --out)");
+  add_text(app, "--resume", options->resume, "DIR", "go on from what an interrupted or killed run left in DIR (its --out)");
   add_output_options(app, options->output, "sweep/1");
   return [options](const Console& console) { return run(*options, console); };
 }
