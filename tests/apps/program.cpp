@@ -20,6 +20,7 @@ using namespace graze;
 using namespace graze::apps;
 using namespace graze::support;
 using Catch::Matchers::Contains;
+using Catch::Matchers::StartsWith;
 
 namespace {
 
@@ -322,6 +323,19 @@ TEST_CASE("without gnuplot --out is refused where there would be pictures, and o
     CHECK_THAT(outcome.err, Contains("gnuplot, which is not installed"));
   }
   CHECK(folder.files() == 2);
+}
+
+TEST_CASE("numbers are written before pictures are drawn") {
+  const TemporaryFolder folder;
+  const std::string path = std::getenv("PATH"), out = folder.file("out"), seen = folder.file("seen");
+  std::filesystem::permissions(
+      folder.write("gnuplot", "#!/bin/sh\necho drawing >> '" + seen + "'\nls '" + out + "' >> '" + seen + "'\nexit 1\n"),
+      std::filesystem::perms::owner_all);
+  ::setenv("PATH", (folder.file("") + ":" + path).c_str(), 1);
+  const Outcome outcome = spawn("orbit " + newton + " --quiet --plot " + folder.file("x.png") + " --out " + out);
+  ::setenv("PATH", path.c_str(), 1);
+  CHECK(outcome.code == 2);  // nothing was drawn
+  CHECK_THAT(read_file(seen), StartsWith("drawing\norbit.csv\norbit.json\n"));
 }
 
 TEST_CASE("gnuplot does not outlive the program or its patience") {
