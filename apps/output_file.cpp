@@ -82,7 +82,7 @@ void check_writable(const std::string& file) {
   std::error_code error;
   const fs::path path = resolved(file);
   if (fs::is_directory(path, error)) throw std::invalid_argument(file + ": cannot be written: it is a folder");
-  if (fs::is_symlink(path, error)) throw std::invalid_argument(cannot_write(file, ELOOP));
+  if (!is_special(path) && fs::is_symlink(path, error)) throw std::invalid_argument(cannot_write(file, ELOOP));
   const fs::path folder = folder_above(path);
   if (!fs::is_directory(folder, error))
     throw std::invalid_argument(fmt::format("{}: cannot be written: there is no folder {}", file, folder.string()));

@@ -165,6 +165,12 @@ TEST_CASE("an output is not written over the input or over another output") {
   CHECK(spawn("orbit " + hertz + " --settle 300 --json /dev/null --csv /dev/null").code == 0);
 }
 
+TEST_CASE("an output that is a pipe, by a name that is a link, goes into it") {
+  const Outcome outcome = run_shell(fmt::format("sh -c \"'{}' models --json /dev/stdout | cat\"", GRAZE_PROGRAM));
+  CHECK(outcome.err.empty());
+  CHECK_THAT(outcome.out, Contains("graze.models/1"));
+}
+
 TEST_CASE("an output whose name is a link goes where the link points") {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder.file("there"));
@@ -287,6 +293,7 @@ TEST_CASE("whoever asks the program to end, what was computed is kept; under noh
   const TemporaryFolder folder;
   const std::string out = folder.file("r.json");
   const std::string sweep = "sweep " + newton + " --from 0.7 --to 0.76 --step 0.00003 --json " + out;
+  const auto before = std::signal(SIGHUP, SIG_DFL);  // these tests may run under nohup themselves, and hand that on
   for (const int signal : {SIGTERM, SIGHUP}) {
     const Outcome outcome = spawn(sweep, signal, 0.4);
     CHECK(outcome.code == 130);
@@ -297,6 +304,7 @@ TEST_CASE("whoever asks the program to end, what was computed is kept; under noh
     CHECK_FALSE(json["rows"].empty());
     std::filesystem::remove(out);
   }
+  std::signal(SIGHUP, before);
   const auto begun = std::chrono::steady_clock::now();
   const Outcome outcome = run_shell(fmt::format("sh -c \"trap '' HUP; exec '{}' {}\"", GRAZE_PROGRAM, sweep), [&](pid_t child) {
     return std::chrono::steady_clock::now() - begun > std::chrono::milliseconds(400) && ::kill(child, SIGHUP) == 0;
