@@ -19,7 +19,6 @@ namespace graze::apps {
 namespace {
 
 constexpr int default_settle = 1000;  // forcing periods
-constexpr double slowest = 1e-4;      // eta: a forcing period of 10000 natural ones
 
 std::string shown(const Vector& state) { return fmt::format("({}, {})", rounded(state[0], 9), rounded(state[1], 9)); }
 
@@ -73,7 +72,8 @@ Problem open_problem(const StartOptions& options, const Console& console) {
     std::string list;
     for (const std::string& name : problem.defaulted)
       list += fmt::format("{}{} = {}", list.empty() ? "" : ", ", name, rounded(parameter(problem, name), 9));
-    console.note(fmt::format("{} does not give {}", options.file, list));
+    console.note(fmt::format("{} does not give {}: these are defaults; give others in its [parameters] or by --set NAME=VALUE",
+                             options.file, list));
   }
   if (problem.converted_from) {
     const ConvertedFrom& from = *problem.converted_from;
@@ -88,10 +88,10 @@ Problem open_problem(const StartOptions& options, const Console& console) {
 
 void check_forcing(const Problem& problem) {
   const double eta = parameter(problem, "eta");
-  if (eta < slowest)
+  if (eta < slowest_forcing)
     throw std::invalid_argument(fmt::format(
         "eta is {}: a forcing period is then more than {} periods of the oscillator's own; motions are computed for eta >= {}",
-        eta, rounded(1.0 / slowest, 3), slowest));
+        eta, rounded(1.0 / slowest_forcing, 3), slowest_forcing));
 }
 
 int settle_of(const Problem& problem, const StartOptions& options) {

@@ -12,8 +12,9 @@ std::atomic<int> signals{0};
 static_assert(std::atomic<int>::is_always_lock_free, "a signal handler may touch lock-free atomics only");
 
 extern "C" void on_signal(int signal) {
-  // Twice is not yet impatience: timeout(1) sends a signal to the program and then to its process group.
-  if (signals.fetch_add(1) >= 2) {
+  // Twice is not yet impatience: timeout(1) sends a signal to the program and then to its process group. Of a terminal that
+  // closes the shell tells its jobs, and the kernel tells them again: nobody is impatient there, however often it comes.
+  if (signals.fetch_add(1) >= 2 && signal != SIGHUP) {
     std::signal(signal, SIG_DFL);
     std::raise(signal);
   }
@@ -28,6 +29,10 @@ void watch_interrupts() {
   sigemptyset(&action.sa_mask);
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  // Under nohup it is ignored from the start, and the program is to go on.
+  struct sigaction before = {};
+  sigaction(SIGHUP, nullptr, &before);
+  if (before.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);
 }
 
 bool interrupted() { return signals.load() > 0; }

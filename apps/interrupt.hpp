@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Ctrl-C: a flag that long computations look at, so that what they have so far is kept. The third one ends the program at once.
+// Ctrl-C, and what else asks the program to end: a flag that long computations look at, so that what they have so far is kept.
+// The third Ctrl-C ends the program at once.
 #pragma once
 
 #include <stdexcept>
 
 namespace graze::apps {
 
-/// Lets SIGINT and SIGTERM set the flag.
+/// Lets SIGINT, SIGTERM and (unless it is ignored, as under nohup) SIGHUP set the flag.
 void watch_interrupts();
 
 /// Handed to the libraries as `cancelled`.

@@ -37,12 +37,6 @@ Errno write_all(int descriptor, std::string_view content) {
   return 0;
 }
 
-bool is_special(const fs::path& path) {
-  std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  return fs::exists(status) && !fs::is_regular_file(status);
-}
-
 /// The file that a name stands for: links are followed, so that a link stays one; also one whose file is not there yet.
 fs::path resolved(const std::string& file) {
   constexpr int most_links = 40;
@@ -78,11 +72,17 @@ int open_temporary(const fs::path& path, std::string& name) {
 
 }  // namespace
 
+bool is_special(const std::string& file) {
+  std::error_code error;
+  const fs::file_status status = fs::status(file, error);
+  return fs::exists(status) && !fs::is_regular_file(status);
+}
+
 void check_writable(const std::string& file) {
   std::error_code error;
   const fs::path path = resolved(file);
   if (fs::is_directory(path, error)) throw std::invalid_argument(file + ": cannot be written: it is a folder");
-  if (fs::is_symlink(path, error)) throw std::invalid_argument(cannot_write(file, ELOOP));
+  if (!is_special(path) && fs::is_symlink(path, error)) throw std::invalid_argument(cannot_write(file, ELOOP));
   const fs::path folder = folder_above(path);
   if (!fs::is_directory(folder, error))
     throw std::invalid_argument(fmt::format("{}: cannot be written: there is no folder {}", file, folder.string()));

@@ -25,6 +25,9 @@ void check_distinct(const std::vector<NamedOutput>& outputs, const std::string& 
 /// @throws std::invalid_argument if the name ends as another kind of result does: `endings` are those of its own kind.
 void check_kind(const std::string& option, const std::string& file, const std::vector<std::string>& endings);
 
+/// Whether something that is no regular file is there: a device, a pipe, a folder.
+bool is_special(const std::string& file);
+
 /// @throws std::invalid_argument if something that is no regular file is there.
 void check_regular(const std::string& option, const std::string& file);
 

@@ -3,9 +3,11 @@
 #include <graze/apps/problem.hpp>
 
 #include <graze/lib/oscillator.hpp>
+#include <graze/lib/physical_units.hpp>
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 namespace graze::apps {
@@ -18,6 +20,16 @@ Eigen::Index index_of(const Problem& problem, std::string_view name) {
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(error.what() + owner_of(name, problem.contact));
   }
+}
+
+/// Whether a section [physical] may give it.
+bool is_physical(std::string_view name) {
+  const auto named = [name](const ParameterInfo& info) { return info.name == name; };
+  return std::any_of(
+             excitation_kinds().begin(), excitation_kinds().end(),
+             [&](const ExcitationKind& kind) { return std::any_of(kind.quantities.begin(), kind.quantities.end(), named); }) ||
+         std::any_of(contact_quantities().begin(), contact_quantities().end(),
+                     [&](const ContactQuantity& quantity) { return named(quantity.info); });
 }
 
 }  // namespace
@@ -54,6 +66,10 @@ std::string owner_of(std::string_view parameter, const std::string& contact) {
     for (const ParameterInfo& info : law.parameters)
       if (info.name == parameter && law.name != contact)
         return fmt::format(" ({} belongs to the {} contact law, and this model has {} contact)", parameter, law.name, contact);
+  if (is_physical(parameter))
+    return fmt::format(" ({} is a physical quantity, which a problem file gives in its section [physical]; parameters are what "
+                       "it is turned into)",
+                       parameter);
   return {};
 }
 
@@ -69,6 +85,7 @@ void apply_settings(Problem& problem, const std::vector<std::string>& settings) 
       if (!value)
         throw std::invalid_argument(fmt::format("\"{}\" is not a number (0.05, 36/35 and 2*pi are)", setting.substr(equals + 1)));
       set_parameter(problem, name, *value);
+      std::erase(problem.defaulted, name);
     } catch (const std::invalid_argument& error) {
       throw std::invalid_argument(fmt::format("--set {}: {}", setting, error.what()));
     }

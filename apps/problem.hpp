@@ -36,7 +36,7 @@ struct Problem {
   std::string oscillator, contact;
   HybridSystem system;
   Vector parameters;
-  std::vector<std::string> defaulted;  ///< parameters that the file does not give
+  std::vector<std::string> defaulted;  ///< parameters that neither the file nor a setting gives
   std::optional<ConvertedFrom> converted_from;
   std::optional<Vector> start;
   std::optional<int> settle, period;
@@ -58,7 +58,8 @@ void set_parameter(Problem& problem, std::string_view name, double value);
 /// The same for a value given by an option such as "--from", which the message then names.
 void set_parameter(Problem& problem, std::string_view name, double value, const std::string& option);
 
-/// " (k_H belongs to the hertz contact law)" for a parameter that the model lacks and other laws have; else empty.
+/// " (k_H belongs to the hertz contact law)" for a parameter that the model lacks and other laws have, or the like for a physical
+/// quantity; else empty.
 std::string owner_of(std::string_view parameter, const std::string& contact);
 
 /// Applies settings of the form name=value, in order.

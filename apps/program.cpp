@@ -70,6 +70,8 @@ std::string sentence(const CLI::App& app, const CLI::App& used, const CLI::Parse
       const std::string nearest = nearest_name(given, option_names(used));
       return fmt::format("there is no option {}{}", given, nearest.empty() ? "" : fmt::format(" (did you mean {}?)", nearest));
     }
+    if (command_given && given.find('=') != std::string::npos && used.get_option_no_throw("--set"))
+      return fmt::format("\"{}\" is one argument too many; a setting stands behind a --set of its own: --set {}", given, given);
     if (command_given) return fmt::format("\"{}\" is one argument too many", given);
     std::vector<std::string> names;
     for (const Command& command : commands()) names.push_back(command.name);

@@ -4,6 +4,7 @@
 #include <graze/apps/output_file.hpp>
 #include <graze/apps/pictures/pictures.hpp>
 #include <graze/apps/result.hpp>
+#include <graze/apps/stints.hpp>
 
 #include <fmt/format.h>
 
@@ -23,26 +24,30 @@ struct OutputFile {
   std::function<std::string()> content;
 };
 
-/// Files to be written, each with what goes into it.
+/// The files that get the JSON.
+std::vector<std::string> json_files(const OutputOptions& options, const std::string& command) {
+  std::vector<std::string> list;
+  if (!options.json.empty() && options.json != "-") list.push_back(options.json);
+  if (!options.out.empty()) list.push_back(fmt::format("{}/{}.json", options.out, command));
+  return list;
+}
+
+/// Files to be written, each with what goes into it. Pictures come last: who is told to end has a while for it, and not for ever.
 std::vector<OutputFile> files(const Result& result, const OutputOptions& options, const std::string& command) {
   std::vector<OutputFile> list;
-  const auto json = [&result] { return pretty(result.json); };
   const auto table = [&result] { return csv(result.table); };
   const auto picture = [&result](const std::string& file, const std::string& kind) {
     return [&result, file, kind] { return draw(picture_of(result.json, kind), ending(file)); };
   };
-  if (!options.json.empty() && options.json != "-") list.push_back({options.json, json});
+  for (const std::string& file : json_files(options, command)) list.push_back({file, [&result] { return pretty(result.json); }});
   if (!options.csv.empty() && options.csv != "-") list.push_back({options.csv, table});
+  if (!options.out.empty()) list.push_back({fmt::format("{}/{}.csv", options.out, command), table});
   if (!options.plot.empty()) list.push_back({options.plot, picture(options.plot, options.plot_kind)});
-  if (!options.out.empty()) {
-    const std::string stem = options.out + "/" + command;
-    list.push_back({stem + ".json", json});
-    list.push_back({stem + ".csv", table});
+  if (!options.out.empty())
     for (const std::string& kind : pictures_for(result.json)) {
-      const std::string file = fmt::format("{}-{}.{}", stem, kind, folder_format);
+      const std::string file = fmt::format("{}/{}-{}.{}", options.out, command, kind, folder_format);
       list.push_back({file, picture(file, kind)});
     }
-  }
   return list;
 }
 
@@ -55,10 +60,12 @@ void add_output_options(CLI::App& app, OutputOptions& options, const std::string
   std::vector<std::string> kinds = picture_names("graze." + schema);
   for (const std::string& kind : picture_names("graze." + other))
     if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) kinds.push_back(kind);
-  if (!kinds.empty()) add_text(app, "--plot", options.plot, "FILE", "picture of the result (.png, .svg, .pdf)");
+  options.pictures = !kinds.empty();
+  if (options.pictures) add_text(app, "--plot", options.plot, "FILE", "picture of the result (.png, .svg, .pdf)");
   if (kinds.size() > 1)
     add_choice(app, "--plot-kind", options.plot_kind, kinds, fmt::format("what the picture shows (default {})", kinds.front()));
-  add_text(app, "--out", options.out, "DIR", "folder that gets JSON, table and all pictures");
+  add_text(app, "--out", options.out, "DIR",
+           options.pictures ? "folder that gets JSON, table and all pictures" : "folder that gets JSON and table");
 }
 
 bool writes_files(const OutputOptions& options) {
@@ -72,7 +79,7 @@ void check_outputs(const OutputOptions& options, const std::string& input) {
   if (!options.plot_kind.empty() && options.plot.empty() && options.out.empty())
     throw std::invalid_argument(fmt::format("--plot-kind {}: there is no picture; give --plot FILE too", options.plot_kind));
   if (!options.out.empty()) {
-    check_picture_file(options.out + "/*." + folder_format);  // before there is a folder
+    if (options.pictures) check_picture_file(options.out + "/*." + folder_format);  // before there is a folder
     make_folder(options.out);
     check_writable(options.out + "/probe");
   }
@@ -82,6 +89,18 @@ void check_outputs(const OutputOptions& options, const std::string& input) {
   check_distinct({{"--json", options.json}, {"--csv", options.csv}, {"--plot", options.plot}}, input);
   check_kind("--json", options.json, {".json"});
   check_kind("--csv", options.csv, {".csv"});
+}
+
+std::optional<double> keeping_stints(const OutputOptions& options) {
+  const bool kept = !options.out.empty() || (!options.json.empty() && options.json != "-" && !is_special(options.json));
+  return kept ? std::optional(stint_length()) : std::nullopt;
+}
+
+void keep(const Json& part, const OutputOptions& options, const std::string& command, const Console& console) {
+  for (const std::string& file : json_files(options, command)) {
+    if (is_special(file)) continue;  // a pipe gets one result
+    if (const auto failure = write_whole(file, pretty(part))) console.err << "graze " << command << ": " << *failure << "\n";
+  }
 }
 
 int deliver(const Result& result, const OutputOptions& options, const std::string& command, int code, const Console& console) {

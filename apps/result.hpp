@@ -6,6 +6,7 @@
 #include <graze/apps/json.hpp>
 #include <graze/apps/table.hpp>
 
+#include <optional>
 #include <string>
 
 namespace CLI {
@@ -25,6 +26,7 @@ struct OutputOptions {
   std::string plot;       ///< picture; its ending says the format
   std::string plot_kind;  ///< empty: the first that fits the result
   std::string out;        ///< folder for all of it
+  bool pictures = true;   ///< whether its results have any
 };
 
 /// Adds --json, --csv, --plot, --out; and --plot-kind where pictures of `schema` come in several kinds. `other`: a second schema
@@ -40,6 +42,12 @@ bool writes_files(const OutputOptions& options);
 
 /// Whether its table goes anywhere.
 bool wants_table(const OutputOptions& options);
+
+/// How long a stint (stints.hpp) is in seconds, after which keep() has something to do; nullopt: it never has.
+std::optional<double> keeping_stints(const OutputOptions& options);
+
+/// Writes the JSON files, and nothing else, with what there is by now. One that cannot be written is told on console.err.
+void keep(const Json& part, const OutputOptions& options, const std::string& command, const Console& console);
 
 /// Writes the files, then prints the result on console.out: the text, or the JSON or CSV if that was sent there. Returns `code`,
 /// or instead of 0, 2 if something could not be written (each with a sentence on console.err), 130 if drawing was interrupted.

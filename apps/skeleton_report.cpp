@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <stdexcept>
 
 namespace graze::apps {
 
@@ -86,11 +87,40 @@ void put_skeleton(Json& result, const Skeleton& found, std::size_t parameter) {
   result["branches"] = Json::array();
   for (const Branch& branch : found.graph.branches) result["branches"].push_back(branch_json(branch));
   result["cascades"] = cascades_json(cascades(found.graph.branches));
+  if (found.graph.interrupted) {
+    for (std::size_t i = 0; i < found.seeds.size(); ++i)
+      if (found.seeds[i].part >= 0) result["seeds"][i]["part"] = found.seeds[i].part;
+    result["seed_search"] = {{"parts", found.searched.size()}, {"done", Json::array()}};
+    for (std::size_t part = 0; part < found.searched.size(); ++part)
+      if (found.searched[part]) result["seed_search"]["done"].push_back(part);
+  }
   result["cut_off"] = Json::array();
   for (const CutOff& cut : found.graph.cut_off) {
     result["cut_off"].push_back({{"branch", cut.branch}, {"label", cut.label}, {"reason", cut.reason}});
     if (cut.families > 0) result["cut_off"].back()["families"] = cut.families;
   }
+}
+
+SeedsSoFar seeds_from(const Json& result, const Problem& problem, const std::string& parameter) {
+  SeedsSoFar out;
+  const Json& search = result.at("seed_search");
+  out.searched.resize(search.at("parts").get<std::size_t>());
+  for (const Json& part : search.at("done")) out.searched.at(part.get<std::size_t>()) = 1;
+  for (const Json& json : result.at("seeds")) {
+    SkeletonSeed seed;
+    seed.part = json.value("part", -1);
+    if (seed.part < 0) continue;
+    seed.origin = json.at("origin");
+    Problem at = problem;
+    set_parameter(at, parameter, json.at("value"));
+    const Vector state = vector_from(json.at("state"));
+    if (static_cast<std::size_t>(state.size()) != problem.system.states) throw std::invalid_argument("a state of another size");
+    // It is that of a converged orbit: Newton's method has nothing to do but to find what belongs to it.
+    seed.orbit = shoot(at.system, at.parameters, state, json.at("period").get<int>());
+    if (!seed.orbit.converged()) out.searched.at(static_cast<std::size_t>(seed.part)) = 0;
+    out.seeds.push_back(std::move(seed));
+  }
+  return out;
 }
 
 std::vector<CutOff> cut_off_from(const Json& list) {

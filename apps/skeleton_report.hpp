@@ -15,8 +15,18 @@ namespace graze::apps {
 /// What a skeleton puts into a result.
 inline constexpr std::array skeleton_keys = {"seeds", "branches", "cascades", "cut_off"};
 
-/// Adds these to the result; `parameter`: index of the continuation parameter.
+/// Adds these to the result; `parameter`: index of the continuation parameter. To one that was interrupted it adds "seed_search",
+/// the "parts" of it that are "done", and the "part" of each seed, so that these are not searched again.
 void put_skeleton(Json& result, const Skeleton& found, std::size_t parameter);
+
+struct SeedsSoFar {
+  std::vector<SkeletonSeed> seeds;
+  std::vector<char> searched;  ///< as in Skeleton
+};
+
+/// The seeds of a skeleton that was interrupted, and how far the search for them was. @throws Json::exception, std::out_of_range
+/// or std::invalid_argument where something is missing or damaged.
+SeedsSoFar seeds_from(const Json& result, const Problem& problem, const std::string& parameter);
 
 /// "cut_off" read back. @throws Json::exception where something is missing or of another kind.
 std::vector<CutOff> cut_off_from(const Json& list);

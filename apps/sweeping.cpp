@@ -2,6 +2,7 @@
 #include <graze/apps/interrupt.hpp>
 #include <graze/apps/number.hpp>
 #include <graze/apps/progress.hpp>
+#include <graze/apps/stints.hpp>
 #include <graze/apps/sweeping.hpp>
 
 #include <fmt/format.h>
@@ -28,7 +29,6 @@ SweepOptions sweep_options(const SweepRange& range, const SweepingOptions& optio
   out.attractor.lyapunov.max_periods = options.periods;
   out.attractor.lyapunov.min_periods = std::min(options.periods, 500);
   out.attractor.lyapunov.standard_error = standard_error_of(options);
-  out.cancelled = interrupted;
   return out;
 }
 
@@ -67,19 +67,31 @@ void check_sweep_start(const Problem& problem, const StartOptions& start, const 
 }
 
 Swept carry_out_sweeps(const Problem& problem, const StartOptions& start, const SweepRange& range, const SweepingOptions& options,
-                       const Console& console, const std::vector<SweepRow>& so_far) {
+                       const Console& console, const std::vector<SweepRow>& so_far, const KeepingRows& keeping) {
   Progress progress(console.err, console.quiet, "sweeping");
+  Stints stints(keeping.stints, Stints::End::stops);
   SweepOptions sweeping = sweep_options(range, options);
   sweeping.first_transient = settle_of(problem, start);
   sweeping.threads = console.thread_count();
   const std::size_t expected = sweep_values(range.from, range.to, sweeping.step).size() * range.directions.size();
   sweeping.progress = [&](std::size_t rows, double value) {
+    stints.news();
     progress.update(static_cast<double>(rows) / static_cast<double>(expected),
                     [&] { return fmt::format("{} = {}", range.parameter, rounded(value, 7)); });
   };
+  sweeping.cancelled = [&] { return interrupted() || stints.over(); };
   Swept out;
-  out.rows = sweep(problem.system, problem.parameters, start_state(problem, start.start), sweeping, so_far);
+  out.rows = so_far;
+  for (;;) {
+    stints.begin(out.rows.size());
+    out.rows = sweep(problem.system, problem.parameters, start_state(problem, start.start), sweeping, out.rows);
+    if (interrupted() || !stints.over() || out.rows.size() == expected) break;
+    out.status = Status::interrupted;
+    out.message = fmt::format("kept after {} of {} values, while it went on", out.rows.size(), expected);
+    keeping.keep(out);
+  }
   out.status = Status::done;
+  out.message.clear();
   if (interrupted()) {
     out.status = Status::interrupted;
     out.message = fmt::format("interrupted after {} of {} values", out.rows.size(), expected);

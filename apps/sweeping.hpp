@@ -9,6 +9,7 @@
 
 #include <graze/continuation/sweep.hpp>
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -44,8 +45,14 @@ struct Swept {
   std::string message;  ///< why not all values were reached
 };
 
+/// What is told of the rows that are there after each stint (stints.hpp) of so many seconds; without them, of none.
+struct KeepingRows {
+  std::optional<double> stints;
+  std::function<void(const Swept&)> keep;
+};
+
 /// The sweeps, with progress on the console; Ctrl-C ends them with what is there. `so_far`: rows that are there already.
 Swept carry_out_sweeps(const Problem& problem, const StartOptions& start, const SweepRange& range, const SweepingOptions& options,
-                       const Console& console, const std::vector<SweepRow>& so_far);
+                       const Console& console, const std::vector<SweepRow>& so_far, const KeepingRows& keeping);
 
 }  // namespace graze::apps

@@ -82,6 +82,7 @@ class Graph {
           cut_off(round[k], full ? fmt::format("{} branches are the limit", options_.max_branches) : "it was interrupted");
         }
       }
+      if (options_.complete) options_.complete(graph_.branches);
     }
     for (std::size_t k = 0; k < graph_.branches.size(); ++k) confirm_grazing(k);
     graph_.interrupted = cancelled();

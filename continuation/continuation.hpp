@@ -29,6 +29,8 @@ struct ContinuationOptions {
   std::function<bool()> cancelled = {};
   /// Called after each point with the branch so far (by one thread at a time).
   std::function<void(const Branch&)> progress = {};
+  /// Called now and then with the branches that are complete, as an interruption would leave them.
+  std::function<void(const std::vector<Branch>&)> complete = {};
 };
 
 /// The branch through `orbit` and, generation after generation, those born at its period doublings. Branch ids count from 1.

@@ -16,39 +16,60 @@ namespace graze {
 
 namespace {
 
+constexpr std::size_t ways = 3;  // to settle: see attractors()
+
+void check_forced(const HybridSystem& system) {
+  if (!system.forcing_frequency) throw std::invalid_argument("the skeleton is that of a forced system; this one is autonomous");
+}
+
 class SeedFinder {
  public:
   SeedFinder(const HybridSystem& system, const Vector& p, const SkeletonOptions& options)
       : system_(system), p_(p), options_(options),
         parameter_(static_cast<Eigen::Index>(parameter_index(system.parameters, options.continuation.parameter))),
         low_(std::min(*options.continuation.from, options.continuation.to)),
-        high_(std::max(*options.continuation.from, options.continuation.to)) {}
+        high_(std::max(*options.continuation.from, options.continuation.to)),
+        found_(ways + static_cast<std::size_t>(options.searched_values) * static_cast<std::size_t>(options.searched_period)),
+        done_(found_.size()) {
+    if (options.searched_so_far.size() != done_.size()) return;
+    done_ = options.searched_so_far;
+    for (const SkeletonSeed& seed : options.seeds_so_far) {
+      const auto part = static_cast<std::size_t>(seed.part);
+      if (part < done_.size() && done_[part]) found_[part].push_back(seed.orbit);
+    }
+  }
 
-  std::vector<SkeletonSeed> all() {
-    const std::size_t searches = static_cast<std::size_t>(options_.searched_values) * options_.searched_period;
-    std::vector<std::vector<PeriodicOrbit>> settled(3), searched(searches);
-    const std::size_t jobs = settled.size() + searched.size();
-    std::size_t done = 0;
+  /// `keep`: told after each part, of what there is by then.
+  void search_all(const std::function<void()>& keep) {
+    std::size_t count = static_cast<std::size_t>(std::count(done_.begin(), done_.end(), char{1}));
     std::mutex telling;
     oneapi::tbb::task_arena arena(std::max(1, options_.continuation.threads));
     arena.execute([&] {
-      oneapi::tbb::parallel_for(std::size_t{0}, jobs, [&](std::size_t job) {
-        if (cancelled()) return;
-        if (job < settled.size()) {
-          settled[job] = attractors(static_cast<int>(job));
-        } else {
-          searched[job - settled.size()] = search(static_cast<int>(job - settled.size()));
-        }
+      oneapi::tbb::parallel_for(std::size_t{0}, done_.size(), [&](std::size_t part) {
+        if (cancelled() || done_[part]) return;
+        std::vector<PeriodicOrbit> orbits =
+            part < ways ? attractors(static_cast<int>(part)) : search(static_cast<int>(part - ways));
         const std::lock_guard lock(telling);
-        ++done;
-        if (options_.progress) options_.progress("looking for orbits", static_cast<double>(done) / static_cast<double>(jobs));
+        found_[part] = std::move(orbits);
+        done_[part] = !cancelled();
+        ++count;
+        if (options_.progress)
+          options_.progress("looking for orbits", static_cast<double>(count) / static_cast<double>(done_.size()));
+        keep();
       });
     });
-    add(options_.more_seeds, "given");
-    for (auto& list : settled) add(list, "settled");
-    for (auto& list : searched) add(list, "searched");
-    return std::move(seeds_);
   }
+
+  /// What there is, in a fixed order.
+  std::vector<SkeletonSeed> seeds() const {
+    std::vector<SkeletonSeed> list;
+    add(list, options_.more_seeds, "given", -1);
+    for (std::size_t part = 0; part < found_.size(); ++part)
+      add(list, found_[part], part < ways ? "settled" : "searched", static_cast<int>(part));
+    return list;
+  }
+
+  const std::vector<char>& done() const { return done_; }
 
  private:
   bool cancelled() const { return options_.continuation.cancelled && options_.continuation.cancelled(); }
@@ -101,12 +122,12 @@ class SeedFinder {
     return found;
   }
 
-  void add(const std::vector<PeriodicOrbit>& orbits, const char* origin) {
+  void add(std::vector<SkeletonSeed>& list, const std::vector<PeriodicOrbit>& orbits, const char* origin, int part) const {
     for (const PeriodicOrbit& orbit : orbits) {
-      const bool known = std::any_of(seeds_.begin(), seeds_.end(), [&](const SkeletonSeed& seed) {
+      const bool known = std::any_of(list.begin(), list.end(), [&](const SkeletonSeed& seed) {
         return seed.orbit.parameters == orbit.parameters && same_orbit(seed.orbit, orbit);
       });
-      if (!known && wanted(orbit)) seeds_.push_back({orbit, origin});
+      if (!known && wanted(orbit)) list.push_back({orbit, origin, part});
     }
   }
 
@@ -115,25 +136,36 @@ class SeedFinder {
   const SkeletonOptions& options_;
   Eigen::Index parameter_;
   double low_, high_;
-  std::vector<SkeletonSeed> seeds_;
+  std::vector<std::vector<PeriodicOrbit>> found_;  ///< by each part: the ways to settle, then the searches
+  std::vector<char> done_;                         ///< by several threads, so no bits
 };
 
 }  // namespace
 
 std::vector<SkeletonSeed> skeleton_seeds(const HybridSystem& system, const Vector& p, const SkeletonOptions& options) {
-  if (!system.forcing_frequency) throw std::invalid_argument("the skeleton is that of a forced system; this one is autonomous");
-  return SeedFinder(system, p, options).all();
+  check_forced(system);
+  SeedFinder finder(system, p, options);
+  finder.search_all([] {});
+  return finder.seeds();
 }
 
 Skeleton skeleton(const HybridSystem& system, const Vector& p, const SkeletonOptions& options) {
-  Skeleton out;
-  out.seeds = skeleton_seeds(system, p, options);
+  check_forced(system);
+  SeedFinder finder(system, p, options);
+  finder.search_all([&] {
+    if (options.keep) options.keep([&] { return Skeleton{finder.seeds(), finder.done(), {options.so_far, {}, true}}; });
+  });
+  Skeleton out{finder.seeds(), finder.done(), {}};
   std::vector<BranchSeed> starts;
   for (const SkeletonSeed& seed : out.seeds) starts.push_back({seed.orbit});
   ContinuationOptions following = options.continuation;
   following.follow_parents = true;
   following.switch_generations = std::max(following.switch_generations, 64);  // the period is the limit
   following.max_multiple = options.max_multiple > 0 ? options.max_multiple : std::max(1, following.max_period);
+  if (options.keep)
+    following.complete = [&](const std::vector<Branch>& branches) {
+      options.keep([&] { return Skeleton{out.seeds, out.searched, {branches, {}, true}}; });
+    };
   out.graph = follow_branches(system, starts, following, options.so_far);
   return out;
 }

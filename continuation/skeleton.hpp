@@ -10,6 +10,14 @@
 
 namespace graze {
 
+struct Skeleton;
+
+struct SkeletonSeed {
+  PeriodicOrbit orbit;
+  std::string origin;  ///< "given", "settled" or "searched"
+  int part = -1;       ///< of the search for seeds, see Skeleton::searched; -1: given
+};
+
 struct SkeletonOptions {
   /// from, to: the range. max_period, max_branches and threads hold for the seeds too. max_multiple: see below.
   ContinuationOptions continuation = {};
@@ -22,13 +30,13 @@ struct SkeletonOptions {
   int max_multiple = 0;
   std::vector<PeriodicOrbit> more_seeds = {};  ///< the user's own
   std::vector<Branch> so_far = {};             ///< of an earlier run that was interrupted
+  /// Of such a run too: Skeleton::seeds and Skeleton::searched. Parts that are done are not searched again.
+  std::vector<SkeletonSeed> seeds_so_far = {};
+  std::vector<char> searched_so_far = {};
   /// Told what is being done, and how much of it (0 to 1); by one thread at a time.
   std::function<void(const std::string& what, double part)> progress = {};
-};
-
-struct SkeletonSeed {
-  PeriodicOrbit orbit;
-  std::string origin;  ///< "given", "settled" or "searched"
+  /// Told whenever there is more to keep, with what gives the skeleton as it would be if it were interrupted now; likewise.
+  std::function<void(const std::function<Skeleton()>& so_far)> keep = {};
 };
 
 /// The seeds alone: admissible orbits, in a fixed order, duplicates at one value left out.
@@ -37,6 +45,7 @@ std::vector<SkeletonSeed> skeleton_seeds(const HybridSystem& system, const Vecto
 
 struct Skeleton {
   std::vector<SkeletonSeed> seeds;
+  std::vector<char> searched;  ///< of each part of the search for seeds, in their order: whether it is done
   BranchGraph graph;
 };
 

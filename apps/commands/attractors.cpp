@@ -10,6 +10,7 @@
 #include <graze/apps/number.hpp>
 #include <graze/apps/progress.hpp>
 #include <graze/apps/result.hpp>
+#include <graze/apps/stints.hpp>
 
 #include <graze/floquet/basins.hpp>
 #include <graze/lib/oscillator.hpp>
@@ -149,6 +150,17 @@ Json found_json(const CoexistingAttractor& found, std::size_t id) {
   return json;
 }
 
+/// All but which start leads where.
+void put_basins(Json& json, const Basins& basins) {
+  json["starts"] = basins.outcomes.size();
+  json["admissible"] = basins.admissible;
+  json["lost"] = basins.lost;
+  json["periods"] = basins.periods;
+  json["attractors"] = Json::array();
+  for (std::size_t i = 0; i < basins.attractors.size(); ++i)
+    json["attractors"].push_back(found_json(basins.attractors[i], i + 1));
+}
+
 /// The result of an earlier run of the same options.
 Basins earlier_basins(const Json& earlier, const std::string& folder, const Json& head) {
   check_same_run(earlier, head, folder);
@@ -218,15 +230,22 @@ std::string overview(const Basins& basins) {
   return text + fmt::format("\n  {} forcing periods were computed for them\n", basins.periods);
 }
 
-BasinOptions basin_options(const Options& options, const Console& console, Progress& progress, std::size_t starts) {
+std::size_t starts_done(const Basins& basins) {
+  return static_cast<std::size_t>(std::count_if(basins.outcomes.begin(), basins.outcomes.end(),
+                                                [](const StartOutcome& outcome) { return outcome.fate != Fate::not_run; }));
+}
+
+BasinOptions basin_options(const Options& options, const Console& console, Progress& progress, Stints& stints,
+                           std::size_t starts) {
   BasinOptions out;
   out.transient = options.transient;
   out.max_period = options.max_period;
   out.periods = options.periods;
   out.threads = console.thread_count();
-  out.cancelled = interrupted;
+  out.cancelled = [&stints] { return interrupted() || stints.over(); };
   out.flow.cancelled = interrupted;
-  out.progress = [&progress, starts](std::size_t done, std::size_t attractors) {
+  out.progress = [&progress, &stints, starts](std::size_t done, std::size_t attractors) {
+    stints.news();
     progress.update(static_cast<double>(done) / static_cast<double>(starts),
                     [&] { return fmt::format("{} of {} starts, {}", done, starts, counted(attractors, "attractor")); });
   };
@@ -262,32 +281,36 @@ int run(const Options& given, const Console& console) {
   if (!options.resume.empty()) basins = earlier_basins(earlier, options.resume, result.json);
   if (!basins.outcomes.empty() && basins.outcomes.size() != starts.size())
     refuse_to_resume(options.resume, "attractors", "is damaged; compute it anew");
+  const auto with_basins = [&, head = result.json](Status status, const std::string& message) {
+    Json json = head;
+    set_status(json, status, message);
+    put_basins(json, basins);
+    // Of many starts these are large.
+    if (writes_files(options.output)) json["basins"] = basins_json(options, axes, starts, basins.outcomes);
+    return json;
+  };
   {
     Progress progress(console.err, console.quiet, "carrying on");
-    basins = find_attractors(problem.system, problem.parameters, starts, basin_options(options, console, progress, starts.size()),
-                             basins);
+    Stints stints(keeping_stints(options.output), Stints::End::stops);
+    for (;;) {
+      stints.begin(starts_done(basins));
+      basins = find_attractors(problem.system, problem.parameters, starts,
+                               basin_options(options, console, progress, stints, starts.size()), basins);
+      if (interrupted() || !stints.over() || basins.complete) break;
+      const std::string message = fmt::format("kept after {} of {} starts, while it went on", starts_done(basins), starts.size());
+      keep(with_basins(Status::interrupted, message), options.output, "attractors", console);
+    }
   }
   Status status = Status::done;
   std::string message;
   if (!basins.complete) {
     status = Status::interrupted;
-    const auto left = std::count_if(basins.outcomes.begin(), basins.outcomes.end(),
-                                    [](const StartOutcome& outcome) { return outcome.fate == Fate::not_run; });
-    message = fmt::format("interrupted after {} of {} starts", starts.size() - static_cast<std::size_t>(left), starts.size());
+    message = fmt::format("interrupted after {} of {} starts", starts_done(basins), starts.size());
   } else if (basins.attractors.empty()) {
     status = Status::failed;
     message = "no motion could be carried on";
   }
-  set_status(result.json, status, message);
-  result.json["starts"] = starts.size();
-  result.json["admissible"] = basins.admissible;
-  result.json["lost"] = basins.lost;
-  result.json["periods"] = basins.periods;
-  result.json["attractors"] = Json::array();
-  for (std::size_t i = 0; i < basins.attractors.size(); ++i)
-    result.json["attractors"].push_back(found_json(basins.attractors[i], i + 1));
-  // Of many starts these are large.
-  if (writes_files(options.output)) result.json["basins"] = basins_json(options, axes, starts, basins.outcomes);
+  result.json = with_basins(status, message);
   if (wants_table(options.output)) result.table = starts_table(starts, basins);
   result.text = describe(problem) + "\n\n" + (basins.attractors.empty() ? message + "\n" : overview(basins));
   if (status != Status::done) console.err << "graze attractors: " << message << "\n";
@@ -309,7 +332,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_count(app, "--periods", options->periods, 1,
             "of such an average: who settles on no orbit in them is chaotic or undecided (default 20000)");
   add_count(app, "--max-period", options->max_period, 1, "longest period that is recognised (default 64)", longest_period);
-  add_text(app, "--resume", options->resume, "DIR", "go on from the result that an interrupted run left in DIR (its --out)");
+  add_text(app, "--resume", options->resume, "DIR", "go on from what an interrupted or killed run left in DIR (its --out)");
   add_output_options(app, options->output, "attractors/1");
   return [options](const Console& console) { return run(*options, console); };
 }

@@ -14,6 +14,7 @@
 #include <graze/apps/result.hpp>
 #include <graze/apps/same_run.hpp>
 #include <graze/apps/skeleton_report.hpp>
+#include <graze/apps/stints.hpp>
 #include <graze/apps/sweep_report.hpp>
 #include <graze/apps/sweeping.hpp>
 
@@ -24,6 +25,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <stdexcept>
 
@@ -113,8 +115,12 @@ struct Earlier {
   bool skeleton_done = false;
   std::vector<Branch> branches;
   std::vector<CutOff> cut_off;
+  SeedsSoFar seeds;  // of a skeleton that is not done
   std::vector<SweepRow> rows;
 };
+
+/// Writes what there is of a result, with a message on it.
+using KeepPart = std::function<void(const Json& part, const std::string& message)>;
 
 /// @throws std::invalid_argument if it was not one of the same model over the same range, or if it cannot be gone on with.
 void check_earlier(Earlier& earlier, const Options& options, const Problem& problem) {
@@ -135,11 +141,13 @@ void check_earlier(Earlier& earlier, const Options& options, const Problem& prob
   if (whole && options.skeleton) refuse("is of a whole diagram, which --skeleton would cut down; leave --skeleton out");
   earlier.branches = branches_from_json(result);
   const std::string status = whole ? result.value("parts", Json::object()).value("skeleton", "") : result.value("status", "");
-  earlier.skeleton_done = status == "done" && same_options(result, skeleton_json(options), "max_step");
+  const bool same = same_options(result, skeleton_json(options), "max_step");
+  earlier.skeleton_done = status == "done" && same;
   try {
     earlier.cut_off = cut_off_from(result.at("cut_off"));
+    if (same && result.contains("seed_search")) earlier.seeds = seeds_from(result, problem, options.parameter);
     if (whole) earlier.rows = rows_from(result.at("rows"));
-  } catch (const Json::exception&) {
+  } catch (const std::exception&) {
     refuse("is damaged; compute it anew");
   }
   if (earlier.rows.empty()) return;
@@ -149,17 +157,42 @@ void check_earlier(Earlier& earlier, const Options& options, const Problem& prob
       refuse(fmt::format("has sweeps of another start or of other options: {}; give the same", *found));
 }
 
+/// The sweeps before they are run.
+void put_parts(Json& json, const Options& options, const Earlier& earlier, Status skeleton) {
+  if (options.skeleton) return;
+  json["parts"] = {{"skeleton", status_name(skeleton)}, {"sweeps", "not run"}};
+  json["rows"] = rows_json(earlier.rows);
+}
+
 /// The skeleton: what the earlier run has, if that was complete, else computed (from what it has). Adds it to the result.
-Status add_skeleton(Result& result, Earlier& earlier, const Options& options, const Problem& problem, const Console& console) {
+Status add_skeleton(Result& result, Earlier& earlier, const Options& options, const Problem& problem, const Console& console,
+                    const KeepPart& keep_part) {
   Status status = Status::done;
   if (earlier.skeleton_done) {
     for (const char* key : skeleton_keys) result.json[key] = earlier.result.at(key);
   } else {
+    const std::size_t parameter = parameter_index(problem.system.parameters, options.parameter);
     Progress progress(console.err, console.quiet, "skeleton");
+    Stints stints(keeping_stints(options.output), Stints::End::goes_on);
+    std::size_t told = 0;
     SkeletonOptions computing = skeleton_options(options, problem, console, progress);
     computing.so_far = std::move(earlier.branches);
+    computing.seeds_so_far = std::move(earlier.seeds.seeds);
+    computing.searched_so_far = std::move(earlier.seeds.searched);
+    computing.keep = [&](const std::function<Skeleton()>& so_far) {
+      ++told;
+      stints.news();
+      if (!stints.over()) return;
+      const Skeleton part = so_far();
+      Json json = result.json;
+      put_skeleton(json, part, parameter);
+      put_parts(json, options, earlier, Status::interrupted);
+      keep_part(json, fmt::format("kept with {} branches complete, while it went on", part.graph.branches.size()));
+      stints.begin(told);
+    };
+    stints.begin(told);
     Skeleton found = skeleton(problem.system, problem.parameters, computing);
-    put_skeleton(result.json, found, parameter_index(problem.system.parameters, options.parameter));
+    put_skeleton(result.json, found, parameter);
     earlier.branches = std::move(found.graph.branches);
     earlier.cut_off = std::move(found.graph.cut_off);
     if (found.graph.interrupted) status = Status::interrupted;
@@ -168,6 +201,13 @@ Status add_skeleton(Result& result, Earlier& earlier, const Options& options, co
   result.table = branches_table(earlier.branches);
   result.text += skeleton_text(result.json["seeds"].size(), earlier.branches, earlier.cut_off, options.parameter);
   return status;
+}
+
+/// Where the skeleton was interrupted.
+std::string interruption(const Json& skeleton, std::size_t branches) {
+  const std::size_t parts = skeleton.at("seed_search").at("parts"), done = skeleton["seed_search"].at("done").size();
+  if (done < parts) return fmt::format("interrupted in the search for seeds; {} of its {} parts were done by then", done, parts);
+  return fmt::format("interrupted; {} branches were complete or begun by then", branches);
 }
 
 /// Whether simulation and continuation agree.
@@ -185,8 +225,15 @@ std::string off_branches_text(const OffBranches& off, const std::vector<SweepRow
 
 /// The sweeps up and down over the range. Adds them to the result.
 Swept add_sweeps(Result& result, const Earlier& earlier, const SweepRange& range, const Options& options, const Problem& problem,
-                 const Console& console) {
-  Swept swept = carry_out_sweeps(problem, options.start, range, options.sweeping, console, earlier.rows);
+                 const Console& console, const KeepPart& keep_part) {
+  const auto keep_rows = [&](const Swept& part) {
+    Json json = result.json;
+    json["parts"]["sweeps"] = status_name(part.status);
+    json["rows"] = rows_json(part.rows);
+    keep_part(json, part.message);
+  };
+  Swept swept = carry_out_sweeps(problem, options.start, range, options.sweeping, console, earlier.rows,
+                                 {keeping_stints(options.output), keep_rows});
   const std::vector<ChaoticWindow> windows = chaotic_windows(swept.rows);
   result.json["rows"] = rows_json(swept.rows);
   result.json["chaotic_windows"] = chaotic_windows_json(windows);
@@ -248,30 +295,32 @@ int run(const Options& given, const Console& console) {
   described.update({{"param", options.parameter}, {"from", *options.from}, {"to", *options.to}, {"skeleton", options.skeleton}});
   described.update(skeleton_json(options));
   if (!options.skeleton) described.update(sweeping_json(options.sweeping));
+  const auto complete = [&](const Json& found, Status status, const std::string& message) {
+    Json json = result_head(options.skeleton ? "branch/1" : "diagram/1", "diagram", problem, described);
+    json["parameter"] = options.parameter;
+    set_status(json, status, message);
+    json.update(found);
+    return json;
+  };
+  const KeepPart keep_part = [&](const Json& part, const std::string& message) {
+    keep(complete(part, Status::interrupted, message), options.output, "diagram", console);
+  };
   Result result;
   result.text = describe(problem, options.parameter) + "\n\n";
-  Status status = add_skeleton(result, earlier, options, problem, console);
+  Status status = add_skeleton(result, earlier, options, problem, console, keep_part);
+  put_parts(result.json, options, earlier, status);
   std::string message;
-  if (status == Status::interrupted)
-    message = fmt::format("interrupted; {} branches were complete or begun by then", earlier.branches.size());
+  if (status == Status::interrupted) message = interruption(result.json, earlier.branches.size());
   if (status == Status::failed)
     message = fmt::format("no periodic orbit was found for {} in [{}, {}]", options.parameter, exact(*options.from),
                           exact(*options.to));
-  if (!options.skeleton) {
-    result.json["parts"] = {{"skeleton", status_name(status)}, {"sweeps", "not run"}};
-    result.json["rows"] = rows_json(earlier.rows);
-    if (status != Status::interrupted) {
-      const Swept swept = add_sweeps(result, earlier, range_of(options), options, problem, console);
-      result.json["parts"]["sweeps"] = status_name(swept.status);
-      if (status == Status::done || swept.status == Status::interrupted) message = swept.message;
-      if (swept.status != Status::done) status = swept.status;
-    }
+  if (!options.skeleton && status != Status::interrupted) {
+    const Swept swept = add_sweeps(result, earlier, range_of(options), options, problem, console, keep_part);
+    result.json["parts"]["sweeps"] = status_name(swept.status);
+    if (status == Status::done || swept.status == Status::interrupted) message = swept.message;
+    if (swept.status != Status::done) status = swept.status;
   }
-  Json head = result_head(options.skeleton ? "branch/1" : "diagram/1", "diagram", problem, described);
-  head["parameter"] = options.parameter;
-  set_status(head, status, message);
-  head.update(result.json);
-  result.json = std::move(head);
+  result.json = complete(result.json, status, message);
   if (status != Status::done) console.err << "graze diagram: " << message << "\n";
   return deliver(result, options.output, "diagram", exit_code(status), console);
 }
@@ -284,7 +333,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_number(app, "--from", options->from, "one end of its range", Need::required);
   add_number(app, "--to", options->to, "the other end", Need::required);
   add_flag(app, "--skeleton", options->skeleton, "the skeleton alone, without sweeps (graze.branch/1)");
-  add_text(app, "--resume", options->resume, "DIR", "go on from the result that an interrupted run left in DIR (its --out)");
+  add_text(app, "--resume", options->resume, "DIR", "go on from what an interrupted or killed run left in DIR (its --out)");
   begin_group(app, "Skeleton");
   add_count(app, "--max-period", options->max_period, 1, "longest period that is followed (default 16)");
   add_count(app, "--multiples", options->multiples, 1,

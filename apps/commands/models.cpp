@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // graze models: what a problem file can name: oscillators, contact laws, excitations; their parameters, ranges, defaults, units.
 #include <graze/apps/commands/command.hpp>
+#include <graze/apps/find_orbit.hpp>
 #include <graze/apps/number.hpp>
 #include <graze/apps/result.hpp>
 #include <graze/apps/version.hpp>
@@ -71,6 +72,8 @@ Result describe_models() {
   }
   text += "\nParameters (section [parameters] of a problem file)\n" + aligned(result.table);
   text += "  default of beta by oscillator: " + beta_defaults() + "\n";
+  json["smallest_eta"] = slowest_forcing;
+  text += fmt::format("  motions are computed for eta >= {}\n", slowest_forcing);
   text += "\nPhysical quantities (section [physical], with excitation = \"...\"), converted; in one coherent set of units\n";
   Table physical{result.table.columns, {}};
   for (const ExcitationKind& kind : excitation_kinds()) {

@@ -135,8 +135,9 @@ int run(const Options& given, const Console& console) {
   if (!options.resume.empty() && options.output.out.empty()) options.output.out = options.resume;
   const std::string file = published_file(options);
   const Published published = load_published(file);
+  const Reproduction earlier = earlier_run(options, published);                        // before there is a folder of that name
+  if (!options.output.out.empty()) check_picture_file(options.output.out + "/*.png");  // of its figures
   check_outputs(options.output, file);
-  const Reproduction earlier = earlier_run(options, published);
   Reproduction found;
   {
     Progress progress(console.err, console.quiet, "reproducing");

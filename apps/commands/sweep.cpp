@@ -68,9 +68,16 @@ int run(const Options& given, const Console& console) {
   result.json["parameter"] = options.parameter;
   std::vector<SweepRow> so_far;
   if (!options.resume.empty()) so_far = earlier_rows(earlier, options.resume, result.json);
-  const Swept swept = carry_out_sweeps(problem, options.start, range, options.sweeping, console, so_far);
-  set_status(result.json, swept.status, swept.message);
-  result.json["rows"] = rows_json(swept.rows);
+  const auto with_rows = [head = result.json](const Swept& swept) {
+    Json json = head;
+    set_status(json, swept.status, swept.message);
+    json["rows"] = rows_json(swept.rows);
+    return json;
+  };
+  const KeepingRows keeping{keeping_stints(options.output),
+                            [&](const Swept& swept) { keep(with_rows(swept), options.output, "sweep", console); }};
+  const Swept swept = carry_out_sweeps(problem, options.start, range, options.sweeping, console, so_far, keeping);
+  result.json = with_rows(swept);
   result.table = samples_table(swept.rows, options.parameter);
   result.text = describe(problem, options.parameter) + "\n\n" + aligned(sweep_overview(swept.rows, options.parameter));
   if (swept.status != Status::done) console.err << "graze sweep: " << swept.message << "\n";
@@ -86,7 +93,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_number(app, "--to", options->to, "upper end", Need::required);
   add_choice(app, "--direction", options->direction, {"up", "down", "both"}, "which way it goes (default up)");
   add_sweeping_options(app, options->sweeping, Need::required, "from one value to the next");
-  add_text(app, "--resume", options->resume, "DIR", "go on from the result that an interrupted run left in DIR (its --out)");
+  add_text(app, "--resume", options->resume, "DIR", "go on from what an interrupted or killed run left in DIR (its --out)");
   add_output_options(app, options->output, "sweep/1");
   return [options](const Console& console) { return run(*options, console); };
 }

@@ -3,6 +3,7 @@
 #include <graze/apps/attractor_report.hpp>
 #include <graze/apps/number.hpp>
 #include <graze/apps/pictures/pictures.hpp>
+#include <graze/apps/pictures/range.hpp>
 
 #include <fmt/format.h>
 
@@ -13,8 +14,6 @@ namespace graze::apps {
 
 namespace {
 
-constexpr const char* lost_colour = "#000000";
-
 /// A colour mixed with white, so that the attractor itself stands out in its basin.
 std::string tint(const std::string& colour, double white) {
   const unsigned long rgb = std::stoul(colour.substr(1), nullptr, 16);
@@ -23,18 +22,6 @@ std::string tint(const std::string& colour, double white) {
 }
 
 std::string percent(double share) { return fmt::format("{:.1f}", 100.0 * share); }
-
-struct Range {
-  double low = HUGE_VAL, high = -HUGE_VAL;
-  void take(double value) {
-    low = std::min(low, value);
-    high = std::max(high, value);
-  }
-  std::array<double, 2> with_margin(double share) const {
-    const double margin = share * std::max(high - low, 1e-9 * (1.0 + std::abs(high)));
-    return {low - margin, high + margin};
-  }
-};
 
 /// Half a cell beyond the outermost values.
 void take_cells(Range& range, const Json& values) {
@@ -47,20 +34,6 @@ void take_cells(Range& range, const Json& values) {
 int colour_index(const Json& code, std::size_t attractors) {
   const int id = code.is_null() ? -1 : code.get<int>();
   return id > 0 ? id - 1 : id == 0 ? static_cast<int>(attractors) : -1;
-}
-
-/// One set of dots for each attractor, where the starts are no grid.
-void add_dots(Picture& picture, const std::vector<std::array<double, 2>>& starts, const std::vector<int>& colour,
-              const std::vector<std::string>& colours) {
-  for (std::size_t c = 0; c < colours.size(); ++c) {
-    Curve curve;
-    curve.stroke = Stroke::dots;
-    curve.colour = colours[c];
-    curve.size = starts.size() > 5000 ? 0.4 : starts.size() > 1000 ? 0.7 : 1.1;
-    for (std::size_t k = 0; k < starts.size(); ++k)
-      if (colour[k] == static_cast<int>(c)) curve.points.push_back({starts[k][0], starts[k][1], 0.0});
-    picture.curves.push_back(std::move(curve));
-  }
 }
 
 Picture draw_basins(const Json& result) {
@@ -100,7 +73,7 @@ Picture draw_basins(const Json& result) {
     take_cells(v, basins["v"]);
     picture.cells = Cells{basins["x"].get<std::vector<double>>(), basins["v"].get<std::vector<double>>(), colours, colour};
   } else {
-    add_dots(picture, starts, colour, colours);
+    add_start_dots(picture, starts, colour, colours);
   }
   for (std::size_t i = 0; i < attractors.size(); ++i) {
     const Json& found = attractors[i];
@@ -139,6 +112,19 @@ Picture draw_basins(const Json& result) {
 }
 
 }  // namespace
+
+void add_start_dots(Picture& picture, const std::vector<std::array<double, 2>>& starts, const std::vector<int>& colour,
+                    const std::vector<std::string>& colours) {
+  for (std::size_t c = 0; c < colours.size(); ++c) {
+    Curve curve;
+    curve.stroke = Stroke::dots;
+    curve.colour = colours[c];
+    curve.size = starts.size() > 5000 ? 0.4 : starts.size() > 1000 ? 0.7 : 1.1;
+    for (std::size_t k = 0; k < starts.size(); ++k)
+      if (colour[k] == static_cast<int>(c)) curve.points.push_back({starts[k][0], starts[k][1], 0.0});
+    picture.curves.push_back(std::move(curve));
+  }
+}
 
 PictureKind basins_picture() {
   return {"graze.attractors/1", "basins", "basins of the coexisting attractors, with their states", draw_basins, {}};

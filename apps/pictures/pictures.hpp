@@ -7,6 +7,8 @@
 #include <graze/apps/picture.hpp>
 #include <graze/apps/table.hpp>
 
+#include <array>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -35,8 +37,9 @@ std::vector<std::string> pictures_for(const Json& result);
 /// needs.
 Picture picture_of(const Json& result, const std::string& kind = {});
 
-/// A table: a table of branches as x against the parameter, one colour per branch; points of a section as dots; of any other, and
-/// where columns are named, columns of numbers against the first of them, or those named.
+/// A table: a table of branches as x (or one column that is named) against the parameter, one colour per branch, by stability;
+/// the states of a sweep, starts by the attractor they reach, and points of a section as dots; of any other, and where columns
+/// are named, columns of numbers against the first of them, or those named.
 /// @throws std::invalid_argument for a column there is none of, or a table without anything to draw.
 Picture picture_of(const Table& table, const std::string& x = {}, const std::vector<std::string>& y = {});
 
@@ -51,6 +54,16 @@ Barrier barrier_of(const Json& result, bool vertical);
 
 /// The exponents of a sweep without title, to stand below other axes of this range.
 Picture exponents_below(const Json& result, const std::array<double, 2>& x_range);
+
+/// States of sweeps ("up", "down") as dots, with their legend; the picture's range of x is given by then.
+void add_sweep_dots(Picture& picture, const std::map<std::string, std::vector<std::array<double, 3>>>& states);
+
+/// Starts as dots in one of the colours, by their indices; -1: none.
+void add_start_dots(Picture& picture, const std::vector<std::array<double, 2>>& starts, const std::vector<int>& colour,
+                    const std::vector<std::string>& colours);
+
+/// The colour of starts whose motion was lost.
+inline constexpr const char* lost_colour = "#000000";
 
 /// A kind of picture for results of another schema that have what it needs.
 PictureKind of_schema(PictureKind kind, const std::string& schema);

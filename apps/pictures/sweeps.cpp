@@ -27,26 +27,10 @@ Picture frame(const Json& result, const std::string& title, const std::string& y
 
 Picture draw_states(const Json& result) {
   Picture picture = frame(result, "Attractors", "x at forcing phase 0 (dimensionless)");
-  // Where both go the same way, the wider band of "down" is seen beside "up", which is drawn after it.
-  std::map<std::string, Curve> curves;
-  for (const Json& row : result.at("rows")) {
-    const std::string direction = row.at("direction");
-    Curve& curve = curves[direction];
-    curve.stroke = Stroke::dots;
-    curve.colour = direction == "up" ? "#1f77b4" : "#fdae6b";
-    curve.size = direction == "up" ? 0.25 : 0.5;
-    for (const Json& state : row.at("states")) curve.points.push_back({row.at("value"), state.at(0), 0.0});
-  }
-  if (curves.size() == 1) curves.begin()->second.size = 0.25;
-  for (const auto& [direction, curve] : curves) {
-    if (curve.points.empty()) continue;
-    Curve entry = legend_entry("sweep " + direction, curve.colour);  // such fine dots would not be seen in it
-    entry.stroke = Stroke::dots;
-    entry.size = 1.2;
-    entry.points = {{1e30, curve.points.front()[1], 0.0}};  // to the right alone: the range of x is given, that of y is not
-    picture.curves.push_back(std::move(entry));
-  }
-  for (auto& [direction, curve] : curves) picture.curves.push_back(std::move(curve));
+  std::map<std::string, std::vector<std::array<double, 3>>> states;
+  for (const Json& row : result.at("rows"))
+    for (const Json& state : row.at("states")) states[row.at("direction")].push_back({row.at("value"), state.at(0), 0.0});
+  add_sweep_dots(picture, states);
   return picture;
 }
 
@@ -110,6 +94,23 @@ Picture draw_diagram(const Json& result) {
 }
 
 }  // namespace
+
+void add_sweep_dots(Picture& picture, const std::map<std::string, std::vector<std::array<double, 3>>>& states) {
+  // Where both go the same way, the wider band of "down" is seen beside "up", which is drawn after it.
+  std::vector<Curve> curves;
+  for (const auto& [direction, points] : states) {
+    if (points.empty()) continue;
+    const bool wide = direction != "up" && states.size() > 1;
+    curves.push_back({.stroke = Stroke::dots, .colour = direction == "up" ? "#1f77b4" : "#fdae6b", .size = wide ? 0.5 : 0.25});
+    curves.back().points = points;
+    Curve entry = legend_entry("sweep " + direction, curves.back().colour);  // such fine dots would not be seen in it
+    entry.stroke = Stroke::dots;
+    entry.size = 1.2;
+    entry.points = {{1e30, points.front()[1], 0.0}};  // to the right alone: the range of x is given, that of y is not
+    picture.curves.push_back(std::move(entry));
+  }
+  for (Curve& curve : curves) picture.curves.push_back(std::move(curve));
+}
 
 Picture exponents_below(const Json& result, const std::array<double, 2>& x_range) {
   Picture picture = exponents_within(result, x_range);

@@ -2,6 +2,7 @@
 // Pictures of CSV tables: graze's own, known by their header, and any other.
 #include <graze/apps/number.hpp>
 #include <graze/apps/pictures/pictures.hpp>
+#include <graze/apps/pictures/range.hpp>
 
 #include <fmt/format.h>
 
@@ -35,14 +36,16 @@ bool is_branches(const Table& table) {
   return column(table, "x") == column(table, "impacts") + 2;
 }
 
-Picture draw_branches(const Table& table) {
+/// Column `up` against column `across`: x against the parameter unless they are named.
+Picture draw_branches(const Table& table, const std::string& across, const std::string& up) {
   const std::size_t branch = column(table, "branch"), label = column(table, "label"), period = column(table, "period"),
-                    x = column(table, "x"), value = x - 1, stable = column(table, "stable"),
+                    x = column(table, up.empty() ? "x" : up),
+                    value = across.empty() ? column(table, "x") - 1 : column(table, across), stable = column(table, "stable"),
                     admissible = column(table, "admissible");
   Picture picture;
   picture.title = "Periodic orbits";
-  picture.x_label = table.columns[value] + " (dimensionless)";
-  picture.y_label = "x at forcing phase 0 (dimensionless)";
+  picture.x_label = table.columns[value] + (across.empty() ? " (dimensionless)" : "");
+  picture.y_label = up.empty() ? "x at forcing phase 0 (dimensionless)" : up;
   std::map<std::string, std::size_t> colours;  // by branch, in the order in which they come
   std::map<std::string, bool> titled;
   std::string last_branch;
@@ -117,6 +120,71 @@ Picture draw_columns(const Table& table, const std::string& x, const Columns& y)
   return picture;
 }
 
+/// What an axis shows of a column. @throws std::invalid_argument if there is nothing.
+std::array<double, 2> axis(const Range& range, const std::string& column) {
+  if (range.empty()) throw std::invalid_argument(fmt::format("there is nothing to draw: the column {} has no numbers", column));
+  return range.with_margin(0.02);
+}
+
+/// A table as `graze sweep --csv` writes it: the parameter comes first.
+bool is_sweep(const Table& table) {
+  const Columns rest = {"direction", "attractor", "period", "impacts", "exponent1", "exponent2", "x", "v"};
+  return !table.columns.empty() && Columns(table.columns.begin() + 1, table.columns.end()) == rest;
+}
+
+Picture draw_sweep(const Table& table) {
+  const std::size_t direction = column(table, "direction"), x = column(table, "x");
+  Picture picture;
+  picture.title = "Attractors";
+  picture.x_label = table.columns.front() + " (dimensionless)";
+  picture.y_label = "x at forcing phase 0 (dimensionless)";
+  std::map<std::string, std::vector<std::array<double, 3>>> states;
+  Range range;
+  for (const auto& row : table.rows) {
+    const double value = number(row, 0);
+    range.take(value);
+    states[row[direction]].push_back({value, number(row, x), 0.0});
+  }
+  picture.x_range = axis(range, table.columns.front());
+  add_sweep_dots(picture, states);
+  return picture;
+}
+
+/// A table as `graze attractors --csv` writes it.
+bool is_starts(const Table& table) { return table.columns == Columns{"x", "v", "attractor", "type", "period", "impacts"}; }
+
+Picture draw_starts(const Table& table) {
+  const std::size_t attractor = column(table, "attractor"), type = column(table, "type"), period = column(table, "period"),
+                    impacts = column(table, "impacts");
+  Picture picture;
+  picture.title = "Starts by the attractor they reach";
+  picture.x_label = "x at forcing phase 0 (dimensionless)";
+  picture.y_label = "x' at forcing phase 0 (dimensionless)";
+  std::map<int, std::string> titles;  // by colour
+  std::vector<std::array<double, 2>> starts;
+  std::vector<int> colour;
+  Range x, v;
+  for (const auto& row : table.rows) {
+    starts.push_back({number(row, 0), number(row, 1)});
+    x.take(starts.back()[0]);
+    v.take(starts.back()[1]);
+    const int id = parse_count(row[attractor]).value_or(0);
+    // 0 is for lost motions; starts beyond the barrier and those that were not run are nobody's.
+    colour.push_back(id > 0 || row[type] == "lost" ? id : -1);
+    if (colour.back() < 0) continue;
+    titles[id] = row[period].empty() ? row[type] : fmt::format("z = {}/{}", row[impacts], row[period]);
+    if (id > 0) titles[id] = fmt::format("attractor {}: {}", id, titles[id]);
+  }
+  picture.x_range = axis(x, "x");
+  picture.y_range = axis(v, "v");
+  std::vector<std::string> colours = {lost_colour};
+  for (int id = 1; !titles.empty() && id <= titles.rbegin()->first; ++id)
+    colours.push_back(colour_of(static_cast<std::size_t>(id - 1)));
+  add_start_dots(picture, starts, colour, colours);
+  for (const auto& [id, title] : titles) picture.curves.push_back(legend_entry(title, colours[static_cast<std::size_t>(id)]));
+  return picture;
+}
+
 /// A table as `graze map --csv` writes it.
 bool is_map(const Table& table) {
   for (const char* name : {"layer", "type", "period", "impacts", "lambda_1", "standard_error"})
@@ -129,18 +197,22 @@ bool is_map(const Table& table) {
 Picture picture_of(const Table& table, const std::string& x, const std::vector<std::string>& y) {
   if (table.rows.empty()) throw std::invalid_argument("there is nothing to draw: the table is a header without rows");
   const bool choice = !x.empty() || !y.empty();
-  if (!choice && is_branches(table)) return draw_branches(table);
+  if (is_branches(table) && (!choice || y.size() == 1)) return draw_branches(table, x, choice ? y.front() : "");
   if (!choice && is_map(table))
     throw std::invalid_argument(
         "this is the table of a map, which is drawn from its .h5 or .json; give one of these, or name columns by --x and --y");
+  if (!choice && is_sweep(table)) return draw_sweep(table);
+  if (!choice && is_starts(table)) return draw_starts(table);
   Picture picture = draw_columns(table, x, y);
-  // Points of a section follow each other in time, but lines between them mean nothing.
-  if (!choice && (table.columns == Columns{"x", "v"} || table.columns == Columns{"phase", "speed"})) {
-    picture.title = "Poincaré section";
-    picture.curves.front().stroke = Stroke::dots;
-    picture.curves.front().size = table.rows.size() > 5000 ? 0.15 : table.rows.size() > 500 ? 0.35 : 0.8;
-    picture.curves.front().title.clear();
+  // Points of a section or of an attractor follow each other in time, but lines between them mean nothing.
+  const bool section = table.columns == Columns{"x", "v"} || table.columns == Columns{"phase", "speed"};
+  if (!section && !is_sweep(table) && !is_starts(table)) return picture;
+  for (Curve& curve : picture.curves) {
+    curve.stroke = Stroke::dots;
+    curve.size = table.rows.size() > 5000 ? 0.15 : table.rows.size() > 500 ? 0.35 : 0.8;
+    if (section && !choice) curve.title.clear();
   }
+  if (section && !choice) picture.title = "Poincaré section";
   return picture;
 }
 

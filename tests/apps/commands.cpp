@@ -9,6 +9,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 using namespace graze;
@@ -273,10 +275,13 @@ TEST_CASE("models lists what problem files may name") {
   const Outcome text = call({"models"});
   CHECK(text.code == 0);
   CHECK_THAT(text.out, Contains("cantilever") && Contains("newton") && Contains("k_r") && Contains("[0, 1]") &&
-                           Contains("kinematic") && Contains("N/m"));
+                           Contains("kinematic") && Contains("N/m") && Contains("motions are computed for eta >= 0.0001"));
   const Json json = Json::parse(call({"models", "--json", "-"}).out);
   CHECK(json["schema"] == "graze.models/1");
   CHECK(json["contact_laws"].size() >= 3);
+  // It is what the others keep to.
+  const double smallest = json["smallest_eta"];
+  CHECK(call("orbit", "newton-elastic", {"--set", fmt::format("eta={}", 0.99 * smallest), "--settle", "1"}).code == 2);
 }
 
 TEST_CASE("every result is drawn and plot draws it again") {

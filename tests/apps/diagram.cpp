@@ -3,13 +3,16 @@
 // diagrams are in whole_diagram.cpp.
 #include "graze_program.hpp"
 
+#include <graze/apps/interrupt.hpp>
 #include <graze/apps/json.hpp>
 #include <graze/apps/pictures/pictures.hpp>
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <csignal>
 #include <filesystem>
+#include <numeric>
 #include <set>
 
 using namespace graze;
@@ -168,4 +171,67 @@ TEST_CASE("diagram goes on from what an interrupted run has left") {
   damaged["branches"][0].erase("points");
   folder.write("left/diagram.json", damaged.dump());
   CHECK_THAT(refused({"--resume", folder.file("left")}), Contains("branch 1 of the result is damaged"));
+}
+
+TEST_CASE("diagram goes on within its search for seeds, too, and searches nothing twice") {
+  // Interrupted for good before anything is done: the parts of the search are listed, and none of them is done.
+  set_interrupted(true);
+  const Outcome stopped = small({"--json", "-"});
+  set_interrupted(false);
+  CHECK(stopped.code == 130);
+  const Json begun = Json::parse(stopped.out);
+  const std::size_t parts = begun["seed_search"]["parts"];
+  REQUIRE(parts > 3);
+  CHECK(begun["seed_search"]["done"].empty());
+
+  const Json whole = json_of(small({"--json", "-"}));
+  CHECK_FALSE(whole.contains("seed_search"));
+  CHECK_FALSE(whole["seeds"][0].contains("part"));
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder.file("left"));
+  // What a run leaves that was interrupted when of the parts those were done that `has` says: here the ways to settle are
+  // one part, and the searches another.
+  const auto resumed = [&](const std::vector<std::size_t>& done, const std::string& dropped = {}) {
+    Json part = whole;
+    part["status"] = "interrupted";
+    part["branches"] = part["cascades"] = part["cut_off"] = part["seeds"] = Json::array();
+    part["seed_search"] = {{"parts", parts}, {"done", done}};
+    for (Json seed : whole["seeds"]) {
+      if (seed["origin"] == dropped) continue;
+      if (seed["origin"] != "given") seed["part"] = seed["origin"] == "settled" ? 2 : 3;
+      part["seeds"].push_back(seed);
+    }
+    folder.write("left/diagram.json", part.dump());
+    return json_of(small({"--resume", folder.file("left"), "--json", "-"}));
+  };
+  const auto same_seeds = [&](const Json& result) {
+    REQUIRE(result["seeds"].size() == whole["seeds"].size());
+    for (std::size_t i = 0; i < whole["seeds"].size(); ++i) {
+      const Json &a = result["seeds"][i], &b = whole["seeds"][i];
+      for (const char* key : {"value", "period", "impacts", "origin", "stable"}) CHECK(a[key] == b[key]);
+      for (std::size_t k = 0; k < 2; ++k) CHECK(a["state"][k].get<double>() == Approx(b["state"][k].get<double>()).margin(1e-11));
+    }
+    CHECK(result["branches"].size() == whole["branches"].size());
+    CHECK_FALSE(result.contains("seed_search"));
+  };
+  std::vector<std::size_t> all(parts);
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  same_seeds(resumed(all));
+  same_seeds(resumed({0, 1, 2}));
+  // Known by what is not there: it is not looked for where its part is done, and found again where it is not.
+  const auto settled =
+      std::count_if(whole["seeds"].begin(), whole["seeds"].end(), [](const Json& seed) { return seed["origin"] == "settled"; });
+  REQUIRE(settled > 0);
+  const Json without = resumed(all, "settled");
+  CHECK(std::none_of(without["seeds"].begin(), without["seeds"].end(),
+                     [](const Json& seed) { return seed["origin"] == "settled"; }));
+  std::vector<std::size_t> searches(all.begin() + 3, all.end());
+  same_seeds(resumed(searches, "settled"));
+
+  Json damaged = whole;
+  damaged["status"] = "interrupted";
+  damaged["seed_search"] = {{"parts", parts}, {"done", {parts}}};
+  folder.write("left/diagram.json", damaged.dump());
+  CHECK_THAT(misuse({"--skeleton", "--from", "0.743", "--to", "0.747", "--resume", folder.file("left")}),
+             Contains("is damaged; compute it anew"));
 }

@@ -264,10 +264,58 @@ TEST_CASE("tables of graze are drawn as what they are") {
   REQUIRE(picture.labels.size() == 1);
   CHECK(picture.labels.front().text == "PD1");
   const Picture chosen = picture_of(branches, "x", {"v"});
-  REQUIRE(chosen.curves.size() == 1);
+  REQUIRE(chosen.curves.size() == 3);
+  CHECK(chosen.x_label == "x");
   CHECK(chosen.y_label == "v");
-  CHECK(std::isnan(chosen.curves.front().points[3][0]));  // between the branches
+  CHECK(chosen.curves[1].stroke == Stroke::dashed);
+  CHECK(chosen.curves[1].points == std::vector<std::array<double, 3>>{{1.05, 0.0, 0.0}, {1.1, 0.0, 0.0}});
+  CHECK(chosen.curves[2].colour != chosen.curves[0].colour);
+  const Picture several = picture_of(branches, "eta", {"x", "v"});
+  REQUIRE(several.curves.size() == 2);
+  CHECK(several.y_label == "x, v");
+  CHECK(std::isnan(several.curves.front().points[3][0]));  // between the branches
   CHECK(picture_of(Table{{"phase", "speed"}, {{"1", "2"}}}).curves.front().stroke == Stroke::dots);
+  CHECK(picture_of(Table{{"x", "v"}, {{"1", "2"}, {"3", "4"}}}, "v", {"x"}).curves.front().stroke == Stroke::dots);
+}
+
+TEST_CASE("tables of attractors are drawn as dots, as the same results in JSON are") {
+  const Table sweep{{"eta", "direction", "attractor", "period", "impacts", "exponent1", "exponent2", "x", "v"},
+                    {{"0.7", "up", "periodic", "2", "1", "-0.05", "-0.05", "1.5", "0.1"},
+                     {"0.7", "up", "periodic", "2", "1", "-0.05", "-0.05", "-1.5", "0.2"},
+                     {"0.8", "up", "chaotic", "", "", "0.1", "-0.2", "0.5", "0.3"},
+                     {"0.8", "down", "chaotic", "", "", "0.1", "-0.2", "0.6", "0.3"}}};
+  const Picture swept = picture_of(sweep);
+  CHECK_THAT(swept.x_label, Contains("eta"));
+  REQUIRE(swept.curves.size() == 4);  // of each direction one in the legend, and its dots
+  for (const Curve& curve : swept.curves) CHECK(curve.stroke == Stroke::dots);
+  CHECK(swept.curves[0].title == "sweep down");
+  CHECK(swept.curves[1].title == "sweep up");
+  CHECK(swept.curves[2].points == std::vector<std::array<double, 3>>{{0.8, 0.6, 0.0}});
+  CHECK(swept.curves[3].points == std::vector<std::array<double, 3>>{{0.7, 1.5, 0.0}, {0.7, -1.5, 0.0}, {0.8, 0.5, 0.0}});
+  REQUIRE(swept.x_range);
+  CHECK((*swept.x_range)[1] < 1.0);  // the dots of the legend are out of sight
+  for (const Curve& curve : picture_of(sweep, "eta", {"v"}).curves) CHECK(curve.stroke == Stroke::dots);
+
+  const Table starts{{"x", "v", "attractor", "type", "period", "impacts"},
+                     {{"0", "0", "1", "periodic", "3", "2"},
+                      {"1", "0", "2", "chaotic", "", ""},
+                      {"0", "1", "1", "periodic", "3", "2"},
+                      {"1", "1", "", "lost", "", ""},
+                      {"9", "1", "", "beyond the barrier", "", ""}}};
+  const Picture basins = picture_of(starts);
+  std::map<std::string, std::string> colours;  // by title
+  std::map<std::string, std::size_t> dots;     // by colour
+  for (const Curve& curve : basins.curves) {
+    if (!curve.title.empty()) colours[curve.title] = curve.colour;
+    if (curve.title.empty()) CHECK(curve.stroke == Stroke::dots);
+    if (curve.title.empty()) dots[curve.colour] += curve.points.size();
+  }
+  CHECK(colours.size() == 3);
+  CHECK(dots[colours["attractor 1: z = 2/3"]] == 2);
+  CHECK(dots[colours["attractor 2: chaotic"]] == 1);
+  CHECK(dots[colours["lost"]] == 1);
+  CHECK_THROWS_WITH(picture_of(Table{starts.columns, {{"", "", "1", "periodic", "1", "1"}}}),
+                    Contains("column x has no numbers"));
 }
 
 TEST_CASE("multipliers beyond the picture are not in it") {

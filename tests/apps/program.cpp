@@ -6,6 +6,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <fmt/format.h>
+
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -18,6 +20,7 @@ using namespace graze;
 using namespace graze::apps;
 using namespace graze::support;
 using Catch::Matchers::Contains;
+using Catch::Matchers::StartsWith;
 
 namespace {
 
@@ -54,7 +57,8 @@ TEST_CASE("wrong commands and options are misuse") {
   CHECK_THAT(misuse("orbit " + hertz + " --perod 2"), Contains("no option --perod") && Contains("did you mean --period"));
   CHECK_THAT(misuse("orbit"), Contains("graze orbit: PROBLEM is required"));
   CHECK_THAT(misuse("orbit " + hertz + " again"), Contains("\"again\" is one argument too many"));
-  CHECK_THAT(misuse("orbit " + hertz + " --set b=0.06 r=2"), Contains("\"r=2\" is one argument too many"));
+  CHECK_THAT(misuse("orbit " + hertz + " --set b=0.06 r=2"),
+             Contains("\"r=2\" is one argument too many") && Contains("behind a --set of its own: --set r=2"));
   CHECK_THAT(misuse("orbit " + hertz + " --period two"), Contains("--period two") && Contains("whole number >= 1"));
   CHECK_THAT(misuse("orbit " + hertz + " --period 0"), Contains("whole number >= 1"));
   CHECK_THAT(misuse("orbit " + hertz + " --settle -5"), Contains("whole number >= 0"));
@@ -101,6 +105,22 @@ TEST_CASE("a wrong setting is misuse") {
   CHECK_THAT(misuse("orbit " + newton + " --set r=nan"), Contains("r is nan; allowed is any finite number"));
   CHECK_THAT(misuse("orbit " + newton + " --set k_H=100"),
              Contains("no parameter \"k_H\"") && Contains("k_r") && Contains("k_H belongs to the hertz contact law"));
+  for (const std::string name : {"k_e", "F0", "k_h"})  // of an excitation, of another, of a contact
+    CHECK_THAT(misuse("orbit " + newton + " --set " + name + "=100"), Contains("choose one of b, beta, ") &&
+                                                                          Contains(name + " is a physical quantity") &&
+                                                                          Contains("section [physical]"));
+  CHECK_THAT(misuse("orbit " + newton + " --set nonsense=1"), !Contains("physical"));
+}
+
+TEST_CASE("defaults are noted with what to do for others, and not where a setting gave one") {
+  const TemporaryFolder folder;
+  const std::string file =
+      folder.write("p.toml", "[model]\noscillator = \"linear\"\ncontact = \"newton\"\n[parameters]\neta = 0.9\nr = 1\nk_r = 0.8\n"
+                             "b = 0.1\n");
+  const std::string both = spawn("orbit " + file + " --settle 10").err,
+                    one = spawn("orbit " + file + " --settle 10 --set xi=0.9").err;
+  CHECK_THAT(both, Contains("does not give beta = 0, xi = 1: these are defaults; give others in its [parameters] or by --set"));
+  CHECK_THAT(one, Contains("does not give beta = 0: "));
 }
 
 TEST_CASE("the last of several settings of a parameter holds") {
@@ -143,6 +163,12 @@ TEST_CASE("an output is not written over the input or over another output") {
   CHECK_THAT(misuse(run + "--json " + folder.file("link")), Contains("this is the file that is read"));
   CHECK(read_file(input) == text);
   CHECK(spawn("orbit " + hertz + " --settle 300 --json /dev/null --csv /dev/null").code == 0);
+}
+
+TEST_CASE("an output that is a pipe, by a name that is a link, goes into it") {
+  const Outcome outcome = run_shell(fmt::format("sh -c \"'{}' models --json /dev/stdout | cat\"", GRAZE_PROGRAM));
+  CHECK(outcome.err.empty());
+  CHECK_THAT(outcome.out, Contains("graze.models/1"));
 }
 
 TEST_CASE("an output whose name is a link goes where the link points") {
@@ -261,6 +287,63 @@ TEST_CASE("Ctrl-C keeps what was computed and exits with 130") {
   const Outcome search = spawn("orbit " + newton + " --period 400 --search --json " + out, SIGINT, 0.4);
   CHECK(search.code == 130);
   CHECK_THAT(search.err, Contains("interrupted after"));
+}
+
+TEST_CASE("whoever asks the program to end, what was computed is kept; under nohup a terminal that closes asks nothing") {
+  const TemporaryFolder folder;
+  const std::string out = folder.file("r.json");
+  const std::string sweep = "sweep " + newton + " --from 0.7 --to 0.76 --step 0.00003 --json " + out;
+  const auto before = std::signal(SIGHUP, SIG_DFL);  // these tests may run under nohup themselves, and hand that on
+  for (const int signal : {SIGTERM, SIGHUP}) {
+    const Outcome outcome = spawn(sweep, signal, 0.4);
+    CHECK(outcome.code == 130);
+    CHECK_THAT(outcome.err, Contains("interrupted after ") && Contains(" of 2001 values"));
+    const Json json = Json::parse(read_file(out), nullptr, false);
+    REQUIRE_FALSE(json.is_discarded());
+    CHECK(json["status"] == "interrupted");
+    CHECK_FALSE(json["rows"].empty());
+    std::filesystem::remove(out);
+  }
+  std::signal(SIGHUP, before);
+  const auto begun = std::chrono::steady_clock::now();
+  const Outcome outcome = run_shell(fmt::format("sh -c \"trap '' HUP; exec '{}' {}\"", GRAZE_PROGRAM, sweep), [&](pid_t child) {
+    return std::chrono::steady_clock::now() - begun > std::chrono::milliseconds(400) && ::kill(child, SIGHUP) == 0;
+  });
+  CHECK(outcome.code == 0);
+  CHECK(Json::parse(read_file(out))["status"] == "done");
+}
+
+TEST_CASE("without gnuplot --out is refused where there would be pictures, and only there") {
+  const TemporaryFolder folder, empty;
+  const std::string path = std::getenv("PATH");
+  ::setenv("PATH", empty.file("").c_str(), 1);
+  const Outcome models = spawn("models --out " + folder.file("models"));
+  const Outcome lyapunov = spawn("lyapunov " + hertz + " --quiet --out " + folder.file("lyapunov"));
+  const Outcome sweep = spawn("sweep " + newton + " --from 0.9 --to 0.91 --step 0.01 --out " + folder.file("sweep"));
+  const Outcome reproduce = spawn("reproduce --out " + folder.file("reproduce"));
+  ::setenv("PATH", path.c_str(), 1);
+  CHECK(models.code == 0);
+  CHECK(std::filesystem::exists(folder.file("models/models.json")));
+  CHECK(lyapunov.code == 0);
+  CHECK(std::filesystem::exists(folder.file("lyapunov/lyapunov.csv")));
+  for (const Outcome& outcome : {sweep, reproduce}) {
+    CHECK(outcome.code == 2);
+    CHECK_THAT(outcome.err, Contains("gnuplot, which is not installed"));
+  }
+  CHECK(folder.files() == 2);
+}
+
+TEST_CASE("numbers are written before pictures are drawn") {
+  const TemporaryFolder folder;
+  const std::string path = std::getenv("PATH"), out = folder.file("out"), seen = folder.file("seen");
+  std::filesystem::permissions(
+      folder.write("gnuplot", "#!/bin/sh\necho drawing >> '" + seen + "'\nls '" + out + "' >> '" + seen + "'\nexit 1\n"),
+      std::filesystem::perms::owner_all);
+  ::setenv("PATH", (folder.file("") + ":" + path).c_str(), 1);
+  const Outcome outcome = spawn("orbit " + newton + " --quiet --plot " + folder.file("x.png") + " --out " + out);
+  ::setenv("PATH", path.c_str(), 1);
+  CHECK(outcome.code == 2);  // nothing was drawn
+  CHECK_THAT(read_file(seen), StartsWith("drawing\norbit.csv\norbit.json\n"));
 }
 
 TEST_CASE("gnuplot does not outlive the program or its patience") {

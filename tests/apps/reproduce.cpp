@@ -98,5 +98,6 @@ TEST_CASE("reproduce refuses what it cannot use") {
   CHECK_THAT(call({"reproduce", folder.file("none.toml")}).err, Contains("no such file"));
   const std::string file = folder.write("few.toml", few);
   CHECK_THAT(call({"reproduce", file, "--resume", folder.file("nowhere")}).err, Contains("--resume"));
+  CHECK_FALSE(std::filesystem::exists(folder.file("nowhere")));
   CHECK_THAT(call({"reproduce", file, "--json", file}).err, Contains("--json"));
 }

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Range: the values that one axis of a picture has to show.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace graze::apps {
+
+struct Range {
+  double low = HUGE_VAL, high = -HUGE_VAL;
+  void take(double value) {
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+  bool empty() const { return !(low <= high); }
+  /// Wider by a share of its width on either side, and never of no width.
+  std::array<double, 2> with_margin(double share) const {
+    const double margin = share * std::max(high - low, 1e-9 * (1.0 + std::abs(high)));
+    return {low - margin, high + margin};
+  }
+};
+
+}  // namespace graze::apps
