@@ -206,7 +206,9 @@ Curve BranchFollower::follow_states(OrbitProblem& problem, const BranchStart& gi
   for (;;) {
     section_blocked_ = false;
     const ZeroProblem zero = problem.zero_problem();
-    trace_options.max_points = std::max(1, options_.trace.max_points - static_cast<int>(branch.points.size()) + 1);
+    // The first point of a curve that goes on is the last one that the branch has.
+    const int kept = std::max(1, static_cast<int>(branch.points.size()));
+    trace_options.max_points = std::max(1, options_.trace.max_points - kept + 1);
     const auto on_branch = [&](const CurvePoint& before, CurvePoint& after) {
       if (branch.points.empty()) {
         begin(problem, before.u, branch);

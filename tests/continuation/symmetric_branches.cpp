@@ -122,3 +122,26 @@ TEST_CASE("a branch that comes back to a point of its own is closed, wherever it
       twice += same_states(branch.points[i], branch.points[j]) ? 1 : 0;
   CHECK(twice == 0);
 }
+
+TEST_CASE("a branch has as many points as it may, in states and by its impacts") {
+  const HybridSystem system = make_oscillator("linear", "newton");
+  const PeriodicOrbit struck = shoot(system, parameters(system), Vector{{1.0, 1.0}}, 1);
+  const PeriodicOrbit free = shoot(cantilever(), driven_hard(3.0), Vector{{4.2459, 1.2658}}, 1);
+  REQUIRE(free.converged());
+  REQUIRE(struck.converged());
+  REQUIRE(struck.impacts == 1);
+  ContinuationOptions options;
+  options.switch_generations = 0;
+  for (const int most : {2, 7, 100}) {
+    options.trace.max_points = most;
+    options.to = 0.5;
+    const Branch in_states = continue_orbit(cantilever(), free, options).front();
+    CHECK(in_states.stop == BranchStop::point_limit);
+    CHECK(std::ssize(in_states.points) == most);
+    options.trace.max_points = std::min(most, 7);
+    options.to = 0.9;
+    const Branch by_impacts = continue_orbit(system, struck, options).front();
+    CHECK(by_impacts.stop == BranchStop::point_limit);
+    CHECK(std::ssize(by_impacts.points) == std::min(most, 7));
+  }
+}
