@@ -73,25 +73,33 @@ HybridSystem displaced(double by) {
 TEST_CASE("a symmetric branch is not left for the broken one at a branch point that a step passes") {
   const PeriodicOrbit orbit = shoot(cantilever(), driven_hard(3.0), Vector{{4.2459, 1.2658}}, 1);
   REQUIRE(orbit.converged());
-  const std::vector<Branch> branches = continue_orbit(cantilever(), orbit, {.to = 0.5, .switch_generations = 0});
-  REQUIRE(branches.size() == 1);
-  CHECK(branches[0].stop == BranchStop::reached_bound);
-  for (const BranchPoint& point : branches[0].points) {
-    const Transition half = half_period(driven_hard(point.value), point.state());
-    INFO("eta " << point.value);
-    CHECK((half.x1 + point.state()).lpNorm<Eigen::Infinity>() < 1e-8);  // residual 1e-12, multipliers up to 10
+  // Steps as they are used, and longer ones: those of 0.1 and 0.2 passed a branch point and ended on a broken branch.
+  for (const double step : {0.05, 0.1, 0.2, 0.3}) {
+    INFO("steps up to " << step);
+    ContinuationOptions options;
+    options.to = 0.5;
+    options.switch_generations = 0;
+    options.trace.max_step = step;
+    const std::vector<Branch> branches = continue_orbit(cantilever(), orbit, options);
+    REQUIRE(branches.size() == 1);
+    CHECK(branches[0].stop == BranchStop::reached_bound);
+    for (const BranchPoint& point : branches[0].points) {
+      const Transition half = half_period(driven_hard(point.value), point.state());
+      INFO("eta " << point.value);
+      CHECK((half.x1 + point.state()).lpNorm<Eigen::Infinity>() < 1e-8);  // residual 1e-12, multipliers up to 10
+    }
+    // Each loop begins and ends in a branch point. Half a period later the mirror image of the orbit is the orbit: symmetry is
+    // lost where -Phi(T/2) has the multiplier -1, which the library does not look at.
+    const auto points = points_of(branches[0], PointType::BP);
+    CHECK(points.size() == 6);
+    for (const SpecialPoint& point : points) {
+      CHECK(point.status == PointStatus::converged);
+      const Matrix H = -half_period(driven_hard(point.value), point.orbit.state).Phi;
+      CHECK(std::abs((H + Matrix::Identity(2, 2)).determinant()) < 1e-8);
+    }
+    CHECK(points_of(branches[0], PointType::PD).empty());  // squares of real numbers are not -1
+    CHECK(check_branch(cantilever(), branches[0]) == std::vector<std::string>{});
   }
-  // Each loop begins and ends in a branch point. Beyond half a period the mirror image of the orbit is the orbit: a symmetry is
-  // lost where -Phi(T/2) has the multiplier -1, which the library does not look at.
-  const auto points = points_of(branches[0], PointType::BP);
-  CHECK(points.size() == 6);
-  for (const SpecialPoint& point : points) {
-    CHECK(point.status == PointStatus::converged);
-    const Matrix H = -half_period(driven_hard(point.value), point.orbit.state).Phi;
-    CHECK(std::abs((H + Matrix::Identity(2, 2)).determinant()) < 1e-8);
-  }
-  CHECK(points_of(branches[0], PointType::PD).empty());  // squares of real numbers are not -1
-  CHECK(check_branch(cantilever(), branches[0]) == std::vector<std::string>{});
 }
 
 TEST_CASE("a branch that comes back to a point of its own is closed, wherever it began") {
