@@ -91,6 +91,7 @@ Json special_point_json(const SpecialPoint& point) {
   out["period"] = orbit.period;
   out["impacts"] = orbit.impacts;
   add_sticking(out, orbit.impacts, orbit.isolated_impacts);
+  if (is_marginal(point.type)) out["marginal"] = true;
   out["admissible"] = orbit.admissible == Admissibility::admissible;
   out["status"] = status_name(point.status);
   out["interval"] = {point.interval[0], point.interval[1]};
@@ -135,6 +136,21 @@ std::string special_point_text(const SpecialPoint& point, const std::string& par
   return text;
 }
 
+std::string stability_text(const SpecialPoint& point) {
+  if (const std::optional<bool> stable = stable_at(point)) return *stable ? "stable" : "unstable";
+  return is_marginal(point.type) ? "marginal (a multiplier lies on the unit circle)"
+                                 : "neither stable nor unstable to first order (the return map has no derivative there)";
+}
+
+std::string special_orbit_text(const SpecialPoint& point) {
+  const PeriodicOrbit& orbit = point.orbit;
+  const std::string all = orbit_text(orbit);
+  return fmt::format("orbit {}: {} in {}, {}, {}", z_label(orbit), counted(static_cast<std::size_t>(orbit.impacts), "impact"),
+                     counted(static_cast<std::size_t>(orbit.period), "forcing period"), stability_text(point),
+                     orbit.admissible == Admissibility::admissible ? "admissible" : "NOT ADMISSIBLE") +
+         all.substr(all.find('\n'));
+}
+
 std::string branch_text(const Branch& branch, std::size_t most) {
   std::string text = fmt::format("branch {}: period {}, {}", branch.id, branch.period, counted(branch.points.size(), "point"));
   if (branch.parent) text += fmt::format(", born at {} of branch {}", branch.parent->label, branch.parent->branch);
@@ -148,6 +164,8 @@ std::string branch_text(const Branch& branch, std::size_t most) {
   return text;
 }
 
+std::string stable_cell(std::optional<bool> stable) { return !stable ? "" : *stable ? "yes" : "no"; }
+
 Table branches_table(const std::vector<Branch>& branches) {
   Table table{
       {"branch", "parent", "label", "period", "impacts", branches.empty() ? "value" : branches.front().parameter, "x", "v"}, {}};
@@ -158,7 +176,7 @@ Table branches_table(const std::vector<Branch>& branches) {
     table.columns.insert(table.columns.end(), {fmt::format("mu{}_re", k), fmt::format("mu{}_im", k)});
   table.columns.insert(table.columns.end(), {"stable", "admissible"});
   const auto add = [&](const Branch& branch, const std::string& name, int impacts, double value, const Vector& state,
-                       const FloquetMultipliers& multipliers, bool admissible) {
+                       const FloquetMultipliers& multipliers, std::optional<bool> stable, bool admissible) {
     std::vector<std::string> row = {std::to_string(branch.id),
                                     branch.parent ? branch.parent->label : "",
                                     name,
@@ -172,19 +190,19 @@ Table branches_table(const std::vector<Branch>& branches) {
       row.push_back(there ? exact(multipliers.values[k].real()) : "");
       row.push_back(there ? exact(multipliers.values[k].imag()) : "");
     }
-    row.push_back(multipliers.stable() ? "yes" : "no");
+    row.push_back(stable_cell(stable));
     row.push_back(admissible ? "yes" : "no");
     table.rows.push_back(std::move(row));
   };
   for (const Branch& branch : branches)
     for (std::size_t i = 0; i < branch.points.size(); ++i) {
       const BranchPoint& point = branch.points[i];
-      add(branch, "", point.impacts, point.value, point.state(), point.multipliers,
+      add(branch, "", point.impacts, point.value, point.state(), point.multipliers, point.stable,
           point.admissible == Admissibility::admissible);
       for (const SpecialPoint& special : branch.special_points)
         if (special.after_point == i && special.type != PointType::EP)
           add(branch, special.label, special.orbit.impacts, special.value, special.orbit.state, special.orbit.multipliers,
-              special.orbit.admissible == Admissibility::admissible);
+              stable_at(special), special.orbit.admissible == Admissibility::admissible);
     }
   return table;
 }

@@ -7,6 +7,7 @@
 
 #include <graze/continuation/branch.hpp>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,12 @@ Json branch_json(const Branch& branch);
 
 /// A special point with twelve digits: where, how well known, its orbit and its details.
 std::string special_point_text(const SpecialPoint& point, const std::string& parameter);
+
+/// As orbit_text, of the orbit at the point: whether it is stable, is not for its multipliers to say everywhere.
+std::string special_orbit_text(const SpecialPoint& point);
+
+/// "yes", "no", or empty where that is not told: in a table.
+std::string stable_cell(std::optional<bool> stable);
 
 /// A branch: a table of its points (thinned out to `most` rows), its special points, and why it stopped.
 std::string branch_text(const Branch& branch, std::size_t most);

@@ -14,11 +14,33 @@ namespace graze::apps {
 
 namespace {
 
-/// "1/1 2/1 1/2": the labels z = p/n along a branch, each where it changes.
-std::string labels_along(const Branch& branch) {
+/// A curve of orbits: a branch, or two that were followed both ways from one seed, the first of them run through backwards.
+struct WholeCurve {
+  std::vector<const Branch*> branches;
+  std::vector<const BranchPoint*> points;
+};
+
+std::vector<WholeCurve> whole_curves(const std::vector<Branch>& branches) {
+  std::vector<WholeCurve> list;
+  for (const std::vector<std::size_t>& places : curves_of(branches)) {
+    WholeCurve curve;
+    for (const std::size_t place : places) {
+      const Branch& branch = branches[place];
+      curve.branches.push_back(&branch);
+      std::reverse(curve.points.begin(), curve.points.end());
+      if (!curve.points.empty()) curve.points.pop_back();  // the seed, which both have
+      for (const BranchPoint& point : branch.points) curve.points.push_back(&point);
+    }
+    list.push_back(std::move(curve));
+  }
+  return list;
+}
+
+/// "1/1 2/1 1/2": the labels z = p/n along a curve, each where it changes.
+std::string labels_along(const WholeCurve& curve) {
   std::string text, last;
-  for (const BranchPoint& point : branch.points) {
-    const std::string z = label(point.impacts, point.isolated_impacts, branch.period);
+  for (const BranchPoint* point : curve.points) {
+    const std::string z = label(point->impacts, point->isolated_impacts, curve.branches.front()->period);
     if (z == last) continue;
     text += (text.empty() ? "" : " ") + z;
     last = z;
@@ -26,25 +48,33 @@ std::string labels_along(const Branch& branch) {
   return text;
 }
 
-Table branches_overview(const std::vector<Branch>& branches, const std::string& parameter) {
+/// "1" or, of a curve that was followed both ways, "1 and 2".
+std::string of_each(const WholeCurve& curve, const auto& text) {
+  std::string out;
+  for (const Branch* branch : curve.branches) out += (out.empty() ? "" : " and ") + std::string(text(*branch));
+  return out;
+}
+
+Table curves_overview(const std::vector<Branch>& branches, const std::string& parameter) {
   Table table{{"branch", "born at", "period", "z along it", parameter + " from", "to", "points", "stable", "ends"}, {}};
-  for (const Branch& branch : branches) {
-    if (branch.points.empty()) continue;
-    double low = branch.points.front().value, high = low;
+  for (const WholeCurve& curve : whole_curves(branches)) {
+    if (curve.points.empty()) continue;
+    const Branch& first = *curve.branches.front();
+    double low = curve.points.front()->value, high = low;
     std::size_t stable = 0;
-    for (const BranchPoint& point : branch.points) {
-      low = std::min(low, point.value);
-      high = std::max(high, point.value);
-      stable += point.stable ? 1 : 0;
+    for (const BranchPoint* point : curve.points) {
+      low = std::min(low, point->value);
+      high = std::max(high, point->value);
+      stable += point->stable ? 1 : 0;
     }
-    table.rows.push_back({std::to_string(branch.id),
-                          branch.parent ? fmt::format("{} of {}", branch.parent->label, branch.parent->branch) : "seed",
-                          std::to_string(branch.period), labels_along(branch), rounded(low, 9), rounded(high, 9),
-                          std::to_string(branch.points.size()),
-                          stable == 0                      ? "no"
-                          : stable == branch.points.size() ? "yes"
-                                                           : "in part",
-                          std::string(branch_stop_name(branch.stop))});
+    table.rows.push_back({of_each(curve, [](const Branch& branch) { return std::to_string(branch.id); }),
+                          first.parent ? fmt::format("{} of {}", first.parent->label, first.parent->branch) : "seed",
+                          std::to_string(first.period), labels_along(curve), rounded(low, 9), rounded(high, 9),
+                          std::to_string(curve.points.size()),
+                          stable == 0                     ? "no"
+                          : stable == curve.points.size() ? "yes"
+                                                          : "in part",
+                          of_each(curve, [](const Branch& branch) { return branch_stop_name(branch.stop); })});
   }
   return table;
 }
@@ -86,6 +116,8 @@ void put_skeleton(Json& result, const Skeleton& found, std::size_t parameter) {
   result["seeds"] = seeds_json(found.seeds, parameter);
   result["branches"] = Json::array();
   for (const Branch& branch : found.graph.branches) result["branches"].push_back(branch_json(branch));
+  for (const std::vector<std::size_t>& curve : curves_of(found.graph.branches))
+    for (const std::size_t place : curve) result["branches"][place]["family"] = found.graph.branches[curve.front()].id;
   result["cascades"] = cascades_json(cascades(found.graph.branches));
   if (found.graph.interrupted) {
     for (std::size_t i = 0; i < found.seeds.size(); ++i)
@@ -133,10 +165,11 @@ std::vector<CutOff> cut_off_from(const Json& list) {
 
 std::string skeleton_text(std::size_t seeds, const std::vector<Branch>& branches, const std::vector<CutOff>& cut_off,
                           const std::string& parameter) {
-  std::string text = fmt::format("{}, {}\n", counted(seeds, "seed"),
-                                 branches.size() == 1 ? "1 branch" : fmt::format("{} branches", branches.size())) +
-                     aligned(branches_overview(branches, parameter)) + "\n" +
-                     aligned(special_points_overview(branches, parameter)) + cascades_text(cascades(branches), parameter);
+  const std::size_t curves = curves_of(branches).size();
+  std::string count = curves == 1 ? "1 branch" : fmt::format("{} branches", curves);
+  if (curves < branches.size()) count += fmt::format(" ({} of them in two halves, from a seed inside)", branches.size() - curves);
+  std::string text = fmt::format("{}, {}\n", counted(seeds, "seed"), count) + aligned(curves_overview(branches, parameter)) +
+                     "\n" + aligned(special_points_overview(branches, parameter)) + cascades_text(cascades(branches), parameter);
   if (cut_off.empty()) return text;
   text += fmt::format("\nnot followed ({}):\n", cut_off.size());
   for (const CutOff& cut : cut_off)

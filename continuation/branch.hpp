@@ -67,4 +67,8 @@ struct Branch {
   std::optional<BranchPoint> first_failed;  ///< what was tried last, where the branch broke off
 };
 
+/// Branches followed both ways from one seed are one curve, with their first orbit in common: the places of the branches that
+/// make up each curve, in the order of the first of them.
+std::vector<std::vector<std::size_t>> curves_of(const std::vector<Branch>& branches);
+
 }  // namespace graze

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/branch_follower.hpp>
+#include <graze/continuation/branch_step.hpp>
 
 #include <fmt/format.h>
 
@@ -7,36 +8,6 @@
 #include <cmath>
 
 namespace graze {
-
-namespace {
-
-/// Half of an orbit's states minus the other half: zero where a doubled orbit has collapsed onto its parent.
-Vector antisymmetric_part(const Branch& branch, const std::vector<Vector>& states) {
-  const std::size_t half = states.size() / 2;
-  if (branch.period % 2 != 0 || states.size() % 2 != 0) return {};
-  const Eigen::Index n = states.front().size();
-  Vector difference(n * static_cast<Eigen::Index>(half));
-  for (std::size_t j = 0; j < half; ++j) difference.segment(static_cast<Eigen::Index>(j) * n, n) = states[j] - states[j + half];
-  return difference;
-}
-
-/// Number of real multipliers beyond -1 and beyond +1, and of complex ones outside the circle.
-std::array<int, 3> unstable_kinds(const BranchPoint& point) {
-  std::array<int, 3> count{};
-  for (const auto& mu : nontrivial(point.multipliers)) {
-    if (std::abs(mu) <= 1.0) continue;
-    ++count[mu.imag() != 0.0 ? 2 : mu.real() < 0.0 ? 0 : 1];
-  }
-  return count;
-}
-
-/// Two multipliers through the same point within one step leave the test function's sign as it was.
-bool skipped_something(const BranchPoint& before, const BranchPoint& after) {
-  const auto a = unstable_kinds(before), b = unstable_kinds(after);
-  return std::abs(a[0] - b[0]) > 1 || std::abs(a[1] - b[1]) > 1 || std::abs(a[2] - b[2]) > 2;
-}
-
-}  // namespace
 
 BranchFollower::BranchFollower(const HybridSystem& system, const ContinuationOptions& options, double low, double high)
     : system_(system), options_(options), low_(low), high_(high),
@@ -65,14 +36,23 @@ std::optional<Verdict> BranchFollower::end_of_range(BranchProblem& problem, cons
   return after.tangent.size() == 0 ? Verdict::reject : Verdict::stop;
 }
 
-bool BranchFollower::returns_to_parent(const Branch& branch, const BranchPoint& next) {
-  const BranchPoint& last = branch.points.back();
-  const Vector before = antisymmetric_part(branch, last.states), after = antisymmetric_part(branch, next.states);
-  // Through zero, and not over it: where an impact passes phase 0 the states jump.
-  const double within = 6.0 * std::sqrt(static_cast<double>(next.states.size())) * (next.arclength - last.arclength);
-  returned_ = before.size() > 0 && before.dot(after) < 0.0 && before.lpNorm<Eigen::Infinity>() < within &&
-              after.lpNorm<Eigen::Infinity>() < within;
-  return returned_;
+/// Where the step passes a point of its own branch the way the branch went on from there, the branch is closed: the step's end,
+/// and `point`, the orbit there, are moved onto that point.
+bool BranchFollower::comes_back(BranchProblem& problem, const CurvePoint& before, CurvePoint& after, BranchPoint& point,
+                                const Branch& branch) const {
+  const std::optional<PassedPoint> passed = passed_again({branch, point, high_ - low_});
+  if (!passed) return false;
+  const Vector u = at_value(problem, before.u + passed->part * (after.u - before.u), branch.points[passed->point].value);
+  if (u.size() == 0) return false;
+  const double length = passed->part * (after.arclength - before.arclength);
+  BranchPoint here = problem.branch_point(u, branch.points.back().arclength + length);
+  Vector tangent = tangent_at(problem.zero_problem(), u, before.tangent);
+  if (tangent.size() == 0 || !here.multipliers.valid || !same_states(here, branch.points[passed->point])) return false;
+  after.arclength = before.arclength + length;
+  after.u = u;
+  after.tangent = std::move(tangent);
+  point = std::move(here);
+  return true;
 }
 
 void BranchFollower::begin(BranchProblem& problem, const Vector& u, Branch& branch) {
@@ -120,7 +100,8 @@ Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& 
   const std::optional<Verdict> end = end_of_range(problem, before, after);
   if (end == Verdict::reject) return Verdict::reject;
   BranchPoint point = problem.branch_point(after.u, branch.points.back().arclength + after.arclength - before.arclength);
-  if (!point.multipliers.valid || skipped_something(branch.points.back(), point)) return Verdict::reject;
+  if (!point.multipliers.valid || leaves_branch(system_, {branch, point, high_ - low_})) return Verdict::reject;
+  const bool closed = comes_back(problem, before, after, point, branch);
   // One grazing at a time: a step across several is halved, down to where they cannot be told apart. Contacts that touch together
   // (an orbit symmetric between two barriers) are one.
   const int change = std::abs(point.isolated_impacts - branch.points.back().isolated_impacts);
@@ -129,12 +110,14 @@ Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& 
   if (change == 1 && hard_contacts_) return Verdict::reject;
   const bool close = after.arclength - before.arclength <= 1e-7;
   if (change > 1 && hard_contacts_ && !close) return Verdict::reject;
-  if (returns_to_parent(branch, point)) return Verdict::stop;
+  returned_ = goes_through_half({branch, point, high_ - low_});
+  if (returned_) return Verdict::stop;
   std::vector<MetPoint> met;
   if (change == 1 || (change > 1 && !hard_contacts_)) met.push_back(locate_impact_change(problem, before, after, point, branch));
   if (change > 1 && !close && met.back().point.status != PointStatus::converged) return Verdict::reject;
   if (!take(problem, before, after, std::move(point), std::move(met), branch)) return Verdict::reject;
-  if (end) return *end;
+  closed_ = closed;
+  if (closed || end) return Verdict::stop;
   section_blocked_ = better_section(problem, after.u) != problem.equations().section_phase();
   return section_blocked_ ? Verdict::stop : Verdict::go_on;
 }
@@ -173,10 +156,13 @@ Verdict BranchFollower::monitor_signature(SignatureProblem& problem, const Curve
   refused_ = problem.violation(after.u);
   if (refused_) return reaches_grazing(problem, before, after, branch) ? Verdict::stop : Verdict::reject;
   BranchPoint point = problem.branch_point(after.u, branch.points.back().arclength + after.arclength - before.arclength);
-  if (!point.multipliers.valid || skipped_something(branch.points.back(), point)) return Verdict::reject;
-  if (returns_to_parent(branch, point)) return Verdict::stop;
+  if (!point.multipliers.valid || leaves_branch(system_, {branch, point, high_ - low_})) return Verdict::reject;
+  returned_ = goes_through_half({branch, point, high_ - low_});
+  if (returned_) return Verdict::stop;
+  const bool closed = comes_back(problem, before, after, point, branch);
   if (!take(problem, before, after, std::move(point), {}, branch)) return Verdict::reject;
-  return end.value_or(Verdict::go_on);
+  closed_ = closed;
+  return closed ? Verdict::stop : end.value_or(Verdict::go_on);
 }
 
 /// Where the model allows no value beyond the end of the range, no step leads across it: the last one is made onto it.
@@ -220,7 +206,9 @@ Curve BranchFollower::follow_states(OrbitProblem& problem, const BranchStart& gi
   for (;;) {
     section_blocked_ = false;
     const ZeroProblem zero = problem.zero_problem();
-    trace_options.max_points = std::max(1, options_.trace.max_points - static_cast<int>(branch.points.size()) + 1);
+    // The first point of a curve that goes on is the last one that the branch has.
+    const int kept = std::max(1, static_cast<int>(branch.points.size()));
+    trace_options.max_points = std::max(1, options_.trace.max_points - kept + 1);
     const auto on_branch = [&](const CurvePoint& before, CurvePoint& after) {
       if (branch.points.empty()) {
         begin(problem, before.u, branch);
@@ -304,7 +292,7 @@ Curve BranchFollower::follow_signature(SignatureProblem& problem, const BranchSt
 }
 
 std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const BranchStart& start, Branch& branch) {
-  interrupted_ = returned_ = clear_of_soft_ = false;
+  interrupted_ = returned_ = closed_ = clear_of_soft_ = false;
   fastest_ = 0.0;
   refused_.reset();
   grazing_.reset();
@@ -368,6 +356,9 @@ std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const C
   } else if (returned_) {
     stop(BranchStop::returned,
          fmt::format("the doubled orbit has returned to its parent near {} = {:.12g}", branch.parameter, end.value));
+  } else if (closed_) {
+    stop(BranchStop::returned,
+         fmt::format("the branch is closed: at {} = {:.12g} it is back where it was before", branch.parameter, end.value));
   } else if (why == TraceStop::monitor) {
     stop(BranchStop::reached_bound, fmt::format("the end of the range, {} = {:.12g}, was reached", branch.parameter, end.value));
   } else if (why == TraceStop::closed) {

@@ -53,7 +53,8 @@ class BranchFollower {
   Verdict monitor_beyond_grazing(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
   bool interrupted_now();
   std::optional<Verdict> end_of_range(BranchProblem& problem, const CurvePoint& before, CurvePoint& after) const;
-  bool returns_to_parent(const Branch& branch, const BranchPoint& next);
+  bool comes_back(BranchProblem& problem, const CurvePoint& before, CurvePoint& after, BranchPoint& point,
+                  const Branch& branch) const;
   bool take(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, BranchPoint point,
             std::vector<MetPoint> met, Branch& branch);
   void begin(BranchProblem& problem, const Vector& u, Branch& branch);
@@ -82,7 +83,7 @@ class BranchFollower {
   bool hard_contacts_ = false;
   // Of the branch being followed.
   Vector last_;  ///< unknowns of its last point
-  bool interrupted_ = false, returned_ = false;
+  bool interrupted_ = false, returned_ = false, closed_ = false;
   /// Next to the value and the place along the step where a stiff contact's grazing is a corner.
   struct Corner {
     double value, place;

@@ -202,6 +202,7 @@ SpecialPoint BranchFollower::grazing_point(const LocatedGrazing& located, int im
   point.interval[1] = point.value + point.precision;
   point.orbit = located.orbit;
   point.orbit.admissible = branch.points.back().admissible;
+  point.touching = located.contacts;
   set_impacts(point, impacts_before, impacts_after);
   point.details["scenario"] = std::string(grazing_scenario_name(located.scenario));
   point.details["time"] = located.t;

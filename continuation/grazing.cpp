@@ -82,6 +82,25 @@ void analyse(OrbitProblem& problem, const GrazingGuess& guess, const GuardAndRat
     located.scenario = located.response > 0.0 ? GrazingScenario::persistence : GrazingScenario::nonsmooth_fold;
 }
 
+/// A contact of speed zero at t, as events.
+void add_contact(const HybridSystem& system, std::size_t event, const Touch& touch, double t, std::vector<EventRecord>& events) {
+  EventRecord record;
+  record.event = event;
+  record.kind = system.events[event].kind;
+  record.t = t;
+  record.x_minus = record.x_plus = touch.x;
+  record.mode_plus = system.events[event].to;
+  events.push_back(record);
+  if (record.kind != EventKind::enter) return;
+  const auto leaves = [&](const Event& other) { return other.kind == EventKind::leave && other.from == record.mode_plus; };
+  const auto exit = std::find_if(system.events.begin(), system.events.end(), leaves);
+  if (exit == system.events.end()) return;
+  record.event = static_cast<std::size_t>(exit - system.events.begin());
+  record.kind = exit->kind;
+  record.mode_plus = exit->to;
+  events.push_back(std::move(record));
+}
+
 }  // namespace
 
 std::string_view grazing_scenario_name(GrazingScenario scenario) {
@@ -262,9 +281,18 @@ LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const 
     leave_out();
     located.orbit = problem.orbit(located.u, located.newton);
     located.touch = equations.stretch(j).touch.x;
-    const double duration = equations.duration(shortened);
-    located.t = std::fmod(equations.orbit_time(shortened, j) + t - equations.node_time(shortened, j), duration);
-    if (located.t < 0.0) located.t += duration;
+    const auto orbit_time = [&](int stretch, double time) {
+      const double duration = equations.duration(shortened);
+      const double since_phase_0 = equations.orbit_time(shortened, stretch) + time - equations.node_time(shortened, stretch);
+      const double within = std::fmod(since_phase_0, duration);
+      return within < 0.0 ? within + duration : within;
+    };
+    located.t = orbit_time(j, t);
+    add_contact(system, guess.event, equations.stretch(j).touch, located.t, located.contacts);
+    for (const GrazingGuess& other : together) {
+      const Touch& touch = equations.stretch(other.stretch).touch;
+      add_contact(system, other.event, touch, orbit_time(other.stretch, touch.t), located.contacts);
+    }
   }
   equations.leave_out(-1);
   return located;

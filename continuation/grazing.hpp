@@ -67,10 +67,12 @@ std::string_view grazing_scenario_name(GrazingScenario scenario);
 struct LocatedGrazing {
   NewtonReport newton;
   Vector u;
-  std::size_t event = 0;   ///< whose guard is touched
-  int touches = 1;         ///< contacts that touch together, all of them left out
-  double t = 0.0;          ///< of the touch, from phase 0 of the orbit
-  Vector touch;            ///< the state there
+  std::size_t event = 0;  ///< whose guard is touched
+  int touches = 1;        ///< contacts that touch together, all of them left out
+  double t = 0.0;         ///< of the touch, from phase 0 of the orbit
+  Vector touch;           ///< the state there
+  /// The contacts that touch as events of an orbit that has them: impacts, or entry and exit at once, of speed zero.
+  std::vector<EventRecord> contacts;
   double precision = 0.0;  ///< estimated error of the parameter's value
   double curvature = 0.0;  ///< d2h/dt2 at the touch, < 0
   PeriodicOrbit orbit;     ///< with the touching contact left out

@@ -167,7 +167,9 @@ std::optional<LocatedGrazing> grazing_by_events(SignatureProblem& problem, const
   std::vector<GrazingGuess> guesses;
   for (const TouchTime& touch : touches) guesses.push_back(guess_of(with_touch, at, touch, *states, v));
   std::optional<LocatedGrazing> located = hard_grazing_near(*states, v, guesses.front(), {guesses.begin() + 1, guesses.end()});
-  if (located) located->touches = static_cast<int>(struck);
+  if (!located) return std::nullopt;
+  located->touches = static_cast<int>(struck);  // the maxima that touch too are no contacts of the orbit, and come last
+  located->contacts.resize(std::min(struck, located->contacts.size()));
   return located;
 }
 

@@ -5,9 +5,11 @@
 #include <graze/floquet/periodic_orbit.hpp>
 
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 namespace graze {
 
@@ -33,10 +35,19 @@ struct SpecialPoint {
   std::size_t after_point = 0;  ///< it lies between points[after_point] and points[after_point + 1] of the branch
   NewtonReport newton;          ///< of the extended system
   std::map<std::string, Detail> details;
+  /// Of a grazing: the contacts that touch, as events of speed zero. Among those of the orbit where its impacts count them.
+  std::vector<EventRecord> touching = {};
 };
 
 /// Of a grazing: impacts before and after, "lost" or "gained", and those of its orbit (those in complete chatters are as they
-/// were).
+/// were), with the contacts that touch where they are lost.
 void set_impacts(SpecialPoint& grazing, int before, int after);
+
+/// Located by a multiplier on the unit circle (LP, PD, BP, NS): rounding puts it inside or outside.
+bool is_marginal(PointType type);
+
+/// Whether the orbit at the point is stable. Empty where that is not for its multipliers to tell: the point is marginal, or the
+/// return map has no derivative there (the grazing of a hard contact).
+std::optional<bool> stable_at(const SpecialPoint& point);
 
 }  // namespace graze

@@ -7,8 +7,8 @@
 #include <nlopt.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <numbers>
 #include <random>
 #include <span>
 #include <stdexcept>
@@ -27,6 +27,9 @@ constexpr double scout_tolerance = 1e-8, scout_residual = 1e-7;
 /// A scout this close to a known orbit (relative to 1 + |x|) has found it again. Orbits that lie closer together exist only
 /// within about 1e-12 of a bifurcation.
 constexpr double same_place = 1e-6;
+/// Forcing phases (over 2 pi) of the states that Newton solves for, in turn. Where an orbit is in a stiff contact the map from
+/// there to there bends so sharply that hardly a start comes home; half a period away it flies.
+constexpr std::array section_phases = {0.0, 0.5};
 
 FlowOptions scouting(FlowOptions options) {
   options.tolerance = std::max(options.tolerance, scout_tolerance);
@@ -39,10 +42,13 @@ class Search {
   Search(const HybridSystem& system, const Vector& p, int period, const Vector& lower, const Vector& upper,
          const SearchOptions& options)
       : system_(system), p_(p), period_(period), lower_(2.0 * lower - upper), upper_(2.0 * upper - lower), options_(options),
-        single_(system, p, period, 1, std::nullopt, scouting(options.shooting.flow)),
-        multiple_(system, p, period, period, std::nullopt, scouting(options.shooting.flow)) {
+        T_(forcing_period(system, p)) {
     options_.shooting.reduce_period = true;
     options_.shooting.nodes = 0;
+    const FlowOptions flow = scouting(options.shooting.flow);
+    for (const double phase : section_phases)
+      sections_.push_back(
+          {phase, {system, p, period, 1, std::nullopt, flow, phase}, {system, p, period, period, std::nullopt, flow, phase}, {}});
   }
 
   bool finished() const {
@@ -51,48 +57,37 @@ class Search {
   bool exhausted() const { return idle_ >= options_.patience; }
   void forget_patience() { idle_ = 0; }
 
-  /// Newton from one state: single and multiple shooting in turn, for each brings home starts that the other does not.
-  void try_state(const Vector& x) {
-    ShootingEquations& equations = result.starts % 2 == 0 ? multiple_ : single_;
-    count_start();
-    const int count = equations.nodes();
-    Vector u(equations.unknowns());
-    u.head(x.size()) = x;
-    const double stretch = equations.duration(u) / count;
-    for (int j = 1; j < count; ++j) {
-      carry(equations.propagator(), equations.node_time(u, j - 1), equations.node_time(u, j - 1) + stretch,
-            equations.node(u, j - 1), {.sensitivity = Sensitivity::none, .max_events = most_events}, transition_);
-      if (transition_.termination != Termination::time) return;
-      u.segment(j * x.size(), x.size()) = transition_.x1;
-    }
-    settle_account(equations, u);
-  }
+  /// Newton from a state at phase 0, or at one of the phases in turn.
+  void try_state(const Vector& x) { try_state(sections_.front(), x); }
+  void try_state_in_turn(const Vector& x) { try_state(next_section(), x); }
 
   /// Newton from beside a known orbit: orbits are born in pairs, at folds and at grazings, and stay near each other.
   bool try_near_known(std::mt19937_64& random, double size) {
-    if (known_states_.empty()) return false;
-    std::uniform_int_distribution<std::size_t> pick(0, known_states_.size() - 1);
+    Section& section = next_section();
+    if (section.known_states.empty()) return false;
+    std::uniform_int_distribution<std::size_t> pick(0, section.known_states.size() - 1);
     std::uniform_real_distribution<double> distance(std::log(1e-3 * size), std::log(1e-1 * size));
     std::normal_distribution<double> normal;
     Vector direction(lower_.size());
     for (double& d : direction) d = normal(random);
-    try_state(known_states_[pick(random)] + std::exp(distance(random)) * direction.normalized());
+    try_state(section, section.known_states[pick(random)] + std::exp(distance(random)) * direction.normalized());
     return true;
   }
 
   /// Newton from one state for each period.
   void try_nodes(std::span<const Vector> nodes) {
     count_start();
-    Vector u(multiple_.unknowns());
+    Section& section = sections_.front();
+    Vector u(section.multiple.unknowns());
     for (std::size_t j = 0; j < nodes.size(); ++j)
       u.segment(static_cast<Eigen::Index>(j) * nodes[j].size(), nodes[j].size()) = nodes[j];
-    settle_account(multiple_, u);
+    settle_account(section, section.multiple, u);
   }
 
   /// |P^n(x) - x|^2 with its gradient 2 (M - I)^T (P^n(x) - x), for NLopt; large where the map is not defined.
   double mismatch(const Vector& x, double* gradient) {
     constexpr double undefined = 1e6;
-    carry(single_.propagator(), 0.0, single_.duration(x), x,
+    carry(propagator(), 0.0, period_ * T_, x,
           {.sensitivity = gradient ? Sensitivity::state : Sensitivity::none, .max_events = most_events}, transition_);
     if (transition_.termination != Termination::time) {
       if (gradient) std::fill_n(gradient, x.size(), 0.0);
@@ -106,11 +101,43 @@ class Search {
     return gap.squaredNorm();
   }
 
-  Propagator& propagator() { return single_.propagator(); }
+  Propagator& propagator() { return sections_.front().single.propagator(); }
   SearchResult result;
 
  private:
   static constexpr std::size_t most_events = 1000;
+
+  /// States at one forcing phase: the equations for them, and those of the orbits met so far.
+  struct Section {
+    double phase;
+    ShootingEquations single, multiple;
+    std::vector<Vector> known_states;
+  };
+
+  Section& next_section() { return sections_[static_cast<std::size_t>(result.starts / 2) % sections_.size()]; }
+
+  /// Newton from one state: single and multiple shooting in turn, for each brings home starts that the other does not.
+  void try_state(Section& section, const Vector& x) {
+    ShootingEquations& equations = result.starts % 2 == 0 ? section.multiple : section.single;
+    count_start();
+    const int count = equations.nodes();
+    Vector u(equations.unknowns());
+    u.head(x.size()) = x;
+    const double stretch = equations.duration(u) / count;
+    for (int j = 1; j < count; ++j) {
+      const std::optional<Vector> next = carried(equations.node(u, j - 1), equations.node_time(u, j - 1), stretch);
+      if (!next) return;
+      u.segment(j * x.size(), x.size()) = *next;
+    }
+    settle_account(section, equations, u);
+  }
+
+  std::optional<Vector> carried(const Vector& x, double start, double time) {
+    if (time == 0.0) return x;
+    carry(propagator(), start, start + time, x, {.sensitivity = Sensitivity::none, .max_events = most_events}, transition_);
+    if (transition_.termination != Termination::time) return std::nullopt;
+    return transition_.x1;
+  }
 
   void count_start() {
     ++result.starts;
@@ -154,20 +181,22 @@ class Search {
   }
 
   /// Lets a start run home, and keeps the orbit if it is a new one.
-  void settle_account(ShootingEquations& equations, Vector& u) {
+  void settle_account(Section& section, ShootingEquations& equations, Vector& u) {
     if (!scout(equations, u)) return;
     const Eigen::Index n = lower_.size();
     const double close = same_place * (1.0 + u.head(n).lpNorm<Eigen::Infinity>());
-    for (const Vector& x : known_states_) {
-      if ((x - u.head(n)).lpNorm<Eigen::Infinity>() < close) {
-        ++result.converged;
-        return;
-      }
+    const auto found_again = [&](const Vector& x) { return (x - u.head(n)).lpNorm<Eigen::Infinity>() < close; };
+    if (std::any_of(section.known_states.begin(), section.known_states.end(), found_again)) {
+      ++result.converged;
+      return;
     }
     std::vector<Vector> nodes;
-    for (int j = 0; j < equations.nodes(); ++j) nodes.push_back(equations.node(u, j));
-    for (const Vector& x : nodes)
-      if (!x.allFinite() || (system_.initial_mode && !system_.initial_mode(0.0, x, p_))) return;
+    for (int j = 0; j < equations.nodes(); ++j) {
+      const std::optional<Vector> x =
+          carried(equations.node(u, j), section.phase * T_, section.phase > 0.0 ? (1.0 - section.phase) * T_ : 0.0);
+      if (!x || !x->allFinite() || (system_.initial_mode && !system_.initial_mode(0.0, *x, p_))) return;
+      nodes.push_back(*x);
+    }
     PeriodicOrbit orbit = shoot(system_, p_, nodes, period_, options_.shooting);
     if (!orbit.converged()) return;
     ++result.converged;
@@ -178,7 +207,9 @@ class Search {
       idle_ = 0;
     }
     // Shorter orbits are remembered too: most starts may lead to them.
-    known_states_.insert(known_states_.end(), orbit.states.begin(), orbit.states.end());
+    for (Section& other : sections_)
+      for (const Vector& state : orbit.states)
+        if (const std::optional<Vector> x = carried(state, 0.0, other.phase * T_)) other.known_states.push_back(*x);
     if (orbit.period == period_) result.orbits.push_back(std::move(orbit));
   }
 
@@ -187,8 +218,8 @@ class Search {
   int period_;
   Vector lower_, upper_;  ///< the box with its own size added on each side: Newton that leaves it is given up
   SearchOptions options_;
-  ShootingEquations single_, multiple_;
-  std::vector<Vector> known_states_;
+  double T_;
+  std::vector<Section> sections_;
   Vector residual_;
   Matrix jacobian_;
   Transition transition_;
@@ -356,7 +387,7 @@ SearchResult search_orbits(const HybridSystem& system, const Vector& p, int peri
   LowDiscrepancy sequence(n, random);
   for (int k = 0; !search.finished(); ++k) {
     if (k % 3 == 2 && search.try_near_known(random, (upper - lower).norm())) continue;
-    search.try_state(lower + (upper - lower).cwiseProduct(sequence.next()));
+    search.try_state_in_turn(lower + (upper - lower).cwiseProduct(sequence.next()));
   }
   search.result.complete = search.exhausted();
   auto& orbits = search.result.orbits;

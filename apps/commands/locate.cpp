@@ -104,9 +104,12 @@ int run(const Options& options, const Console& console) {
   result.json["special_point"] = located.point ? special_point_json(*located.point) : Json(nullptr);
   result.text = describe(problem, options.parameter) + "\n\n";
   if (located.point) {
-    result.text += special_point_text(*located.point, options.parameter) + "\n" + orbit_text(located.point->orbit);
+    result.text += special_point_text(*located.point, options.parameter) + "\n" + special_orbit_text(*located.point);
     PeriodicOrbit orbit = located.point->orbit;
     result.table = orbits_table({orbit}, false);
+    const auto stable =
+        std::find(result.table.columns.begin(), result.table.columns.end(), "stable") - result.table.columns.begin();
+    result.table.rows.front()[static_cast<std::size_t>(stable)] = stable_cell(stable_at(*located.point));
     result.table.columns.insert(result.table.columns.begin(), {"label", options.parameter, "precision"});
     result.table.rows.front().insert(result.table.rows.front().begin(),
                                      {located.point->label, exact(located.point->value), exact(located.point->precision)});

@@ -64,6 +64,12 @@ TEST_CASE("a symmetric branch loses its impacts at both rigid barriers in one gr
     CHECK(std::abs(grazings[0].value - grazing) < 1e-12);
     CHECK(text_detail(grazings[0], "kind") == "lost");
     CHECK(impacts_at(grazings[0]) == std::vector<double>{2.0, 0.0});
+    REQUIRE(grazings[0].orbit.events.size() == 2);  // both touch, at the two barriers
+    for (const EventRecord& touch : grazings[0].orbit.events) {
+      CHECK(touch.normal_speed == 0.0);
+      CHECK(std::abs(std::abs(touch.x_minus[0]) - 1.0) < 1e-9);
+    }
+    CHECK(grazings[0].orbit.events[0].event != grazings[0].orbit.events[1].event);
     CHECK(text_detail(grazings[0], "scenario") == (row.start > 1.0 ? "persistence" : "nonsmooth-fold"));
     CHECK(text_detail(grazings[0], "scenario_from") == "directions; several contacts touch together");
     // Beyond: the impactless orbit, down to the end of the range.

@@ -3,6 +3,7 @@
 #include <graze/continuation/grazing.hpp>
 #include <graze/continuation/multiplier_condition.hpp>
 #include <graze/continuation/skeleton.hpp>
+#include <graze/floquet/settle.hpp>
 #include <graze/lib/oscillator.hpp>
 
 #include "support/branches.hpp"
@@ -268,4 +269,25 @@ TEST_CASE("a family is known again where an impact passes phase 0 between two of
   for (const Branch& branch : found.graph.branches)
     if (branch.period == 1 && branch.points.front().impacts == 1) towards_upper_end += branch.points.back().value == 1.0 ? 1 : 0;
   CHECK(towards_upper_end == 1);
+}
+
+TEST_CASE("a branch that was followed both ways from a seed inside the range is one curve") {
+  const HybridSystem system = make_oscillator("linear", "hertz");
+  const Vector p = parameters(system, {{"b_H", 0.1}, {"eta", 0.93}});
+  const PeriodicOrbit orbit = shoot(system, p, settle(system, p, Vector::Zero(2)).state, 1);
+  REQUIRE(orbit.converged());
+  ContinuationOptions options;
+  options.from = 0.95;
+  options.to = 0.91;
+  const BranchGraph graph = follow_branches(system, {{orbit}}, options);
+  REQUIRE(graph.branches.size() == 3);  // two halves, and the doubled branch
+  const std::vector<std::vector<std::size_t>> curves = curves_of(graph.branches);
+  CHECK(curves == std::vector<std::vector<std::size_t>>{{0, 1}, {2}});
+  // The halves have the seed in common and no other orbit.
+  const Branch &up = graph.branches[0], &down = graph.branches[1];
+  CHECK(up.points.front().value == Approx(0.93).epsilon(1e-14));
+  CHECK((up.points.back().value - 0.93) * (down.points.back().value - 0.93) < 0.0);
+  for (const BranchPoint& point : down.points) CHECK((point.value - 0.93) * (down.points.back().value - 0.93) >= -1e-14);
+  // Without the other half it is a curve of its own.
+  CHECK(curves_of({graph.branches[1], graph.branches[2]}).size() == 2);
 }

@@ -263,3 +263,20 @@ TEST_CASE("misuse of the search is refused in a sentence") {
   CHECK_THROWS_WITH(search_orbits(known.system, parameters(known.system, {{"k_r", 1.5}}), 1),
                     "parameter k_r is 1.5; allowed is [0, 1]");
 }
+
+TEST_CASE("the search finds orbits that are in a stiff contact at phase 0, where the map bends sharply") {
+  // The 2/2 orbit just beyond the period doubling of the 1/1 orbit, in contact at phase 0 on one of its two turns.
+  const HybridSystem system = make_oscillator("linear", "linear");
+  const Vector p = parameters(system, {{"b", 0.0112}, {"k_S", 5338.0}, {"eta", 1.0254}, {"r", 0.8234}});
+  const SearchResult simple = search_orbits(system, p, 1), doubled = search_orbits(system, p, 2);
+  REQUIRE(simple.orbits.size() == 1);
+  CHECK(simple.orbits[0].impacts == 1);
+  CHECK_FALSE(simple.orbits[0].stable());
+  CHECK(simple.orbits[0].state[0] > 0.8234);
+  REQUIRE_FALSE(doubled.orbits.empty());
+  const PeriodicOrbit& orbit = doubled.orbits.front();
+  CHECK(orbit.period == 2);
+  CHECK(orbit.impacts == 2);
+  CHECK(orbit.stable());
+  CHECK(orbit.admissible == Admissibility::admissible);
+}
