@@ -20,6 +20,19 @@ namespace {
 /// and not too many to lose.
 constexpr std::size_t open_on_a_thread = 4;
 
+/// The attractor that a motion comes to. Where it repeats itself to within `repeats` on its way, Newton's method is tried at
+/// once; at its end all returns are.
+Attractor followed(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options) {
+  constexpr double repeats = 1e-4;
+  AttractorOptions looking = options;
+  looking.recurrence = repeats;
+  Attractor attractor = approach_attractor(system, p, start, looking);
+  if (attractor.type == AttractorType::periodic || attractor.termination != Termination::time) return attractor;
+  AttractorOptions there = options;
+  there.transient = 0;
+  return approach_attractor(system, p, Vector(attractor.state), there);
+}
+
 /// The rows of one direction.
 class OneWay {
  public:
@@ -119,7 +132,7 @@ class OneWay {
     row.value = values_[rows_.size()];
     row.direction = direction_;
     try {
-      row.attractor = approach_attractor(system_, parameters(row.value), rows_.empty() ? start_ : rows_.back().end, finding);
+      row.attractor = followed(system_, parameters(row.value), rows_.empty() ? start_ : rows_.back().end, finding);
     } catch (const std::invalid_argument&) {  // the state before lies inside the barrier of this value
       return std::nullopt;
     }

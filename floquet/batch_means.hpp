@@ -28,6 +28,10 @@ class BatchMeans {
       for (std::size_t i = 0; i < most / 2; ++i) batches_[i] = 0.5 * (batches_[2 * i] + batches_[2 * i + 1]);
       batches_.resize(most / 2);
       length_ *= 2;
+      batch_sum_ = batch_squares_ = 0.0;
+      for (const double batch : batches_) count_in(batch);
+    } else {
+      count_in(batches_.back());
     }
     error_ = error_of_batches();
   }
@@ -35,6 +39,9 @@ class BatchMeans {
   std::int64_t count() const { return count_; }
   double total() const { return static_cast<double>(count_) * first_ + sum_; }
   double mean() const { return total() / static_cast<double>(std::max<std::int64_t>(count_, 1)); }
+  /// Whether the last value ended a batch: the standard error is another. And how many values that will take.
+  bool ended_batch() const { return in_open_ == 0; }
+  std::int64_t until_batch_ends() const { return length_ - in_open_; }
   /// Infinite until there are enough batches.
   double standard_error() const { return error_; }
   /// What the ends of the series leave open: where terms alternate by much (the growth along an orbit of several periods), the
@@ -57,15 +64,20 @@ class BatchMeans {
   double error_of_batches() const {
     const std::size_t n = batches_.size();
     if (n < most / 4) return std::numeric_limits<double>::infinity();
-    double average = 0.0, sum = 0.0;
-    for (const double batch : batches_) average += batch / static_cast<double>(n);
-    for (const double batch : batches_) sum += (batch - average) * (batch - average);
-    return std::sqrt(sum / static_cast<double>(n - 1) / static_cast<double>(n));
+    const auto all = static_cast<double>(n);
+    return std::sqrt(std::max(0.0, batch_squares_ - batch_sum_ * batch_sum_ / all) / (all - 1.0) / all);
+  }
+
+  void count_in(double batch) {
+    const double beyond = batch - batches_.front();
+    batch_sum_ += beyond;
+    batch_squares_ += beyond * beyond;
   }
 
   std::vector<double> batches_;
   std::int64_t count_ = 0, length_ = 1, in_open_ = 0;
   double first_ = 0.0, sum_ = 0.0, squares_ = 0.0;  // the sums: of what is beyond the first value, and of its squares
+  double batch_sum_ = 0.0, batch_squares_ = 0.0;    // likewise, of the means of batches beyond that of the first
   double open_ = 0.0, error_ = std::numeric_limits<double>::infinity();
 };
 

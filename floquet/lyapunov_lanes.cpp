@@ -3,6 +3,7 @@
 #include <graze/floquet/exponents.hpp>
 #include <graze/floquet/log_product.hpp>
 #include <graze/floquet/lyapunov_lanes.hpp>
+#include <graze/lib/in_parallel.hpp>
 #include <graze/lib/many_motions.hpp>
 
 #include <algorithm>
@@ -17,6 +18,8 @@ namespace {
 constexpr std::int64_t lasting = ManyMotions::periods_for_table / 4;
 /// Forcing periods between two looks at what has been reached: an eighth of what there was, lest much be carried in vain.
 constexpr std::size_t shortest_stretch = 32, longest_stretch = 256;
+/// Of the motions side by side, that are worth all threads.
+constexpr std::size_t long_for_threads = 64;
 
 /// One motion with its first tangent vector.
 struct Strand {
@@ -24,8 +27,50 @@ struct Strand {
   double c = 1.0, s = 0.0;
   LogProduct growth = {}, det = {};  // since the last orthonormalisation
   double liouville = 0.0;            // likewise
-  int periods = 0;
+  int periods = 0;                   // likewise
   std::array<BatchMeans, 2> means = {};
+  std::array<bool, 2> lost{};
+  std::int64_t averaged = 0, impacts = 0;  // periods that were, up to the last orthonormalisation; impacts in all that were
+  double liouville_residual = 0.0;
+  Termination termination = Termination::time;
+
+  /// What one more period did to it.
+  void add(const PeriodResult& period, bool counted, int interval) {
+    if (termination != Termination::time) return;
+    termination = period.termination;
+    if (termination != Termination::time) return;
+    at.x = period.x;
+    at.v = period.v;
+    const double to_c = period.Phi[0] * c + period.Phi[1] * s, to_s = period.Phi[2] * c + period.Phi[3] * s;
+    const double length = std::sqrt(to_c * to_c + to_s * to_s), inverse = 1.0 / length;
+    growth.multiply(length);
+    det.multiply(period.det);
+    liouville += period.liouville;
+    c = length > 0.0 ? to_c * inverse : 1.0;
+    s = length > 0.0 ? to_s * inverse : 0.0;
+    if (!counted) return begin_interval();
+    impacts += period.impacts;
+    if (++periods == interval) end_interval(interval);
+  }
+
+ private:
+  void begin_interval() {
+    growth = det = {};
+    liouville = 0.0;
+    periods = 0;
+  }
+  void end_interval(int interval) {
+    const double log_det = det.value(), first = growth.value();
+    const std::array<double, 2> grown = {first, (std::isfinite(log_det) ? log_det : liouville) - first};
+    for (std::size_t i = 0; i < 2; ++i) {
+      lost[i] = lost[i] || !std::isfinite(grown[i]);
+      if (!lost[i]) means[i].add(grown[i]);
+    }
+    if (std::isfinite(log_det) && std::isfinite(liouville))
+      liouville_residual = std::max(liouville_residual, std::abs(log_det - liouville) / interval);
+    averaged += interval;
+    begin_interval();
+  }
 };
 
 /// All motions of one start.
@@ -55,14 +100,19 @@ class Average {
 
   /// What `periods` more did to its motions, one after the other.
   void add(const PeriodResult* results, std::size_t periods) {
-    for (std::size_t k = 0; k < periods && open_; ++k) {
-      for (std::size_t i = 0; i < strands_.size(); ++i) add(strands_[i], results[i * periods + k]);
-      out_.termination = results[k].termination;
-      if (failed_) {
-        out_.stop = LyapunovStop::failed;
-        open_ = false;
-      } else if (uncounted_ > 0) {
-        --uncounted_;
+    for (std::size_t k = 0; k < periods && open_;) {
+      const std::size_t n = std::min<std::size_t>(periods - k, static_cast<std::size_t>(until_look()));
+      const bool counted = uncounted_ == 0;
+      const std::size_t parts = options_.all_threads && n >= long_for_threads ? std::min(threads_here(), strands_.size()) : 1;
+      in_parallel(parts, [&](std::size_t part) {
+        for (std::size_t i = part * strands_.size() / parts; i < (part + 1) * strands_.size() / parts; ++i)
+          for (std::size_t j = 0; j < n; ++j) strands_[i].add(results[i * periods + k + j], counted, options_.interval);
+      });
+      k += n;
+      if (gather(); out_.termination != Termination::time) {
+        stop(LyapunovStop::failed);
+      } else if (!counted) {
+        uncounted_ -= static_cast<std::int64_t>(n);
       } else if (strands_.front().periods == 0) {
         look();
       }
@@ -89,38 +139,27 @@ class Average {
   }
 
  private:
-  void add(Strand& strand, const PeriodResult& period) {
-    if (period.termination != Termination::time) {
-      failed_ = true;
-      return;
+  /// Periods after which something is asked: where the motions begin to count, or have another standard error, or may end.
+  std::int64_t until_look() const {
+    if (uncounted_ > 0) return uncounted_;
+    const Strand& first = strands_.front();
+    const std::int64_t all = static_cast<std::int64_t>(strands_.size()), to_end = (options_.max_periods - out_.periods) / all;
+    const std::int64_t intervals = options_.change > 0.0 || lost_[0] ? 1 : first.means[0].until_batch_ends();
+    return std::max<std::int64_t>(1, std::min(intervals * options_.interval - first.periods, to_end));
+  }
+
+  /// From all motions.
+  void gather() {
+    out_.impacts = 0;
+    out_.periods = 0;
+    out_.termination = Termination::time;
+    for (const Strand& strand : strands_) {
+      out_.impacts += strand.impacts;
+      out_.periods += strand.averaged;
+      out_.liouville_residual = std::max(out_.liouville_residual, strand.liouville_residual);
+      for (std::size_t i = 0; i < 2; ++i) lost_[i] = lost_[i] || strand.lost[i];
+      if (strand.termination != Termination::time) out_.termination = strand.termination;
     }
-    strand.at.x = period.x;
-    strand.at.v = period.v;
-    const double c = period.Phi[0] * strand.c + period.Phi[1] * strand.s, s = period.Phi[2] * strand.c + period.Phi[3] * strand.s;
-    const double length = std::sqrt(c * c + s * s), inverse = 1.0 / length;
-    strand.growth.multiply(length);
-    strand.det.multiply(period.det);
-    strand.liouville += period.liouville;
-    strand.c = length > 0.0 ? c * inverse : 1.0;
-    strand.s = length > 0.0 ? s * inverse : 0.0;
-    const auto begin_interval = [&] {
-      strand.growth = strand.det = {};
-      strand.liouville = 0.0;
-      strand.periods = 0;
-    };
-    if (uncounted_ > 0) return begin_interval();
-    out_.impacts += period.impacts;
-    if (++strand.periods < options_.interval) return;
-    const double log_det = strand.det.value(), first = strand.growth.value();
-    const std::array<double, 2> growth = {first, (std::isfinite(log_det) ? log_det : strand.liouville) - first};
-    for (std::size_t i = 0; i < 2; ++i) {
-      lost_[i] = lost_[i] || !std::isfinite(growth[i]);
-      if (!lost_[i]) strand.means[i].add(growth[i]);
-    }
-    if (std::isfinite(log_det) && std::isfinite(strand.liouville))
-      out_.liouville_residual = std::max(out_.liouville_residual, std::abs(log_det - strand.liouville) / options_.interval);
-    begin_interval();
-    out_.periods += options_.interval;
   }
 
   /// After an orthonormalisation of all motions: whether that is enough.
@@ -132,7 +171,9 @@ class Average {
       const double change = std::max(std::abs(last_[0] - before[0]), std::abs(last_[1] - before[1]));
       if (out_.periods > round && change < options_.change) return stop(LyapunovStop::change);
     }
-    if (options_.change == 0.0 && options_.standard_error > 0.0 && settled()) return stop(LyapunovStop::standard_error);
+    const bool asked =
+        options_.change == 0.0 && options_.standard_error > 0.0 && (lost_[0] || strands_.front().means[0].ended_batch());
+    if (asked && settled()) return stop(LyapunovStop::standard_error);
     if (out_.periods + round > options_.max_periods) open_ = false;
   }
 
@@ -174,7 +215,7 @@ class Average {
   std::int64_t uncounted_ = 0;
   std::array<bool, 2> lost_{};
   std::array<double, 2> last_{};
-  bool open_ = true, failed_ = false, announced_ = false;
+  bool open_ = true, announced_ = false;
   LyapunovSpectrum out_;
 };
 

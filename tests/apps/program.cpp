@@ -289,7 +289,7 @@ TEST_CASE("Ctrl-C keeps what was computed and exits with 130") {
   CHECK_THAT(search.err, Contains("interrupted after"));
 }
 
-TEST_CASE("whoever asks the program to end, what was computed is kept; under nohup a terminal that closes asks nothing") {
+TEST_CASE("whoever asks the program to end, what was computed is kept (under nohup a terminal that closes asks nothing)") {
   const TemporaryFolder folder;
   const std::string out = folder.file("r.json");
   const std::string sweep = "sweep " + newton + " --from 0.7 --to 0.76 --step 0.00003 --json " + out;

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Approach: a transient on its way to an attractor, with a look at its returns where AttractorOptions::recurrence asks for it.
+#pragma once
+
+#include <graze/floquet/attractor.hpp>
+
+#include <algorithm>
+#include <utility>
+
+namespace graze {
+
+/// Where AttractorOptions::recurrence is set: returns that are worth Newton's method, against those that give rise to a look. And
+/// how nearly a motion that lingers repeats itself.
+inline double nearness_of(const AttractorOptions& options) {
+  return 20.0 * (options.recurrence > 0.0 ? options.recurrence : 1e-4);
+}
+
+inline bool cancelled(const AttractorOptions& options) { return options.lyapunov.cancelled && options.lyapunov.cancelled(); }
+
+/// A transient on its way, with a look at its returns.
+class Approach {
+ public:
+  Approach(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options)
+      : options_(options), watch_(options.recurrence) {
+    initial_mode(system, 0.0, start, p);
+    out_.state = start;
+    out_.termination = Termination::time;
+    if (options.transient == 0) asks_ = options.max_period;
+  }
+
+  bool open() const { return open_ && asks_ == 0; }
+  const Vector& state() const { return out_.state; }
+  void stop(Termination reason) {
+    out_.termination = reason;
+    open_ = false;
+    asks_ = 0;
+  }
+
+  /// What one more period did.
+  void see(Termination termination, const Vector& state) {
+    ++periods_;
+    if (termination != Termination::time) return stop(termination);
+    out_.state = state;
+    asks_ = std::min(watch_.see(state), options_.max_period);
+    if (periods_ == options_.transient) asks_ = options_.max_period;
+  }
+
+  /// > 0: it goes on when it is told whether it is settling on an orbit of up to so many periods.
+  int asks() const { return asks_; }
+  void answer(std::optional<PeriodicOrbit> orbit) {
+    open_ = !orbit && periods_ < options_.transient;
+    asks_ = 0;
+    if (orbit) settle_on(out_, std::move(*orbit));
+  }
+
+  Attractor result() && { return std::move(out_); }
+
+ private:
+  const AttractorOptions& options_;
+  ReturnWatch watch_;
+  Attractor out_;
+  int periods_ = 0, asks_ = 0;
+  bool open_ = true;
+};
+
+}  // namespace graze

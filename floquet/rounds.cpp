@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/approach.hpp>
+#include <graze/floquet/rounds.hpp>
+
+#include <cmath>
+#include <utility>
+
+namespace graze {
+
+void push_off(const HybridSystem& system, const Vector& p, int round, Vector& state) {
+  const double far = 1e-4 * std::pow(10.0, round) * (1.0 + state.lpNorm<Eigen::Infinity>());
+  for (const double way : {-far, far}) {
+    Vector pushed = state;
+    pushed[0] += way;
+    if (system.initial_mode && !system.initial_mode(0.0, pushed, p)) continue;
+    state = pushed;
+    return;
+  }
+}
+
+std::int64_t periods_each(const LyapunovSpectrum& average) {
+  return average.periods / static_cast<std::int64_t>(1 + average.others.size());
+}
+
+Lingering watch_end(const Attractor& attractor, int period, double T, const AttractorOptions& options) {
+  constexpr double most = 20000.0;
+  const double growth = attractor.type == AttractorType::chaotic ? attractor.exponents[0] * T : 0.0;
+  const bool can_tell = growth * most > 40.0;
+  return {attractor.state, period, nearness_of(options), can_tell ? static_cast<std::int64_t>(40.0 / growth) : 0};
+}
+
+void take_average(LyapunovSpectrum average, const AttractorOptions& options, Attractor& attractor) {
+  attractor.time_average = std::move(average);
+  attractor.state = attractor.time_average.state;
+  attractor.exponents = attractor.time_average.exponents;
+  attractor.standard_errors = attractor.time_average.standard_errors;
+  const bool positive =
+      !attractor.exponents.empty() && attractor.exponents[0] > options.significance * attractor.standard_errors[0];
+  attractor.type = positive ? AttractorType::chaotic : AttractorType::undecided;
+}
+
+bool wants_confirmation(const AttractorOptions& options, const Attractor& attractor) {
+  return options.recurrence > 0.0 && attractor.type == AttractorType::chaotic &&
+         attractor.time_average.stop == LyapunovStop::standard_error;
+}
+
+}  // namespace graze

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Rounds: what is asked of a motion that has been averaged, and what is done with one that has to be followed on, be it one
+// motion (attractor.cpp) or many side by side (attractors_side_by_side.cpp).
+#pragma once
+
+#include <graze/floquet/attractor.hpp>
+#include <graze/floquet/lingering.hpp>
+
+namespace graze {
+
+/// A motion that lingers is given transients three times as long, then nine times, ...
+inline constexpr int most_rounds = 3, shortest_transient = 300;
+/// So is, where averages are short, one that they leave undecided: it may be on a long transient.
+inline constexpr int rounds_for_undecided = 2;
+
+/// Off an unstable orbit that it is on, farther each time; not into a barrier.
+void push_off(const HybridSystem& system, const Vector& p, int round, Vector& state);
+
+/// The periods that each of the motions of an average was carried.
+std::int64_t periods_each(const LyapunovSpectrum& average);
+
+/// A watch on the end of an average. A distance as small as rounding grows beyond all bounds in 40 times the time in which the
+/// exponent has it grow e-fold.
+Lingering watch_end(const Attractor& attractor, int period, double T, const AttractorOptions& options);
+
+/// What the time average over a motion that was not known to be periodic says, if it has not settled.
+void take_average(LyapunovSpectrum average, const AttractorOptions& options, Attractor& attractor);
+
+/// Many looks at an average find it positive by chance, or for a while: where one stopped as soon as it was, another has to say
+/// the same.
+bool wants_confirmation(const AttractorOptions& options, const Attractor& attractor);
+
+}  // namespace graze
