@@ -67,7 +67,7 @@ void check_plan(const MapPlan& plan) {
       const Problem problem = corner(plan, column, row);
       check_forcing(problem);
       for (std::size_t i = 0; i < plan.starts.size(); ++i)
-        if (!plan.starts[i] || problem.system.initial_mode(0.0, *plan.starts[i], problem.parameters)) admissible[i] = true;
+        if (!plan.starts[i] || mode_at(problem.system, 0.0, *plan.starts[i], problem.parameters)) admissible[i] = true;
     }
   for (std::size_t i = 0; i < plan.starts.size(); ++i)  // else it is a matter of the point
     if (!admissible[i] || (plan.starts[i] && !plan.starts[i]->allFinite()))

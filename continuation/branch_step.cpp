@@ -3,6 +3,7 @@
 #include <graze/continuation/test_functions/test_function.hpp>
 #include <graze/lib/transition.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -104,8 +105,11 @@ std::optional<PassedPoint> passed_again(const BranchStep& step) {
   // A curve that turns by 0.3 at most from one end of the step to the other stays closer to the chord than this.
   double nearest = 0.1 * length;
   std::optional<PassedPoint> passed;
+  const double around = nearest * step.scale, low = std::min(step.last().value, step.next.value) - around,
+               high = std::max(step.last().value, step.next.value) + around;
   // The last point but one is where this step comes from.
   for (std::size_t k = 1; k + 2 < points.size(); ++k) {
+    if (points[k].value < low || points[k].value > high) continue;  // most of a long branch
     const Vector there = between(step.last(), points[k], step.scale);
     const double part = chord.dot(there) / (length * length), distance = (there - part * chord).norm();
     if (!(part > 0.0 && part <= 1.0) || distance >= nearest) continue;

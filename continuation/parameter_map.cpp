@@ -105,13 +105,13 @@ class Rows {
       Vector p = p_;
       p[column_] = grid_.columns.at(task.column);
       p[row_] = grid_.rows.at(task.row);
-      if (task.state && admissible(*task.state, p)) {
+      if (task.state && mode_at(system_, 0.0, *task.state, p)) {
         going_on.push_back({p, *task.state});
         of_going_on.push_back(task.out);
         continue;
       }
       const Vector start = task.layer->start(p);
-      if (!admissible(start, p)) {
+      if (!mode_at(system_, 0.0, start, p)) {
         task.out->type = MapType::inadmissible;
         if (options_.progress) options_.progress();
         continue;
@@ -132,10 +132,6 @@ class Rows {
       take(found[i], *out[i]);
       if (options_.progress && out[i]->type != MapType::not_run) options_.progress();
     }
-  }
-
-  bool admissible(const Vector& state, const Vector& p) const {
-    return !system_.initial_mode || system_.initial_mode(0.0, state, p).has_value();
   }
 
   void take(const Attractor& attractor, MapPoint& out) const {

@@ -100,7 +100,7 @@ class SeedFinder {
       settling.lyapunov.cancelled = options_.continuation.cancelled;
       settling.lyapunov.flow = options_.continuation.shooting.flow;
       for (const Vector& start : {previous.value_or(rest), rest}) {
-        if (system_.initial_mode && !system_.initial_mode(0.0, start, p)) continue;
+        if (!mode_at(system_, 0.0, start, p)) continue;
         const Attractor attractor = approach_attractor(system_, p, start, settling);
         if (attractor.termination != Termination::time) continue;
         if (way != 0) previous = attractor.state;

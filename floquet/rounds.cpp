@@ -12,7 +12,7 @@ void push_off(const HybridSystem& system, const Vector& p, int round, Vector& st
   for (const double way : {-far, far}) {
     Vector pushed = state;
     pushed[0] += way;
-    if (system.initial_mode && !system.initial_mode(0.0, pushed, p)) continue;
+    if (!mode_at(system, 0.0, pushed, p)) continue;
     state = pushed;
     return;
   }

@@ -194,7 +194,7 @@ class Search {
     for (int j = 0; j < equations.nodes(); ++j) {
       const std::optional<Vector> x =
           carried(equations.node(u, j), section.phase * T_, section.phase > 0.0 ? (1.0 - section.phase) * T_ : 0.0);
-      if (!x || !x->allFinite() || (system_.initial_mode && !system_.initial_mode(0.0, *x, p_))) return;
+      if (!x || !mode_at(system_, 0.0, *x, p_)) return;
       nodes.push_back(*x);
     }
     PeriodicOrbit orbit = shoot(system_, p_, nodes, period_, options_.shooting);

@@ -109,12 +109,16 @@ void validate(const HybridSystem& system) {
   }
 }
 
+std::optional<std::size_t> mode_at(const HybridSystem& system, double t, const Vector& x, const Vector& p) {
+  if (!x.allFinite()) return std::nullopt;
+  return system.initial_mode ? system.initial_mode(t, x, p) : 0;
+}
+
 std::size_t initial_mode(const HybridSystem& system, double t, const Vector& x, const Vector& p) {
   if (static_cast<std::size_t>(x.size()) != system.states)
     throw std::invalid_argument(fmt::format("the state has {} entries; system {} has {}", x.size(), system.name, system.states));
   if (!x.allFinite()) throw std::invalid_argument("the state holds a value that is not a finite number");
-  if (!system.initial_mode) return 0;
-  const std::optional<std::size_t> mode = system.initial_mode(t, x, p);
+  const std::optional<std::size_t> mode = mode_at(system, t, x, p);
   if (!mode)
     throw std::invalid_argument(
         fmt::format("the state ({}) lies inside the barrier; start on the free side of it", fmt::join(x, ", ")));

@@ -135,7 +135,10 @@ Vector forcing_period_dp(const HybridSystem& system, const Vector& p);
 /// Checks that the pieces fit: sizes, derivatives present, targets exist. @throws std::invalid_argument in one sentence.
 void validate(const HybridSystem& system);
 
-/// The mode that `x` belongs to. @throws std::invalid_argument if the state is not finite, has the wrong size or is not
+/// The mode that `x` belongs to; nullopt: no motion begins there, it is not finite or lies inside a barrier.
+std::optional<std::size_t> mode_at(const HybridSystem& system, double t, const Vector& x, const Vector& p);
+
+/// The same. @throws std::invalid_argument if the state is not finite, has the wrong size or is not
 /// admissible.
 std::size_t initial_mode(const HybridSystem& system, double t, const Vector& x, const Vector& p);
 

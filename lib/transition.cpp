@@ -62,10 +62,7 @@ class Composer {
     state_.t = t0;
     state_.x = x0;
     state_.mode = 0;
-    const auto& choose = propagator_.system().initial_mode;
-    const std::optional<std::size_t> mode = !x0.allFinite() ? std::nullopt
-                                            : choose        ? choose(t0, x0, propagator_.parameters())
-                                                            : std::optional<std::size_t>(0);
+    const std::optional<std::size_t> mode = mode_at(propagator_.system(), t0, x0, propagator_.parameters());
     if (!mode) return fail(Termination::inadmissible_start);
     out_.mode0 = state_.mode = *mode;
     return true;

@@ -88,7 +88,7 @@ std::vector<Vector> starts_of(const Options& options, const std::array<Axis, 2>&
 /// @throws std::invalid_argument if there is none that a motion can begin with.
 void check_starts(const Problem& problem, const std::vector<Vector>& starts) {
   const auto admissible = [&problem](const Vector& start) {
-    return !problem.system.initial_mode || problem.system.initial_mode(0.0, start, problem.parameters);
+    return mode_at(problem.system, 0.0, start, problem.parameters).has_value();
   };
   if (std::none_of(starts.begin(), starts.end(), admissible))
     throw std::invalid_argument(

@@ -56,7 +56,7 @@ std::vector<PeriodicOrbit> impactless(const Problem& problem, const std::string&
     Problem at = problem;
     set_parameter(at, name, from + i * (to - from) / (values - 1));
     const Vector guess = steady_response(at.parameters);
-    if (!guess.allFinite() || (at.system.initial_mode && !at.system.initial_mode(0.0, guess, at.parameters))) continue;
+    if (!mode_at(at.system, 0.0, guess, at.parameters)) continue;
     PeriodicOrbit orbit = shoot(at.system, at.parameters, guess, 1);
     if (orbit.converged() && orbit.impacts == 0) list.push_back(std::move(orbit));
   }

@@ -56,7 +56,7 @@ std::vector<PeriodicOrbit> from_grid(const Known& known, int n, int side) {
   for (int i = 0; i < side; ++i) {
     for (int j = 0; j < side; ++j) {
       const Vector x = lower + (upper - lower).cwiseProduct(vector({(i + 0.5) / side, (j + 0.5) / side}));
-      if (known.system.initial_mode && !known.system.initial_mode(0.0, x, known.p)) continue;
+      if (!mode_at(known.system, 0.0, x, known.p)) continue;
       const PeriodicOrbit orbit = shoot(known.system, known.p, x, n, {.nodes = (i + j) % 2 == 0 ? 1 : n});
       if (orbit.converged() && orbit.period == n && !holds(found, orbit)) found.push_back(orbit);
     }
