@@ -72,7 +72,7 @@ class SideBySide {
       going_on.push_back(i);
       if (watches[k].on_an_orbit()) push_off(system_, starts_[i].p, round, out_[i].state);
     }
-    if (round < rounds_for_undecided)
+    if (round < rounds_for_undecided && !stop())
       for (const std::size_t i : open)
         if (out_[i].type == AttractorType::undecided && std::find(going_on.begin(), going_on.end(), i) == going_on.end())
           going_on.push_back(i);
