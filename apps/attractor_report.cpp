@@ -82,7 +82,7 @@ std::string attractor_name(const Attractor& attractor) {
   return attractor.orbit ? z_label(*attractor.orbit) : z_label(attractor.impacts, attractor.period);
 }
 
-std::string attractor_text(const Attractor& attractor) {
+std::string attractor_text(const Attractor& attractor, int max_period) {
   std::string text;
   if (attractor.type == AttractorType::periodic) {
     text = fmt::format("periodic, {}: exponents ln|mu| / (nT) of its multipliers\n", attractor_name(attractor));
@@ -90,7 +90,10 @@ std::string attractor_text(const Attractor& attractor) {
     text = fmt::format("chaotic: the first exponent is positive by {} standard errors\n",
                        rounded(attractor.exponents[0] / attractor.standard_errors[0], 3));
   } else {
-    text = "undecided: neither a stable orbit is reached nor is the first exponent positive by several standard errors\n";
+    text =
+        fmt::format("undecided: no stable orbit of up to {} forcing periods (--max-period) is reached, nor is the first exponent "
+                    "positive by several standard errors\n",
+                    max_period);
   }
   text += fmt::format("  state at forcing phase 0   x = {}   x' = {}\n\n", rounded(attractor.state[0], 12),
                       rounded(attractor.state[1], 12));

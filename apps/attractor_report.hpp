@@ -31,7 +31,7 @@ Attractor attractor_of(const Json& json);
 /// "z = 2/3", "z = ∞/1" of an orbit that sticks, "chaotic", "undecided".
 std::string attractor_name(const Attractor& attractor);
 
-/// All that `graze lyapunov` prints of an attractor.
-std::string attractor_text(const Attractor& attractor);
+/// All that `graze lyapunov` prints of an attractor, where orbits of up to `max_period` were looked for.
+std::string attractor_text(const Attractor& attractor, int max_period);
 
 }  // namespace graze::apps

@@ -99,7 +99,8 @@ int run(const Options& options, const Console& console) {
     result.table.rows.push_back({std::to_string(i + 1), exact(attractor.exponents[i]), exact(attractor.standard_errors[i]),
                                  there ? exact(mean.exponents[i]) : "", there ? exact(mean.standard_errors[i]) : ""});
   }
-  result.text = describe(problem) + "\n\n" + (attractor.exponents.empty() ? message + "\n" : attractor_text(attractor));
+  result.text =
+      describe(problem) + "\n\n" + (attractor.exponents.empty() ? message + "\n" : attractor_text(attractor, options.max_period));
   if (status != Status::done) console.err << "graze lyapunov: " << message << "\n";
   return deliver(result, options.output, "lyapunov", exit_code(status), console);
 }
