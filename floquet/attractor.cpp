@@ -76,6 +76,22 @@ void conclude(const HybridSystem& system, const Vector& p, LyapunovSpectrum aver
   take_average(std::move(attractor.time_average), options, attractor);
 }
 
+/// Motions side by side are short. Where they have not settled, one is followed for as long as one that is averaged alone.
+void look_far_on(const HybridSystem& system, const Vector& p, const AttractorOptions& options, Attractor& attractor) {
+  const LyapunovStop stop = attractor.time_average.stop;
+  if (attractor.type == AttractorType::periodic || attractor.time_average.others.empty()) return;
+  if (stop != LyapunovStop::standard_error && stop != LyapunovStop::budget) return;
+  SettleOptions settling;
+  settling.periods = 2000;
+  settling.max_period = 0;
+  settling.cancelled = options.lyapunov.cancelled;
+  settling.flow = options.lyapunov.flow;
+  const Settled later = settle(system, p, attractor.state, settling);
+  if (later.termination == Termination::interrupted) attractor.time_average.stop = LyapunovStop::interrupted;
+  if (later.termination != Termination::time) return;
+  if (auto orbit = orbit_at_the_end(system, p, later.state, options)) settle_on(attractor, std::move(*orbit));
+}
+
 }  // namespace
 
 std::string_view attractor_type_name(AttractorType type) {
@@ -135,6 +151,7 @@ void average_on_attractor(const HybridSystem& system, const Vector& p, Attractor
     conclude(system, p, lyapunov_spectrum(system, p, begin, averaging), options, attractor);
     if (wants_confirmation(options, attractor))
       conclude(system, p, lyapunov_spectrum(system, p, attractor.state, averaging), options, attractor);
+    look_far_on(system, p, options, attractor);
     const std::optional<Lingering> watch = lingering(system, p, begin, attractor, options);
     if (!watch || !watch->goes_on()) return;
     if (round == most_rounds) {

@@ -102,6 +102,18 @@ template <class State> std::vector<int> returns_of(const std::vector<State>& sta
   return periods;
 }
 
+/// Which returns are tried: the closest, each after those of its divisors that are close, too (so that Newton's method need not
+/// find out that an orbit is shorter).
+std::vector<int> worth_a_try(const std::vector<int>& periods) {
+  std::vector<int> out;
+  for (std::size_t i = 0; i < std::min(most_tries, periods.size()); ++i)
+    for (int d = 1; d <= periods[i]; ++d)
+      if (periods[i] % d == 0 && std::find(periods.begin(), periods.end(), d) != periods.end() &&
+          std::find(out.begin(), out.end(), d) == out.end())
+        out.push_back(d);
+  return out;
+}
+
 }  // namespace
 
 Returns close_returns(const HybridSystem& system, const Vector& p, const Vector& state, int max_period, double nearness,
@@ -114,8 +126,7 @@ Returns close_returns(const HybridSystem& system, const Vector& p, const Vector&
 std::optional<PeriodicOrbit> orbit_of_close_returns(const HybridSystem& system, const Vector& p, const Vector& state,
                                                     int max_period, double nearness, const FlowOptions& flow) {
   const Returns returns = close_returns(system, p, state, max_period, nearness, flow);
-  for (std::size_t i = 0; i < std::min(most_tries, returns.periods.size()); ++i) {
-    const int n = returns.periods[i];
+  for (const int n : worth_a_try(returns.periods)) {
     const std::vector<Vector> states(returns.states.begin(), returns.states.begin() + n);
     if (auto orbit = stable_orbit_near(system, p, states, n, flow)) return orbit;
   }
@@ -179,18 +190,6 @@ PeriodicOrbit plain_orbit(const HybridSystem& system, const Vector& p, const Lan
     orbit.multipliers.exponents.push_back(std::log(std::abs(mu)) / orbit.duration);
   }
   return orbit;
-}
-
-/// Which returns are tried: the closest, each after those of its divisors that are close, too (so that Newton's method need not
-/// find out that an orbit is shorter).
-std::vector<int> worth_a_try(const std::vector<int>& periods) {
-  std::vector<int> out;
-  for (std::size_t i = 0; i < std::min(most_tries, periods.size()); ++i)
-    for (int d = 1; d <= periods[i]; ++d)
-      if (periods[i] % d == 0 && std::find(periods.begin(), periods.end(), d) != periods.end() &&
-          std::find(out.begin(), out.end(), d) == out.end())
-        out.push_back(d);
-  return out;
 }
 
 /// Whether motions come closer to the orbits that they may be settling on, as approaches() has it.

@@ -210,6 +210,37 @@ TEST_CASE("sweep: past a period doubling it goes on with the doubled orbit") {
   }
 }
 
+TEST_CASE("sweep: a slow way off an unstable orbit is not taken for chaos") {
+  // Past the doubling of a 1/1 orbit; after the transients asked for the motion is still near it, after some thousand periods on
+  // 2/1.
+  const Vector p = parameters(newton_oscillator(), {{"b", 0.02}, {"r", 1.0748}, {"k_r", 1.0}, {"xi", 0.5}, {"eta", 0.94318}});
+  for (const int transient : {10, 30, 100}) {
+    SweepOptions options = fine_sweep(0.528355, 0.588355, SweepDirection::up);
+    options.parameter = "k_r";
+    options.step = 0.02;
+    options.attractor.transient = transient;
+    options.attractor.lyapunov.max_periods = 20000;
+    options.attractor.lyapunov.standard_error = 1e-3;
+    const std::vector<SweepRow> rows = sweep(newton_oscillator(), p, Vector{{0.0, 0.0}}, options);
+    REQUIRE(rows.size() == 4);
+    INFO("transient " << transient);
+    CHECK(rows[1].attractor.type == AttractorType::periodic);
+    CHECK(rows[1].attractor.period == 2);
+    CHECK(rows[1].attractor.impacts == 1);
+  }
+}
+
+TEST_CASE("sweep: of an orbit and itself twice over the single one is found") {
+  // After 24 periods the motion is nearer than after 12: its multiplier is -0.98.
+  const Vector p = parameters(newton_oscillator(), {{"b", 0.005}, {"r", 0.0}, {"k_r", 0.7}, {"xi", 1.0}});
+  SweepOptions options = fine_sweep(1.0206608428392157, 1.0236608428392158, SweepDirection::up);
+  options.step = 0.0003;
+  const std::vector<SweepRow> rows = sweep(newton_oscillator(), p, Vector{{0.0, 0.0}}, options);
+  REQUIRE(rows.size() >= 10);
+  CHECK(rows[9].attractor.period == 12);
+  CHECK(rows[9].attractor.impacts == 17);
+}
+
 TEST_CASE("sweep: chaos in narrow bands is not taken for a motion that lingers") {
   // The cascade of the cantilever's 4/2 orbit ends in bands so narrow that the motion repeats itself to 2e-3 for good.
   const HybridSystem system = make_oscillator("cantilever", "linear");
