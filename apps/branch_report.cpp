@@ -142,15 +142,6 @@ std::string stability_text(const SpecialPoint& point) {
                                  : "neither stable nor unstable to first order (the return map has no derivative there)";
 }
 
-std::string special_orbit_text(const SpecialPoint& point) {
-  const PeriodicOrbit& orbit = point.orbit;
-  const std::string all = orbit_text(orbit);
-  return fmt::format("orbit {}: {} in {}, {}, {}", z_label(orbit), counted(static_cast<std::size_t>(orbit.impacts), "impact"),
-                     counted(static_cast<std::size_t>(orbit.period), "forcing period"), stability_text(point),
-                     orbit.admissible == Admissibility::admissible ? "admissible" : "NOT ADMISSIBLE") +
-         all.substr(all.find('\n'));
-}
-
 std::string branch_text(const Branch& branch, std::size_t most) {
   std::string text = fmt::format("branch {}: period {}, {}", branch.id, branch.period, counted(branch.points.size(), "point"));
   if (branch.parent) text += fmt::format(", born at {} of branch {}", branch.parent->label, branch.parent->branch);

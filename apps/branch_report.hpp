@@ -19,8 +19,8 @@ Json branch_json(const Branch& branch);
 /// A special point with twelve digits: where, how well known, its orbit and its details.
 std::string special_point_text(const SpecialPoint& point, const std::string& parameter);
 
-/// As orbit_text, of the orbit at the point: whether it is stable, is not for its multipliers to say everywhere.
-std::string special_orbit_text(const SpecialPoint& point);
+/// Whether the orbit at the point is stable, which is not for its multipliers to say everywhere.
+std::string stability_text(const SpecialPoint& point);
 
 /// "yes", "no", or empty where that is not told: in a table.
 std::string stable_cell(std::optional<bool> stable);

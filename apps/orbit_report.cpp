@@ -150,12 +150,14 @@ Json orbit_json(const PeriodicOrbit& orbit) {
   return out;
 }
 
-std::string orbit_text(const PeriodicOrbit& orbit) {
+std::string orbit_text(const PeriodicOrbit& orbit, const std::string& stability) {
   const bool admissible = orbit.admissible == Admissibility::admissible;
   const FloquetMultipliers& multipliers = orbit.multipliers;
   std::string text = fmt::format("orbit {}: {} impact{} in {} forcing period{}, {}, {}\n", z_label(orbit), orbit.impacts,
                                  orbit.impacts == 1 ? "" : "s", orbit.period, orbit.period == 1 ? "" : "s",
-                                 orbit.stable() ? "stable" : "unstable",
+                                 !stability.empty() ? stability
+                                 : orbit.stable()   ? "stable"
+                                                    : "unstable",
                                  admissible ? "admissible" : "NOT ADMISSIBLE (it passes through the barrier)");
   text +=
       fmt::format("  state at forcing phase 0   x = {}   x' = {}\n", rounded(orbit.state[0], 15), rounded(orbit.state[1], 15));

@@ -41,8 +41,8 @@ Json checks_json(const OrbitChecks& checks);
 /// As "orbit" in graze.orbit/1.
 Json orbit_json(const PeriodicOrbit& orbit);
 
-/// All that `graze orbit` prints of one orbit.
-std::string orbit_text(const PeriodicOrbit& orbit);
+/// All that `graze orbit` prints of one orbit. `stability`: in words; empty: what its multipliers say.
+std::string orbit_text(const PeriodicOrbit& orbit, const std::string& stability = {});
 
 /// One row per orbit: state, z, multipliers, stable, admissible.
 Table orbits_table(const std::vector<PeriodicOrbit>& orbits, bool for_people);

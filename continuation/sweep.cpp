@@ -28,9 +28,9 @@ Attractor followed(const HybridSystem& system, const Vector& p, const Vector& st
   looking.recurrence = repeats;
   Attractor attractor = approach_attractor(system, p, start, looking);
   if (attractor.type == AttractorType::periodic || attractor.termination != Termination::time) return attractor;
-  AttractorOptions there = options;
-  there.transient = 0;
-  return approach_attractor(system, p, Vector(attractor.state), there);
+  if (auto orbit = settling_orbit(system, p, attractor.state, options.max_period, options.lyapunov.flow))
+    settle_on(attractor, std::move(*orbit));
+  return attractor;
 }
 
 /// The rows of one direction.

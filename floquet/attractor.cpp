@@ -81,15 +81,11 @@ void look_far_on(const HybridSystem& system, const Vector& p, const AttractorOpt
   const LyapunovStop stop = attractor.time_average.stop;
   if (attractor.type == AttractorType::periodic || attractor.time_average.others.empty()) return;
   if (stop != LyapunovStop::standard_error && stop != LyapunovStop::budget) return;
-  SettleOptions settling;
-  settling.periods = 2000;
-  settling.max_period = 0;
-  settling.cancelled = options.lyapunov.cancelled;
-  settling.flow = options.lyapunov.flow;
-  const Settled later = settle(system, p, attractor.state, settling);
+  AttractorOptions far = options;
+  far.transient = 2000;
+  Attractor later = approach_attractor(system, p, attractor.state, far);
   if (later.termination == Termination::interrupted) attractor.time_average.stop = LyapunovStop::interrupted;
-  if (later.termination != Termination::time) return;
-  if (auto orbit = orbit_at_the_end(system, p, later.state, options)) settle_on(attractor, std::move(*orbit));
+  if (later.orbit) settle_on(attractor, std::move(*later.orbit));
 }
 
 }  // namespace
@@ -159,7 +155,7 @@ void average_on_attractor(const HybridSystem& system, const Vector& p, Attractor
       return;
     }
     if (watch->on_an_orbit()) push_off(system, p, round, attractor.state);
-    longer.transient = 3 * std::max(longer.transient, shortest_transient);
+    longer.transient = longer_transient(longer.transient);
     attractor = approach_attractor(system, p, attractor.state, longer);
     if (attractor.type == AttractorType::periodic || attractor.termination != Termination::time)
       return average_on_attractor(system, p, attractor, options);

@@ -26,7 +26,7 @@ class SideBySide {
     std::vector<std::size_t> left = find(all, 0, options_);
     AttractorOptions longer = options_;
     for (int round = 1; !left.empty(); ++round) {
-      longer.transient = 3 * std::max(longer.transient, shortest_transient);
+      longer.transient = longer_transient(longer.transient);
       left = find(left, round, longer);
     }
     return std::move(out_);

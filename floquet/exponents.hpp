@@ -3,6 +3,7 @@
 // lyapunov_lanes.cpp along many): whether that is enough, and how they are handed over.
 #pragma once
 
+#include <graze/floquet/batch_means.hpp>
 #include <graze/floquet/lyapunov.hpp>
 
 #include <algorithm>
@@ -10,6 +11,12 @@
 #include <numeric>
 
 namespace graze {
+
+/// Whether precise_enough is to be asked: standard errors are what ends the average, and there are others than before. `lost`:
+/// the first direction is; `first`: its means.
+inline bool has_new_errors(const LyapunovOptions& options, bool lost, const BatchMeans& first) {
+  return options.change == 0.0 && options.standard_error > 0.0 && (lost || first.ended_batch());
+}
 
 /// Whether LyapunovOptions' bounds are met after so many periods. `exponent(i)` is -infinity of a direction that is lost, whose
 /// `error(i)` is 0.

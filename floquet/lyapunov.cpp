@@ -167,8 +167,7 @@ LyapunovSpectrum lyapunov_spectrum(const HybridSystem& system, const Vector& p, 
       out.stop = LyapunovStop::change;
       break;
     }
-    if (options.change == 0.0 && options.standard_error > 0.0 && (lost[0] || means[0].ended_batch()) &&
-        precise_enough(options, out.periods, means.size(), exponent, error)) {
+    if (has_new_errors(options, lost[0], means[0]) && precise_enough(options, out.periods, means.size(), exponent, error)) {
       out.stop = LyapunovStop::standard_error;
       break;
     }

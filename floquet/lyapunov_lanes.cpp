@@ -171,9 +171,7 @@ class Average {
       const double change = std::max(std::abs(last_[0] - before[0]), std::abs(last_[1] - before[1]));
       if (out_.periods > round && change < options_.change) return stop(LyapunovStop::change);
     }
-    const bool asked =
-        options_.change == 0.0 && options_.standard_error > 0.0 && (lost_[0] || strands_.front().means[0].ended_batch());
-    if (asked && settled()) return stop(LyapunovStop::standard_error);
+    if (has_new_errors(options_, lost_[0], strands_.front().means[0]) && settled()) return stop(LyapunovStop::standard_error);
     if (out_.periods + round > options_.max_periods) open_ = false;
   }
 

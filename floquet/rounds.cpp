@@ -2,10 +2,16 @@
 #include <graze/floquet/approach.hpp>
 #include <graze/floquet/rounds.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 namespace graze {
+
+int longer_transient(int transient) {
+  constexpr int shortest = 300;
+  return 3 * std::max(transient, shortest);
+}
 
 void push_off(const HybridSystem& system, const Vector& p, int round, Vector& state) {
   const double far = 1e-4 * std::pow(10.0, round) * (1.0 + state.lpNorm<Eigen::Infinity>());

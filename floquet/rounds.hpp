@@ -8,8 +8,9 @@
 
 namespace graze {
 
-/// A motion that lingers is given transients three times as long, then nine times, ...
-inline constexpr int most_rounds = 3, shortest_transient = 300;
+/// A motion that lingers is followed on so many times, each with a longer transient.
+inline constexpr int most_rounds = 3;
+int longer_transient(int transient);
 /// So is, where averages are short, one that they leave undecided: it may be on a long transient.
 inline constexpr int rounds_for_undecided = 2;
 

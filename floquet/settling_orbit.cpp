@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/floquet/approaching.hpp>
+#include <graze/floquet/distance_watch.hpp>
 #include <graze/floquet/lane_orbits.hpp>
-#include <graze/floquet/settle.hpp>
 #include <graze/floquet/settling_orbit.hpp>
 #include <graze/floquet/side_by_side.hpp>
 #include <graze/floquet/stroboscopic_states.hpp>
@@ -44,21 +43,44 @@ double distance(const PeriodicOrbit& orbit, const Vector& x) {
   return least;
 }
 
+Pair pair_of(const Vector& state) { return {state[0], state[1]}; }
+
+double distance(const LaneOrbit& orbit, const Vector& x) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Pair& state : orbit.states) least = std::min(least, apart(state, pair_of(x)));
+  return least;
+}
+
+/// A motion that may come closer to an orbit, to be carried until that is known.
+template <class Orbit> class NearOrbit {
+ public:
+  NearOrbit(const Orbit& orbit, const Vector& x, double slowest, std::size_t period)
+      : orbit_(&orbit), at_(x), watch_(distance(orbit, x), slowest, static_cast<int>(period)) {}
+  bool open() const { return watch_.open(); }
+  const Vector& state() const { return at_; }
+  void see(Termination end, const Vector& state) {
+    if (end != Termination::time) return watch_.stop();
+    at_ = state;
+    if (++periods_ % watch_.periods() == 0) watch_.see(distance(*orbit_, at_));
+  }
+  bool comes_closer() const { return watch_.comes_closer(); }
+
+ private:
+  const Orbit* orbit_;
+  Vector at_;
+  DistanceWatch watch_;
+  int periods_ = 0;
+};
+
+const auto never = [] { return false; };
+
 /// True if the motion from x comes closer to the orbit.
 bool approaches(const HybridSystem& system, const Vector& p, const PeriodicOrbit& orbit, const Vector& x,
                 const FlowOptions& flow) {
-  Approaching approaching(distance(orbit, x), std::abs(orbit.multipliers.values.front()), orbit.period);
-  SettleOptions options;
-  options.periods = approaching.periods();
-  options.max_period = 0;
-  options.flow = flow;
-  for (Vector at = x; approaching.open();) {
-    const Settled later = settle(system, p, at, options);
-    if (later.termination != Termination::time) return false;
-    approaching.see(distance(orbit, later.state));
-    at = later.state;
-  }
-  return approaching.comes_closer();
+  Propagator propagator(system, p, {}, flow);
+  NearOrbit motion(orbit, x, std::abs(orbit.multipliers.values.front()), static_cast<std::size_t>(orbit.period));
+  carry_watched(propagator, motion, never);
+  return motion.comes_closer();
 }
 
 /// The largest modulus of its eigenvalues; NaN where they cannot be found.
@@ -135,7 +157,6 @@ std::optional<PeriodicOrbit> orbit_of_close_returns(const HybridSystem& system, 
 
 namespace {
 
-Pair pair_of(const Vector& state) { return {state[0], state[1]}; }
 Vector vector_of(const Pair& state) { return Vector{{state[0], state[1]}}; }
 
 /// A motion that is carried for so many periods.
@@ -157,12 +178,6 @@ struct Run {
     if (states) states->push_back(pair_of(state));
   }
 };
-
-double distance(const LaneOrbit& orbit, const Vector& x) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const Pair& state : orbit.states) least = std::min(least, apart(state, pair_of(x)));
-  return least;
-}
 
 /// What an orbit that was found in lanes says to a motion that may be settling on it.
 enum class Verdict { no, delicate, yes };
@@ -193,34 +208,14 @@ PeriodicOrbit plain_orbit(const HybridSystem& system, const Vector& p, const Lan
 }
 
 /// Whether motions come closer to the orbits that they may be settling on, as approaches() has it.
-std::vector<bool> all_approach(ManyMotions& many, const std::vector<std::size_t>& sets, std::vector<Vector> states,
+std::vector<bool> all_approach(ManyMotions& many, const std::vector<std::size_t>& sets, const std::vector<Vector>& states,
                                const std::vector<LaneOrbit>& orbits) {
-  std::vector<Approaching> watches;
+  std::vector<NearOrbit<LaneOrbit>> motions;
   for (std::size_t i = 0; i < orbits.size(); ++i)
-    watches.emplace_back(distance(orbits[i], states[i]), std::abs(orbits[i].multipliers.front()),
-                         static_cast<int>(orbits[i].states.size()));
-  for (;;) {
-    std::vector<Run> runs;
-    std::vector<std::size_t> of, sets_of_runs;
-    for (std::size_t i = 0; i < watches.size(); ++i) {
-      if (!watches[i].open()) continue;
-      runs.push_back({watches[i].periods(), states[i]});
-      sets_of_runs.push_back(sets[i]);
-      of.push_back(i);
-    }
-    if (of.empty()) break;
-    carry_side_by_side(many, sets_of_runs, runs, [] { return false; });
-    for (std::size_t k = 0; k < of.size(); ++k) {
-      const std::size_t i = of[k];
-      states[i] = runs[k].at;
-      if (runs[k].termination == Termination::time)
-        watches[i].see(distance(orbits[i], states[i]));
-      else
-        watches[i].stop();
-    }
-  }
+    motions.emplace_back(orbits[i], states[i], std::abs(orbits[i].multipliers.front()), orbits[i].states.size());
+  carry_side_by_side(many, sets, motions, never);
   std::vector<bool> out;
-  for (const Approaching& watch : watches) out.push_back(watch.comes_closer());
+  for (const auto& motion : motions) out.push_back(motion.comes_closer());
   return out;
 }
 
@@ -238,7 +233,7 @@ std::vector<SettlingLook> look_for_orbits(const HybridSystem& system, ManyMotion
     runs.push_back({motions[i].max_period, motions[i].state, &states[i]});
     sets.push_back(motions[i].parameters);
   }
-  carry_side_by_side(many, sets, runs, [] { return false; });
+  carry_side_by_side(many, sets, runs, never);
   std::vector<std::vector<int>> tries;
   for (std::size_t i = 0; i < motions.size(); ++i) {
     const std::vector<int> returns = returns_of(states[i], nearness, motions[i].max_period);
@@ -337,7 +332,7 @@ std::optional<PeriodicOrbit> settling_orbit(const HybridSystem& system, const Ve
     }
     const auto is_refused = [&](const auto& orbit) {
       return std::any_of(refused.begin(), refused.end(),
-                         [&](const Vector& x) { return distance(orbit, x) < Approaching::on_it; });
+                         [&](const Vector& x) { return distance(orbit, x) < DistanceWatch::on_it; });
     };
     for (std::size_t i = 0; i < worth.size(); ++i) {
       if (!orbits.empty() && (verdict(orbits[i], state) == Verdict::no || is_refused(orbits[i]))) continue;
@@ -353,8 +348,9 @@ std::optional<PeriodicOrbit> settling_orbit(const HybridSystem& system, const Ve
   Transition transition;
   Matrix growth = Matrix::Identity(state.size(), state.size());
   std::vector<double> distances;  // of the returns
-  bool shrinks =
-      false;  // after one of the returns; the others can wait until it is known that the tangent does not grow for long
+  // Whether the tangent has shrunk after one of the returns; the others can wait until it is known that it does not grow for
+  // long.
+  bool shrinks = false;
   for (int n = 1; n <= max_period || (!worth.empty() && n <= long_enough); ++n) {
     carry(propagator, 0.0, T, states.back(), {.sensitivity = Sensitivity::state}, transition);
     if (transition.termination != Termination::time) break;

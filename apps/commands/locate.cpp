@@ -104,7 +104,8 @@ int run(const Options& options, const Console& console) {
   result.json["special_point"] = located.point ? special_point_json(*located.point) : Json(nullptr);
   result.text = describe(problem, options.parameter) + "\n\n";
   if (located.point) {
-    result.text += special_point_text(*located.point, options.parameter) + "\n" + special_orbit_text(*located.point);
+    result.text += special_point_text(*located.point, options.parameter) + "\n" +
+                   orbit_text(located.point->orbit, stability_text(*located.point));
     PeriodicOrbit orbit = located.point->orbit;
     result.table = orbits_table({orbit}, false);
     const auto stable =

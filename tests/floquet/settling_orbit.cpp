@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a motion is settling on where chaos and a stable orbit stand side by side.
+#include <graze/floquet/settle.hpp>
 #include <graze/floquet/settling_orbit.hpp>
 #include <graze/lib/oscillator.hpp>
 
@@ -25,15 +26,10 @@ const Vector beside_orbit = vector({1.81898998, -0.8426422});
 
 /// After so many periods.
 Vector later(const Vector& state, int periods) {
-  Propagator propagator(system_with_both(), with_both());
-  const double T = forcing_period(system_with_both(), with_both());
-  Transition transition;
-  Vector x = state;
-  for (int k = 0; k < periods; ++k) {
-    carry(propagator, 0.0, T, x, {.sensitivity = Sensitivity::none}, transition);
-    x = transition.x1;
-  }
-  return x;
+  SettleOptions options;
+  options.periods = periods;
+  options.max_period = 0;
+  return settle(system_with_both(), with_both(), state, options).state;
 }
 
 }  // namespace

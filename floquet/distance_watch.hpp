@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Approaching: whether a motion comes closer to a stable orbit, by its distance now and then.
+// DistanceWatch: whether a motion comes closer to a stable orbit, by its distance now and then.
 #pragma once
 
 #include <algorithm>
@@ -10,12 +10,12 @@ namespace graze {
 /// Asked for the distance each time that the orbit's slowest multiplier should have halved it. Once less than 3/4 of it are left,
 /// it has come closer; an orbit whose tangent is far from normal takes two such times, or more (after k of them (3/4)^k may be
 /// left). From far off, where a motion may be on its way past the orbit, it is watched to the end.
-class Approaching {
+class DistanceWatch {
  public:
   static constexpr double on_it = 1e-9;  ///< nearer than this there is nothing to see
 
   /// `slowest`: modulus of the orbit's first multiplier; `period`: of the orbit, in forcing periods.
-  Approaching(double distance, double slowest, int period) : before_(distance), closer_(distance < on_it) {
+  DistanceWatch(double distance, double slowest, int period) : before_(distance), closer_(distance < on_it) {
     constexpr double most = 20000.0;
     constexpr int not_long = 256, most_times = 8;
     const double turns = slowest > 0.0 ? std::ceil(std::log(0.5) / std::log(slowest)) : 1.0;
