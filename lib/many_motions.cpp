@@ -69,8 +69,8 @@ std::size_t ManyMotions::add_parameters(const Vector& p) {
   const auto oscillator = options_.kind == FlowKind::automatic ? lanes::lane_oscillator(*system_, p) : std::nullopt;
   if (!oscillator || (!sets_.empty() && sets_.front()->oscillator.law != oscillator->law))
     throw std::invalid_argument(
-        fmt::format("{} at these parameters is not an oscillator that the lanes know (linear, underdamped, one barrier with "
-                    "restitution, of Hertz's law or linear elastic); carry its motions one by one",
+        fmt::format("{} at these parameters is not an oscillator that the lanes know (linear and underdamped or with a cubic "
+                    "spring, one barrier with restitution, of Hertz's law or linear elastic); carry its motions one by one",
                     system_->name));
   sets_.push_back(std::make_unique<Set>(Set{p, *oscillator, forcing_period(*system_, p)}));
   return sets_.size() - 1;
@@ -85,7 +85,7 @@ ManyMotions::Set& ManyMotions::set_of(std::size_t parameters) const {
 
 void ManyMotions::expect(std::size_t parameters, std::int64_t periods) {
   Set& set = set_of(parameters);
-  if (set.oscillator.law == lanes::Law::hertz && !set.table && periods >= periods_for_table &&
+  if (set.oscillator.law == lanes::Law::hertz && !set.oscillator.cubic && !set.table && periods >= periods_for_table &&
       options_.tolerance >= finest_tolerance)
     set.awaits_table = true;
 }
@@ -127,13 +127,12 @@ void ManyMotions::carry_one_period(Set& set, double x, double v, bool tangent, P
                                                [&](std::size_t e) { return begins_contact(system_->events[e].kind); }));
 }
 
-void ManyMotions::carry_in_lanes(const std::vector<lanes::Motion>& motions, bool tangent,
-                                 std::vector<std::size_t>& carried) const {
-  carried.assign(motions.size(), 0);
+void ManyMotions::carry_in_lanes(std::span<const lanes::Motion> motions, bool cubic, bool tangent, std::size_t* carried) const {
+  if (motions.empty()) return;
   const auto carry = [&](std::size_t begin, std::size_t end) {
     const LaneWidth width = width_ == LaneWidth::widest ? width_for(end - begin) : width_;
-    lane_kernels(width).carry({sets_.front()->oscillator.law, options_.tolerance, options_.max_steps, tangent,
-                               motions.data() + begin, end - begin, carried.data() + begin});
+    lane_kernels(width).carry({sets_.front()->oscillator.law, cubic, options_.tolerance, options_.max_steps, tangent,
+                               motions.data() + begin, end - begin, carried + begin});
   };
   // Those that write down what they meet write into the same place.
   const bool apart = all_threads_ && std::none_of(motions.begin(), motions.end(), [](const auto& motion) { return motion.met; });
@@ -157,7 +156,10 @@ void ManyMotions::carry(const std::vector<MotionStart>& starts, std::size_t peri
     return std::pair(last.x, last.v);
   };
   std::vector<Going> going, next;
-  for (std::size_t m = 0; m < starts.size(); ++m) going.push_back({m, 0});
+  const auto cubic = [&](std::size_t m) { return sets_[starts[m].parameters]->oscillator.cubic; };
+  for (const bool kind : {false, true})
+    for (std::size_t m = 0; m < starts.size(); ++m)
+      if (cubic(m) == kind) going.push_back({m, 0});
   std::vector<lanes::Motion> motions;
   std::vector<std::size_t> carried;
   while (!going.empty()) {
@@ -172,7 +174,11 @@ void ManyMotions::carry(const std::vector<MotionStart>& starts, std::size_t peri
                          &results[one.motion * periods + one.done], set.table ? &set.pieces : nullptr,
                          set.awaits_table ? &set.met : nullptr});
     }
-    carry_in_lanes(motions, tangent, carried);
+    const auto linear = static_cast<std::size_t>(
+        std::find_if(going.begin(), going.end(), [&](const Going& one) { return cubic(one.motion); }) - going.begin());
+    carried.assign(motions.size(), 0);
+    carry_in_lanes(std::span(motions).first(linear), false, tangent, carried.data());
+    carry_in_lanes(std::span(motions).subspan(linear), true, tangent, carried.data() + linear);
     next.clear();
     for (std::size_t i = 0; i < going.size(); ++i) {
       Going one = going[i];

@@ -2,12 +2,13 @@
 // ManyMotions: many motions (other starts, other parameters) carried over whole forcing periods side by side, in the lanes of the
 // SIMD registers that the processor has (SSE2, AVX2 or AVX-512 on x86; found out when the program starts).
 //
-// For a linear oscillator in free flight (underdamped, and forced at no less than 1/286 of the frequency at which it would swing
-// undamped by itself) before one barrier at its right, rigid with a coefficient of restitution, of Hertz's law (damped or not),
-// or linear elastic (the same bounds hold for the motion against it: k_S up to some 80000 eta^2). The lanes use the formulas of
-// LinearFlow and HertzFlow, and give the same result to the last bit whatever their number. They leave to the Propagator what is
-// delicate (a grazing, an impact slower than 1e-4, a chattering or sticking mass): nothing is missed there that the Propagator
-// would not miss. Against it they agree within 1e-12 (1 + |Phi|) over a period.
+// For an oscillator, linear (underdamped, and forced at no less than 1/286 of the frequency at which it would swing undamped by
+// itself) or with a cubic spring (a cantilever), before one barrier at its right, rigid with a coefficient of restitution, of
+// Hertz's law (damped or not), or linear elastic (for a linear one the same bounds hold for the motion against it: k_S up to some
+// 80000 eta^2). The lanes use the formulas of LinearFlow, CubicFlow and HertzFlow, and give the same result to the last bit
+// whatever their number. They leave to the Propagator what is delicate (a grazing, an impact slower than 1e-4, a chattering or
+// sticking mass): nothing is missed there that the Propagator would not miss. Against it they agree within 1e-12 (1 + |Phi|) over
+// a period.
 #pragma once
 
 #include <graze/lib/contact_table.hpp>
@@ -16,6 +17,7 @@
 #include <graze/lib/transition.hpp>
 
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace graze {
@@ -68,7 +70,8 @@ class ManyMotions {
   struct Set;
   Set& set_of(std::size_t parameters) const;
   void make_table(Set& set);
-  void carry_in_lanes(const std::vector<lanes::Motion>& motions, bool tangent, std::vector<std::size_t>& carried) const;
+  /// Those that are alike.
+  void carry_in_lanes(std::span<const lanes::Motion> motions, bool cubic, bool tangent, std::size_t* carried) const;
   void carry_one_period(Set& set, double x, double v, bool tangent, PeriodResult& out);
 
   const HybridSystem* system_;

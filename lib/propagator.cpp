@@ -38,7 +38,8 @@ const lanes::Oscillator* Propagator::one_lane() {
   if (!lane_known_) {
     lane_known_ = true;
     one_lane_ = options_.kind == FlowKind::automatic ? lanes::lane_oscillator(*system_, p_) : std::nullopt;
-    if (one_lane_ && one_lane_->law != lanes::Law::restitution) one_lane_.reset();  // Hertz's contact is no faster so
+    // Hertz's contact and the cantilever are no faster so.
+    if (one_lane_ && (one_lane_->law != lanes::Law::restitution || one_lane_->cubic)) one_lane_.reset();
   }
   return one_lane_ ? &*one_lane_ : nullptr;
 }

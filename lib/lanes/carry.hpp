@@ -4,7 +4,7 @@
 // at the end of a period, only at these.
 #pragma once
 
-#include <graze/lib/lanes/flight.hpp>
+#include <graze/lib/lanes/cubic_flight.hpp>
 #include <graze/lib/lanes/passage.hpp>
 #include <graze/lib/lanes/whole_contact.hpp>
 
@@ -13,7 +13,10 @@
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
-template <class Real, bool Tangent> class Carrier {
+template <class Flight> class Carrier {
+  using Real = typename Flight::Real;
+  static constexpr bool Tangent = Flight::tangent;
+
  public:
   explicit Carrier(const Job& job) : job_(job) {
     if (job.law == Law::hertz) ratio_ = std::pow(job.tolerance, 1.0 / static_cast<double>(detail::hertz_order));
@@ -38,25 +41,25 @@ template <class Real, bool Tangent> class Carrier {
 
   void run() {
     // What takes longest waits until it is worth it: a step of contact (with a table they are rare, and few lanes wait for them)
-    // and the end of a flight at the barrier.
-    const int most = static_cast<int>(tables_ ? (W + 3) / 4 : (3 * W + 3) / 4);
-    constexpr int many = static_cast<int>((5 * W + 7) / 8);
+    // and the end of a flight at the barrier. A step of flight by series takes nearly as long.
+    const int most = static_cast<int>(tables_ ? (W + 3) / 4 : Flight::cubic ? (5 * W + 7) / 8 : (3 * W + 3) / 4);
+    constexpr int many = static_cast<int>(Flight::cubic ? (W + 3) / 4 : (5 * W + 7) / 8);
     for (;;) {
       const int contacts = count(memory_.is(Task::contact)), crossings = count(memory_.is(Task::crossing)),
                 flights = count(memory_.is(Task::flight)), ends = count(memory_.is(Task::period_end)),
                 marching = count(memory_.is(Task::marching));
       const int others = marching + flights + ends;
       if (contacts >= most || (contacts > 0 && crossings + others == 0)) {
-        const Surfacing<Real> up = press<Real, Tangent>(memory_, job_, ratio_);
-        if (any(up.at_barrier)) leave_barrier(memory_, up.at_barrier, up.v, up.c, up.s);
+        const Surfacing<Real> up = press<Real, Tangent, Flight::cubic>(memory_, job_, ratio_);
+        if (any(up.at_barrier)) Flight::leave_barrier(memory_, up.at_barrier, up.v, up.c, up.s);
         if (any(up.at_end)) end_periods(up.at_end, Real(memory_[barrier] + up.y * up.y), up.v, up.y);
       } else if (crossings >= many || (crossings > 0 && others == 0)) {
-        const Landing<Real> landing = land<Real, Tangent>(memory_);
+        const Landing<Real> landing = Flight::land(memory_);
         if (any(landing.where)) hit(landing);
       } else if (marching > 0 && marching >= flights && marching >= ends) {
-        march<Real, Tangent>(memory_);
+        Flight::march(memory_);
       } else if (flights > 0 && flights >= ends) {
-        fly<Real, Tangent>(memory_);
+        Flight::fly(memory_, job_);
       } else if (ends > 0) {
         end_in_flight();
       } else if (!any(memory_.is(Task::given_up))) {
@@ -76,11 +79,13 @@ template <class Real, bool Tangent> class Carrier {
 
   void hit(const Landing<Real>& landing) {
     for_each(landing.where, [&](std::size_t lane) { memory_.impacts[lane] += memory_.coefficient[side][lane] > 0.0 ? 1 : 0; });
-    if (job_.law == Law::restitution) return rebound<Real, Tangent>(memory_, landing);
-    if (job_.law == Law::linear_elastic) return change_sides(memory_, landing, job_.motions);
-    if (met_) note_speeds(memory_, landing);
+    if (job_.law == Law::restitution) return rebound<Flight>(memory_, landing);
+    if (job_.law == Law::linear_elastic) return change_sides<Flight>(memory_, landing, job_.motions);
     Mask<Real> touching = landing.where;
-    if (tables_) touching = touching & !pass_known(landing);
+    if constexpr (!Flight::cubic) {  // there are no tables of others
+      if (met_) note_speeds(memory_, landing);
+      if (tables_) touching = touching & !pass_known(landing);
+    }
     if (any(touching)) touch(memory_, touching, Real(0.0), landing.v, landing.c, landing.s);
   }
 
@@ -98,12 +103,9 @@ template <class Real, bool Tangent> class Carrier {
   }
 
   void end_in_flight() {
-    const Memory<Real>& m = memory_;
-    const Mask<Real> where = m.is(Task::period_end);
-    const Real P = m[transient_p], Q = m[transient_q];
-    end_flight<Real, Tangent>(memory_, where, m[spiral_c], m[spiral_s], m[flown]);
-    const Real x = P + m[cosine] + m[offset], v = (m[rate] * Q - m[damping] * P) + m[frequency] * m[sine];
-    end_periods(where, Real(m[side] * x), Real(m[side] * v), Real(-1.0));
+    const Mask<Real> where = memory_.is(Task::period_end);
+    const auto [x, v] = Flight::end(memory_, where);
+    end_periods(where, x, v, Real(-1.0));
   }
 
   /// Writes down what the periods did, and begins the next. Says which motions go on.
@@ -146,11 +148,7 @@ template <class Real, bool Tangent> class Carrier {
     for (const Field zero : {phi_01, phi_10, divergence}) memory_.set(zero, where, Real(0.0));
     const Mask<Real> pressed = where & (y >= Real(0.0));
     if (any(pressed)) touch(memory_, pressed, y, v, Real(1.0), Real(0.0));
-    const Mask<Real> flying = where & !pressed;
-    begin_flight(memory_, flying, Real(memory_[side] * x), Real(memory_[side] * v), Real(1.0), Real(0.0));
-    memory_.set(next_point, flying, Real(0.0));
-    memory_.set(off_barrier, flying, Real(0.0));
-    memory_.assign(flying, Task::marching);
+    Flight::begin_period(memory_, where & !pressed, x, v);
   }
 
   /// Puts the next motion, if there is one, in a lane.
@@ -190,7 +188,8 @@ template <class Real, bool Tangent> class Carrier {
 };
 
 template <class Real> void carry(const Job& job) {
-  job.tangent ? Carrier<Real, true>(job).run() : Carrier<Real, false>(job).run();
+  if (job.cubic) return job.tangent ? Carrier<CubicFlight<Real, true>>(job).run() : Carrier<CubicFlight<Real, false>>(job).run();
+  job.tangent ? Carrier<LinearFlight<Real, true>>(job).run() : Carrier<LinearFlight<Real, false>>(job).run();
 }
 
 }  // namespace GRAZE_ARITHMETIC

@@ -17,9 +17,11 @@ template <class Real> struct ContactState { Real y, v, c, s, time, divergence, d
 
 template <class Real> struct ContactLaw {
   Real b2, w, xi, r, k_H, loss;  ///< 2 b, eta, xi, r, k_H, k_H b_H
+  Real beta;
 };
 
-template <class Real, bool Tangent> class ContactSeries {
+/// Cubic: with beta x^3; without, ContactLaw::beta does not count.
+template <class Real, bool Tangent, bool Cubic = false> class ContactSeries {
  public:
   static constexpr std::size_t order = detail::hertz_order;
 
@@ -35,6 +37,7 @@ template <class Real, bool Tangent> class ContactSeries {
     y3_[0] = y0 * u0;
     y4_[0] = w0;
     y5_[0] = y0 * w0;
+    if constexpr (Cubic) y7_[0] = y3_[0] * w0;
     if constexpr (Tangent) {
       dx_[0] = z.dx_0;
       dx_1_[0] = z.dx_1;
@@ -73,7 +76,7 @@ template <class Real, bool Tangent> class ContactSeries {
 
   /// Sums of products of two series.
   struct Products {
-    Real yc = Real(0.0), ys = yc, yy = yc, yu = yc, uu = yc, yw = yc;
+    Real yc = Real(0.0), ys = yc, yy = yc, yu = yc, uu = yc, yw = yc, y3w = yc;
     Real yq_0 = yc, yq_1 = yc, g_0 = yc, g_1 = yc, f_0 = yc, f_1 = yc;
 
     /// Coefficient i with itself (of yc, ys and the tangent's with the one before).
@@ -85,6 +88,7 @@ template <class Real, bool Tangent> class ContactSeries {
       yu = y * u;
       uu = u * u;
       yw = y * z.y4_[i];
+      if constexpr (Cubic) y3w = z.y3_[i] * z.y4_[i];
       if constexpr (Tangent) {
         yq_0 = y * z.q_[i - 1];
         yq_1 = y * z.q_1_[i - 1];
@@ -103,6 +107,7 @@ template <class Real, bool Tangent> class ContactSeries {
       yu = madd(y_j, u, madd(y, u_j, yu));
       uu = madd(twice_u, u_j, uu);
       yw = madd(y_j, z.y4_[i], madd(y, z.y4_[j], yw));
+      if constexpr (Cubic) y3w = madd(z.y3_[j], z.y4_[i], madd(z.y3_[i], z.y4_[j], y3w));
       if constexpr (Tangent) {
         yq_0 = madd(y_j, z.q_[i - 1], madd(y, z.q_[j - 1], yq_0));
         yq_1 = madd(y_j, z.q_1_[i - 1], madd(y, z.q_1_[j - 1], yq_1));
@@ -124,7 +129,11 @@ template <class Real, bool Tangent> class ContactSeries {
     constexpr double inverse = 1.0 / static_cast<double>(k + 1);
     const Real y0 = y_[0], u0 = u_[0], w0 = y4_[0];
     g_[k] = law.b2 * y_[k] + law.loss * y4_[k];
-    if constexpr (Tangent) f_[k] = y_[k] + 1.5 * law.k_H * u_[k];
+    if constexpr (Tangent) {
+      f_[k] = y_[k] + 1.5 * law.k_H * u_[k];
+      if constexpr (Cubic)
+        f_[k] = f_[k] + 3.0 * law.beta * (law.r * madd(law.r, y_[k], Real(2.0 * y3_[k])) + y5_[k]);  // of y x^2, x = r + y^2
+    }
     // Products of order k; and of order k + 1 without their first and last terms. From the middle on: what was computed last
     // comes last, and need not be waited for.
     Products sums;
@@ -152,7 +161,11 @@ template <class Real, bool Tangent> class ContactSeries {
     y3_[k + 1] = sums.yu + (y0 * u + u0 * y);
     y4_[k + 1] = w;
     y5_[k + 1] = y5;
-    v_[k + 1] = inverse * (law.xi * sums.yc - (law.r * y_[k] + law.k_H * y4_[k] + y3_[k])) - (law.b2 * u + (0.4 * law.loss) * y5);
+    if constexpr (Cubic) y7_[k + 1] = sums.y3w + (y3_[0] * w + w0 * y3_[k + 1]);
+    Real pull = law.r * y_[k] + law.k_H * y4_[k] + y3_[k];
+    if constexpr (Cubic)  // y x^3
+      pull = pull + law.beta * (law.r * madd(law.r, madd(law.r, y_[k], Real(3.0 * y3_[k])), Real(3.0 * y5_[k])) + y7_[k]);
+    v_[k + 1] = inverse * (law.xi * sums.yc - pull) - (law.b2 * u + (0.4 * law.loss) * y5);
     c_[k + 1] = -inverse * law.w * sums.ys;
     s_[k + 1] = inverse * law.w * sums.yc;
     time_[k + 1] = inverse * y_[k];
@@ -178,8 +191,8 @@ template <class Real, bool Tangent> class ContactSeries {
   }
   static Real relative(const Coefficients& a, std::size_t k) { return abs(a[k]) / (1.0 + abs(a[0])); }
 
-  // Powers of the depth's root: u = y^2, y3, y4, y5; what multiplies dx in dq/ds and in d(dx)/ds: -f, -g.
-  Coefficients y_, v_, c_, s_, time_, divergence_, u_, y3_, y4_, y5_, f_, g_, dx_, dx_1_, q_, q_1_;
+  // Powers of the depth's root: u = y^2, y3, y4, y5, y7; what multiplies dx in dq/ds and in d(dx)/ds: -f, -g.
+  Coefficients y_, v_, c_, s_, time_, divergence_, u_, y3_, y4_, y5_, y7_, f_, g_, dx_, dx_1_, q_, q_1_;
 };
 
 }  // namespace GRAZE_ARITHMETIC

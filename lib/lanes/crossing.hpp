@@ -6,6 +6,7 @@
 #include <graze/lib/lanes/flight.hpp>
 
 #include <limits>
+#include <utility>
 
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
@@ -142,6 +143,34 @@ template <class Real, bool Tangent> Landing<Real> land(Memory<Real>& m) {
   m.assign(crossing & !good, Task::given_up);
   return {good, v, end.c, end.s};
 }
+
+/// What Carrier asks of a flight. (CubicFlight is the other.)
+template <class Number, bool WithTangent> struct LinearFlight {
+  using Real = Number;
+  static constexpr bool tangent = WithTangent, cubic = false;
+
+  /// A forcing period begins at (x, v).
+  static void begin_period(Memory<Real>& m, const Mask<Real>& where, const Real& x, const Real& v) {
+    begin_flight(m, where, Real(m[side] * x), Real(m[side] * v), Real(1.0), Real(0.0));
+    m.set(next_point, where, Real(0.0));
+    m.set(off_barrier, where, Real(0.0));
+    m.assign(where, Task::marching);
+  }
+  static void leave_barrier(Memory<Real>& m, const Mask<Real>& where, const Real& v, const Real& c, const Real& s) {
+    lanes::leave_barrier(m, where, v, c, s);
+  }
+  static Real spring_at_barrier(const Memory<Real>& m) { return m[stiffness] * m[barrier]; }
+  static void march(Memory<Real>& m) { lanes::march<Real, tangent>(m); }
+  static void fly(Memory<Real>& m, const Job&) { lanes::fly<Real, tangent>(m); }
+  static Landing<Real> land(Memory<Real>& m) { return lanes::land<Real, tangent>(m); }
+  /// State at the end of the period.
+  static std::pair<Real, Real> end(Memory<Real>& m, const Mask<Real>& where) {
+    const Real P = m[transient_p], Q = m[transient_q];
+    end_flight<Real, tangent>(m, where, m[spiral_c], m[spiral_s], m[flown]);
+    const Real x = P + m[cosine] + m[offset], v = (m[rate] * Q - m[damping] * P) + m[frequency] * m[sine];
+    return {m[side] * x, m[side] * v};
+  }
+};
 
 }  // namespace GRAZE_ARITHMETIC
 }  // namespace graze::lanes

@@ -42,6 +42,7 @@ enum Coefficient : std::size_t {
   rebound_volume,  ///< ln|det| of the tangent of an impact with it
   contact_stiffness,
   contact_damping,
+  cubic,  ///< beta: beta x^3 is added to the left side
   coefficients
 };
 using Coefficients = std::array<double, coefficients>;
@@ -92,6 +93,7 @@ enum class Law { restitution, hertz, linear_elastic };
 
 struct Job {
   Law law = Law::restitution;
+  bool cubic = false;  ///< the flights have beta x^3, and no closed form; no tables
   double tolerance = 1e-13;
   std::size_t max_steps = 0;  ///< of a Hertz contact; after more a motion is given up
   bool tangent = true;

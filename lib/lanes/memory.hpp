@@ -29,6 +29,12 @@ enum Field : std::size_t {
   ceiling,       ///< below it at both ends of a cell, a motion does not reach the barrier in between
   off_barrier,   ///< 1: it began there (where the gap is zero, not what rounding says)
   rest,          ///< time left of the forcing period, where a flight ends and during a contact
+  gap,  ///< a flight with beta x^3: distance from the barrier (negative) and speed; tangent since the flight or the period began
+  gap_speed,
+  flight_00,
+  flight_01,
+  flight_10,
+  flight_11,
   contact_time,  ///< a contact: as HertzState
   contact_divergence,
   depth,

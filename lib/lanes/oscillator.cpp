@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/lib/lanes/oscillator.hpp>
 
+#include <graze/lib/cubic_flow.hpp>
 #include <graze/lib/linear_flow.hpp>
 
 #include <algorithm>
@@ -14,18 +15,36 @@ namespace graze::lanes {
 
 namespace {
 
+/// x'' + 2 damping x' + stiffness x + beta x^3 = amplitude cos(frequency t) + constant.
+struct Flight {
+  double damping, stiffness, beta, amplitude, frequency, constant;
+  bool cubic;  ///< whatever beta is
+};
+
+/// nullopt: no such equation.
+std::optional<Flight> flight_of(const ModeStructure& structure) {
+  if (const auto* q = std::get_if<LinearOscillator>(&structure))
+    return Flight{q->damping, q->stiffness, 0.0, q->amplitude, q->frequency, q->constant, false};
+  using C = CubicOscillator;
+  if (const auto* one = std::get_if<C>(&structure)) {
+    const auto& q = one->value;
+    return Flight{q[C::damping], q[C::stiffness], q[C::cubic], q[C::amplitude], q[C::frequency], q[C::constant], true};
+  }
+  return std::nullopt;
+}
+
 /// Of a forcing period.
-double cells_of(const LinearOscillator& free) {
+double cells_of(const Flight& free) {
   const double w = free.frequency;
   return std::ceil(2.0 * std::numbers::pi / w * std::max(w, std::sqrt(free.stiffness)) / widest_cell);
 }
 
 struct Description {
-  LinearOscillator free;
+  Flight free;
   Law law = Law::restitution;
   double barrier = 0.0, restitution = 1.0;
-  HertzContact hertz;
-  LinearOscillator pressed = {};  ///< against a linear elastic stop, of -x
+  HertzContact hertz = {};
+  Flight pressed = {};  ///< against a linear elastic stop, of -x
   std::size_t hit = 0;
 };
 
@@ -50,38 +69,39 @@ bool leads_back(const Event& entering, const Event& leaving) {
 }
 
 /// Contact by Hertz's law with the equations of the flight.
-bool is_contact_of(const LinearOscillator& free, const HertzContact& contact, const Event& entering) {
+bool is_contact_of(const Flight& free, const HertzContact& contact, const Event& entering) {
   using C = HertzContact;
   const auto& q = contact.value;
   return q[C::damping] == free.damping && q[C::amplitude] == free.amplitude && q[C::frequency] == free.frequency &&
-         q[C::beta] == 0.0 && free.stiffness == 1.0 && free.constant == 0.0 &&
+         q[C::beta] == free.beta && free.stiffness == 1.0 && free.constant == 0.0 &&
          contact.parameter[C::barrier] == entering.guard.level->level;
 }
 
 /// Whether the lanes can fly so.
-bool flies(const HybridSystem& system, std::size_t mode, const LinearOscillator& linear, const Vector& p) {
-  return LinearFlow::applies(system, mode, {}, linear) && linear.stiffness > linear.damping * linear.damping &&
-         linear.frequency == p[static_cast<Eigen::Index>(*system.forcing_frequency)] && cells_of(linear) <= most_cells;
+bool flies(const HybridSystem& system, std::size_t mode, const ModeStructure& structure, const Flight& flight, const Vector& p) {
+  if (flight.frequency != p[static_cast<Eigen::Index>(*system.forcing_frequency)]) return false;
+  if (flight.cubic) return CubicFlow::applies(system, mode);
+  return LinearFlow::applies(system, mode, {}, std::get<LinearOscillator>(structure)) &&
+         flight.stiffness > flight.damping * flight.damping && cells_of(flight) <= most_cells;
 }
 
 /// The same motion as seen from the other side of the barrier.
-LinearOscillator mirrored(LinearOscillator linear) {
-  linear.amplitude = -linear.amplitude;
-  linear.constant = -linear.constant;
-  return linear;
+Flight mirrored(Flight flight) {
+  flight.amplitude = -flight.amplitude;
+  flight.constant = -flight.constant;
+  return flight;
 }
 
 std::optional<Description> describe(const HybridSystem& system, const Vector& p) {
   if (system.states != 2 || !system.forcing_frequency || system.modes.empty()) return std::nullopt;
   constexpr std::size_t free_mode = 0;
-  const ModeStructure flight = structure(system, free_mode, p);
-  const auto* linear = std::get_if<LinearOscillator>(&flight);
+  const ModeStructure free_structure = structure(system, free_mode, p);
+  const std::optional<Flight> free = flight_of(free_structure);
   const Event* hit = only_event(system, free_mode);
-  if (!linear || !hit || !hit->guard.level || hit->guard.level->coordinate != 0 || hit->guard.level->sign < 0.0)
+  if (!free || !hit || !hit->guard.level || hit->guard.level->coordinate != 0 || hit->guard.level->sign < 0.0)
     return std::nullopt;
-  if (!flies(system, free_mode, *linear, p)) return std::nullopt;
-  Description out;
-  out.free = *linear;
+  if (!flies(system, free_mode, free_structure, *free, p)) return std::nullopt;
+  Description out{*free};
   out.hit = static_cast<std::size_t>(hit - system.events.data());
   out.barrier = p[static_cast<Eigen::Index>(hit->guard.level->level)];
   if (hit->reset.rebound && hit->to == free_mode && hit->reset.rebound->level == hit->guard.level->level) {
@@ -92,30 +112,23 @@ std::optional<Description> describe(const HybridSystem& system, const Vector& p)
   const Event* leaving = only_event(system, hit->to);
   if (!leaving || hit->reset.map || leaving->reset.map || !leads_back(*hit, *leaving)) return std::nullopt;
   if (const auto* contact = std::get_if<HertzContact>(&pressed)) {
-    if (!is_contact_of(*linear, *contact, *hit)) return std::nullopt;
+    if (!is_contact_of(*free, *contact, *hit)) return std::nullopt;
     out.law = Law::hertz;
     out.hertz = *contact;
     return out;
   }
-  const auto* contact = std::get_if<LinearOscillator>(&pressed);
-  if (!contact || !flies(system, hit->to, *contact, p)) return std::nullopt;
+  const std::optional<Flight> contact = flight_of(pressed);
+  if (!contact || contact->cubic != free->cubic || !flies(system, hit->to, pressed, *contact, p)) return std::nullopt;
   out.law = Law::linear_elastic;
   out.pressed = mirrored(*contact);
   return out;
 }
 
-/// Of x (side 1), or of -x.
-Coefficients coefficients_of(const Description& oscillator, double of_side) {
-  const LinearOscillator& free = of_side > 0.0 ? oscillator.free : oscillator.pressed;
+/// What the closed form of a linear flight and its grid are made of.
+void add_closed_form(const Flight& free, Coefficients& q) {
   const double w = free.frequency, k = free.stiffness, b = free.damping;
   const double detuning = k - w * w, drag = 2.0 * b * w, D = detuning * detuning + drag * drag;
-  Coefficients q{};
-  q[damping] = b;
   q[rate] = std::sqrt(k - b * b);
-  q[stiffness] = k;
-  q[frequency] = w;
-  q[amplitude] = free.amplitude;
-  q[constant] = free.constant;
   q[cosine] = free.amplitude == 0.0 ? 0.0 : free.amplitude * detuning / D;
   q[sine] = free.amplitude == 0.0 ? 0.0 : free.amplitude * drag / D;
   q[offset] = free.constant / k;
@@ -124,21 +137,37 @@ Coefficients coefficients_of(const Description& oscillator, double of_side) {
   q[inverse_rate] = 1.0 / q[rate];
   q[forced2] = std::hypot(q[cosine], q[sine]) * w * w;
   q[forced6] = std::hypot(q[cosine], q[sine]) * std::pow(w, 6);
+  q[cells] = cells_of(free);
+  q[cell] = q[period] / q[cells];
+  q[inverse_cell] = q[cells] / q[period];
+}
+
+/// Of a flight at x, whose angular frequency this would be.
+double stiffness_at(const Flight& flight, double x) { return flight.stiffness + 3.0 * flight.beta * x * x; }
+
+/// Of x (side 1), or of -x.
+Coefficients coefficients_of(const Description& oscillator, double of_side) {
+  const Flight& free = of_side > 0.0 ? oscillator.free : oscillator.pressed;
+  Coefficients q{};
+  q[damping] = free.damping;
+  q[stiffness] = free.stiffness;
+  q[cubic] = free.beta;
+  q[frequency] = free.frequency;
+  q[amplitude] = free.amplitude;
+  q[constant] = free.constant;
   q[barrier] = of_side * oscillator.barrier;
   q[side] = of_side;
+  q[period] = 2.0 * std::numbers::pi / free.frequency;
   // An instant at the barrier is known to the rounding of its place over the speed; the tangent of a linear stop, whose field
   // bends there by its stiffness, to k_S times that.
   const double corner = oscillator.law == Law::linear_elastic ? std::sqrt(oscillator.pressed.stiffness) : 0.0;
   q[slowest_impact] = 1e-4 * std::max(1.0, 0.005 * (1.0 + std::abs(oscillator.barrier)) * corner);
-  q[shortest_flight] = 0.06 * q[inverse_root_k];
-  q[period] = 2.0 * std::numbers::pi / w;
-  q[cells] = cells_of(free);
-  q[cell] = q[period] / q[cells];
-  q[inverse_cell] = q[cells] / q[period];
+  q[shortest_flight] = 0.06 / std::sqrt(std::max(1e-6, stiffness_at(free, oscillator.barrier)));
   q[restitution] = oscillator.restitution;
   q[rebound_volume] = oscillator.law == Law::restitution ? 2.0 * std::log(oscillator.restitution) : 0.0;
   q[contact_stiffness] = oscillator.hertz.value[HertzContact::stiffness];
   q[contact_damping] = oscillator.hertz.value[HertzContact::contact_damping];
+  if (!free.cubic) add_closed_form(free, q);
   return q;
 }
 
@@ -195,11 +224,12 @@ std::optional<Oscillator> lane_oscillator(const HybridSystem& system, const Vect
   Oscillator out;
   out.law = description->law;
   out.hit = description->hit;
+  out.cubic = description->free.cubic;
   out.coefficients = coefficients_of(*description, 1.0);
-  out.grid = grid_of(out.coefficients);
+  if (!out.cubic) out.grid = grid_of(out.coefficients);
   if (out.law != Law::linear_elastic) return out;
   out.pressed = coefficients_of(*description, -1.0);
-  out.pressed_grid = grid_of(out.pressed);
+  if (!out.cubic) out.pressed_grid = grid_of(out.pressed);
   return out;
 }
 

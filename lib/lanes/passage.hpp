@@ -5,6 +5,7 @@
 
 #include <graze/lib/lanes/contact_series.hpp>
 #include <graze/lib/lanes/crossing.hpp>
+#include <graze/lib/lanes/root_in_step.hpp>
 
 #include <utility>
 
@@ -12,23 +13,23 @@ namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
 /// x'+ = -k_r x'-, with its saltation matrix [[-k_r, 0], [(a+ + k_r a-)/v, -k_r]].
-template <class Real, bool Tangent> void rebound(Memory<Real>& m, const Landing<Real>& landing) {
+template <class Flight, class Real> void rebound(Memory<Real>& m, const Landing<Real>& landing) {
   const Real k = m[restitution], v = landing.v, after = -k * v;
-  if constexpr (Tangent) {
-    const Real pull = m[amplitude] * landing.c + m[constant] - m[stiffness] * m[barrier];
+  if constexpr (Flight::tangent) {
+    const Real pull = m[amplitude] * landing.c + m[constant] - Flight::spring_at_barrier(m);
     const Real a_minus = pull - 2.0 * m[damping] * v, a_plus = pull - 2.0 * m[damping] * after;
     compose(m, landing.where, Real(-k), Real(0.0), Real((a_plus + k * a_minus) / v), Real(-k));
   }
-  leave_barrier(m, landing.where, after, landing.c, landing.s);
+  Flight::leave_barrier(m, landing.where, after, landing.c, landing.s);
 }
 
 /// A contact with a linear elastic stop begins or ends: state and field are continuous, the saltation matrix is the identity.
-template <class Real> void change_sides(Memory<Real>& m, const Landing<Real>& landing, const Motion* motions) {
+template <class Flight, class Real> void change_sides(Memory<Real>& m, const Landing<Real>& landing, const Motion* motions) {
   for_each(landing.where, [&](std::size_t lane) {
     const bool enters = m.coefficient[side][lane] > 0.0;
     m.load(lane, motions[m.motion[lane]], enters);
   });
-  leave_barrier(m, landing.where, Real(-landing.v), landing.c, landing.s);
+  Flight::leave_barrier(m, landing.where, Real(-landing.v), landing.c, landing.s);
 }
 
 /// A contact begins at depth y^2 and speed v.
@@ -49,23 +50,6 @@ void touch(Memory<Real>& m, const Mask<Real>& where, const Real& y, const Real& 
   m.assign(where, Task::contact);
 }
 
-/// Newton, kept in the bracket [0, h], on a quantity of a partial step with its derivative; negative at 0 and not so at h.
-template <class Real, class Value> Real root_in_step(const Value& value, const Real& h, Mask<Real> seeking) {
-  Real lo = Real(0.0), hi = h, s = h;
-  for (int i = 0; i < 60 && any(seeking); ++i) {
-    const auto [g, slope] = value(s);
-    const Mask<Real> below = g < Real(0.0);
-    lo = select(seeking & below, s, lo);
-    hi = select(seeking & !below, s, hi);
-    const Real next = s - g / slope;
-    const Mask<Real> inside = (next >= lo) & (next <= hi);
-    const Mask<Real> done = inside & (abs(Real(next - s)) <= 1e-9 * h);
-    s = select(seeking, select(inside, next, Real(0.5 * (lo + hi))), s);
-    seeking = seeking & !done;
-  }
-  return s;
-}
-
 /// Where a contact ended.
 template <class Real> struct Surfacing {
   Mask<Real> at_barrier, at_end;
@@ -73,16 +57,18 @@ template <class Real> struct Surfacing {
 };
 
 /// One step of every lane in contact, at the accuracy of the job.
-template <class Real, bool Tangent, class Job> Surfacing<Real> press(Memory<Real>& m, const Job& job, double ratio) {
-  using Series = ContactSeries<Real, Tangent>;
+template <class Real, bool Tangent, bool Cubic, class Job> Surfacing<Real> press(Memory<Real>& m, const Job& job, double ratio) {
+  using Series = ContactSeries<Real, Tangent, Cubic>;
   const Mask<Real> pressed = m.is(Task::contact);
   const Real b = m[damping], k_H = m[contact_stiffness], b_H = m[contact_damping];
-  const ContactLaw<Real> law{2.0 * b, m[frequency], m[amplitude], m[barrier], k_H, k_H * b_H};
+  const ContactLaw<Real> law{2.0 * b, m[frequency], m[amplitude], m[barrier], k_H, k_H * b_H, m[lanes::cubic]};
   const ContactState<Real> z{m[depth], m[speed], m[phase_c], m[phase_s], m[contact_time], m[contact_divergence],
                              m[dx_0],  m[dx_1],  m[q_0],     m[q_1]};
   const Series series(law, z);
   const auto longest_step = [&](const Real& v, const Real& dt) {
-    const Real a = abs(Real(law.xi * z.c - law.r)) + law.b2 * abs(v) + abs(law.xi) * law.w * dt;
+    Real pull = law.r;
+    if constexpr (Cubic) pull = pull + law.beta * (law.r * law.r * law.r);
+    const Real a = abs(Real(law.xi * z.c - pull)) + law.b2 * abs(v) + abs(law.xi) * law.w * dt;
     return Real(detail::hertz_longest_step * sqrt(Real(2.0 / largest(a, Real(1e-12)))));
   };
   const Real v = abs(z.v), longest_here = longest_step(v, Real(0.0));

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// CubicFlight: flights of a cantilever (beta x^3) in lanes, by Taylor series in steps as in cubic_flow.hpp. On every step the
+// Bernstein coefficients of the series, to a degree of 8 with the rest of its terms taken for the worst, show that the barrier is
+// not reached, or that the speed stays positive; where neither, the step is halved. A crossing is the root of the whole series.
+#pragma once
+
+#include <graze/lib/detail/hertz_step.hpp>
+#include <graze/lib/lanes/crossing.hpp>
+#include <graze/lib/lanes/flight_series.hpp>
+#include <graze/lib/lanes/root_in_step.hpp>
+
+#include <algorithm>
+
+namespace graze::lanes {
+inline namespace GRAZE_ARITHMETIC {
+
+/// A step is halved so often; then the motion is too close to a tangency for the lanes.
+inline constexpr int most_halvings = 6;
+
+template <class Number, bool WithTangent> struct CubicFlight {
+  using Real = Number;
+  using Series = FlightSeries<Real, WithTangent>;
+  static constexpr bool tangent = WithTangent, cubic = true;
+
+  static void begin_period(Memory<Real>& m, const Mask<Real>& where, const Real& x, const Real& v) {
+    begin(m, where, Real(m[side] * x - m[barrier]), Real(m[side] * v), Real(1.0), Real(0.0));
+    m.set(off_barrier, where, Real(0.0));
+  }
+
+  static void leave_barrier(Memory<Real>& m, const Mask<Real>& where, const Real& v, const Real& c, const Real& s) {
+    const Real pressing = m[amplitude] * c + m[constant] - 2.0 * m[damping] * v - spring_at_barrier(m);
+    const Mask<Real> goes = where & (-1.0 * v > m[slowest_impact]) & (Real(-2.0 * v) > m[shortest_flight] * pressing);
+    begin(m, goes, Real(0.0), v, c, s);
+    m.set(off_barrier, goes, Real(1.0));
+    m.assign(where & !goes, Task::given_up);
+  }
+
+  static Real spring_at_barrier(const Memory<Real>& m) {
+    const Real r = m[barrier];
+    return r * (m[stiffness] + m[lanes::cubic] * (r * r));
+  }
+
+  static void march(Memory<Real>&) {}
+
+  /// One step of every lane in flight.
+  static void fly(Memory<Real>& m, const Job& job) {
+    const Mask<Real> flying = m.is(Task::flight);
+    const FlightLaw<Real> law = law_of(m);
+    const FlightState<Real> z = state_of(m);
+    const Series series(law, z);
+    const Real left = m[rest];
+    Real last, before;
+    series.size(law, last, before);
+    Real h = trusted(last, before, 0.25 * job.tolerance);
+    h = select(h >= left * (1.0 - 1e-12), left, h);
+    Mask<Real> below = stays_below(series, z.gap, h), rising = below;
+    for (int halvings = 0; any(flying & !below); ++halvings) {
+      rising = keeps_rising(series, h);
+      const Mask<Real> unsure = flying & !(below | rising);
+      if (!any(unsure) || halvings == most_halvings) break;
+      h = select(unsure, Real(0.5 * h), h);
+      below = stays_below(series, z.gap, h);
+    }
+    const FlightState<Real> next = series.at(h);
+    const Mask<Real> from_barrier = (m[off_barrier] > Real(0.5)) & (m[flown] == Real(0.0));
+    const Mask<Real> fine = (from_barrier | (z.gap < -too_close * (1.0 + abs(law.r)))) & (below | rising) &
+                            (Real(last + before) < Real(1e300)) & (m[steps] < Real(static_cast<double>(job.max_steps)));
+    const Mask<Real> crosses = flying & fine & (!below) & (next.gap >= Real(0.0));
+    const Mask<Real> moves = flying & fine & !crosses;
+    set(m, moves, next);
+    m.set(flown, moves, Real(m[flown] + h));
+    m.set(rest, moves, Real(left - h));
+    m.set(steps, moves, Real(m[steps] + 1.0));
+    m.set(trial, crosses, h);
+    m.assign(moves & (h >= left), Task::period_end);
+    m.assign(crosses, Task::crossing);
+    m.assign(flying & !fine, Task::given_up);
+  }
+
+  static Landing<Real> land(Memory<Real>& m) {
+    const Mask<Real> crossing = m.is(Task::crossing);
+    const Series series(law_of(m), state_of(m));
+    const Real h = root_in_step(
+        [&](const Real& trial) { return std::pair<Real, Real>(series.gap(trial), series.speed(trial)); }, m[trial], crossing);
+    const FlightState<Real> end = series.at(h);
+    const Real duration = m[flown] + h;
+    const Mask<Real> short_hop = (m[off_barrier] > Real(0.5)) & (duration < m[shortest_flight]);
+    const Mask<Real> good = crossing & (end.v > m[slowest_impact]) & !short_hop;
+    m.set(rest, good, Real(m[rest] - h));
+    end_flight(m, good, end.Phi, duration);
+    m.assign(crossing & !good, Task::given_up);
+    return {good, end.v, end.c, end.s};
+  }
+
+  static std::pair<Real, Real> end(Memory<Real>& m, const Mask<Real>& where) {
+    const Real x = m[barrier] + m[gap], v = m[gap_speed];
+    end_flight(m, where, state_of(m).Phi, m[flown]);
+    return {m[side] * x, m[side] * v};
+  }
+
+ private:
+  static FlightLaw<Real> law_of(const Memory<Real>& m) {
+    return {2.0 * m[damping], m[stiffness], m[lanes::cubic], m[amplitude], m[frequency], m[constant], m[barrier]};
+  }
+  static FlightState<Real> state_of(const Memory<Real>& m) {
+    return {m[gap], m[gap_speed], m[phase_c], m[phase_s], {m[flight_00], m[flight_01], m[flight_10], m[flight_11]}};
+  }
+  static void set(Memory<Real>& m, const Mask<Real>& where, const FlightState<Real>& z) {
+    m.set(gap, where, z.gap);
+    m.set(gap_speed, where, z.v);
+    m.set(phase_c, where, z.c);
+    m.set(phase_s, where, z.s);
+    if constexpr (tangent) {
+      m.set(flight_00, where, z.Phi[0]);
+      m.set(flight_01, where, z.Phi[1]);
+      m.set(flight_10, where, z.Phi[2]);
+      m.set(flight_11, where, z.Phi[3]);
+    }
+  }
+  static void begin(Memory<Real>& m, const Mask<Real>& where, const Real& gap, const Real& v, const Real& c, const Real& s) {
+    set(m, where, {gap, v, c, s, {Real(1.0), Real(0.0), Real(0.0), Real(1.0)}});
+    m.set(flown, where, Real(0.0));
+    m.set(steps, where, Real(0.0));
+    m.assign(where, Task::flight);
+  }
+  static void end_flight(Memory<Real>& m, const Mask<Real>& where, const Real (&Phi)[4], const Real& duration) {
+    if constexpr (tangent) {
+      m.set(divergence, where, Real(m[divergence] - 2.0 * m[damping] * duration));
+      compose(m, where, Phi[0], Phi[1], Phi[2], Phi[3]);
+    }
+  }
+
+  /// The length of a step at which neither of the last two terms is more than `allowed`.
+  static Real trusted(const Real& last, const Real& before, double allowed) {
+    alignas(64) double a[width<Real>], b[width<Real>];
+    put(a, last);
+    put(b, before);
+    for (std::size_t lane = 0; lane < width<Real>; ++lane)
+      a[lane] = std::min(detail::rough_root(allowed, a[lane], Series::order), detail::rough_root(allowed, b[lane], Series::order - 1));
+    return take<Real>(a);
+  }
+
+  static constexpr std::size_t degree = 8;
+  /// Whether the gap is <= 0 on a step and < 0 at its end.
+  static Mask<Real> stays_below(const Series& series, const Real& at_start, const Real& h) {
+    constexpr double inverse_binomial[] = {1.0,        1.0 / 8.0,  1.0 / 28.0, 1.0 / 56.0, 1.0 / 70.0,
+                                           1.0 / 56.0, 1.0 / 28.0, 1.0 / 8.0,  1.0};
+    const auto& a = series.position();
+    Real b[degree + 1] = {at_start}, power = h;
+#pragma GCC unroll 8
+    for (std::size_t k = 1; k <= degree; ++k, power = power * h) b[k] = (inverse_binomial[k] * a[k]) * power;
+    Real left_out = abs(a[Series::order]);
+#pragma GCC unroll 8
+    for (std::size_t k = Series::order - 1; k > degree; --k) left_out = madd(h, left_out, abs(a[k]));
+    b[degree] = madd(power, left_out, b[degree]);
+    return below_zero(b);
+  }
+  /// Whether the speed is >= 0 on a step and > 0 at its end.
+  static Mask<Real> keeps_rising(const Series& series, const Real& h) {
+    constexpr double weight[] = {-1.0,        -2.0 / 7.0,  -3.0 / 21.0, -4.0 / 35.0,
+                                 -5.0 / 35.0, -6.0 / 21.0, -7.0 / 7.0,  -8.0};  // (i + 1)/binomial(7, i)
+    const auto& a = series.position();
+    Real b[degree], power = Real(1.0);
+#pragma GCC unroll 8
+    for (std::size_t i = 0; i < degree; ++i, power = power * h) b[i] = (weight[i] * a[i + 1]) * power;
+    Real left_out = static_cast<double>(Series::order) * abs(a[Series::order]);
+#pragma GCC unroll 8
+    for (std::size_t k = Series::order - 1; k > degree; --k)
+      left_out = madd(h, left_out, Real(static_cast<double>(k) * abs(a[k])));
+    b[degree - 1] = madd(power, left_out, b[degree - 1]);
+    return below_zero(b);
+  }
+};
+
+}  // namespace GRAZE_ARITHMETIC
+}  // namespace graze::lanes

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <graze/lib/lanes/real.hpp>
+
+namespace graze::lanes {
+inline namespace GRAZE_ARITHMETIC {
+
+/// Newton, kept in the bracket [0, h], on a quantity of a partial step with its derivative; negative at 0 and not so at h.
+template <class Real, class Value> Real root_in_step(const Value& value, const Real& h, Mask<Real> seeking) {
+  Real lo = Real(0.0), hi = h, s = h;
+  for (int i = 0; i < 60 && any(seeking); ++i) {
+    const auto [g, slope] = value(s);
+    const Mask<Real> below = g < Real(0.0);
+    lo = select(seeking & below, s, lo);
+    hi = select(seeking & !below, s, hi);
+    const Real next = s - g / slope;
+    const Mask<Real> inside = (next >= lo) & (next <= hi);
+    const Mask<Real> done = inside & (abs(Real(next - s)) <= 1e-9 * h);
+    s = select(seeking, select(inside, next, Real(0.5 * (lo + hi))), s);
+    seeking = seeking & !done;
+  }
+  return s;
+}
+
+}  // namespace GRAZE_ARITHMETIC
+}  // namespace graze::lanes

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Motions in lanes against the same motions one by one.
+#pragma once
+
+#include "support/checks.hpp"
+
+#include <graze/lib/many_motions.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <utility>
+#include <vector>
+
+namespace graze::support {
+
+inline Vector with(const HybridSystem& system, std::vector<std::pair<const char*, double>> values) {
+  Vector p = default_parameters(system.parameters);
+  for (const auto& [name, value] : values) p[static_cast<Eigen::Index>(parameter_index(system.parameters, name))] = value;
+  return p;
+}
+
+inline std::vector<MotionStart> random_starts(std::size_t count, double r, std::size_t sets = 1) {
+  std::mt19937_64 generator(7);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  std::vector<MotionStart> starts;
+  for (std::size_t i = 0; i < count; ++i) starts.push_back({i % sets, r - 3.0 * unit(generator), 3.0 * unit(generator) - 1.5});
+  return starts;
+}
+
+struct Difference {
+  double state = 0.0, tangent = 0.0, volume = 0.0;
+  int impacts = 0, other_endings = 0;
+};
+
+/// Largest differences from the Propagator, period by period from the lanes' own states. That of the state is relative to
+/// 1 + |Phi|; that of the tangent to its square, since an error of the entry's speed is magnified twice.
+inline Difference compare(const HybridSystem& system, const std::vector<Vector>& parameters, const std::vector<MotionStart>& starts,
+                   std::size_t periods, const std::vector<PeriodResult>& results, const FlowOptions& options = {}) {
+  Difference worst;
+  for (std::size_t set = 0; set < parameters.size(); ++set) {
+    Propagator propagator(system, parameters[set], {}, options);
+    const double T = forcing_period(system, parameters[set]);
+    Transition one;
+    for (std::size_t m = 0; m < starts.size(); ++m) {
+      if (starts[m].parameters != set) continue;
+      for (std::size_t k = 0; k < periods; ++k) {
+        const PeriodResult& many = results[m * periods + k];
+        const Vector x = k == 0 ? vector({starts[m].x, starts[m].v})
+                                : vector({results[m * periods + k - 1].x, results[m * periods + k - 1].v});
+        // Keeping the events takes the path over flights and impacts, which is the lanes' oracle.
+        carry(propagator, 0.0, T, x, {.sensitivity = Sensitivity::state, .keep_events = true}, one);
+        worst.other_endings += one.termination != many.termination ? 1 : 0;
+        if (many.termination != Termination::time || one.termination != Termination::time) break;
+        const double size = 1.0 + one.Phi.norm();
+        worst.state = std::max(worst.state, std::hypot(many.x - one.x1[0], many.v - one.x1[1]) / size);
+        for (Eigen::Index i = 0; i < 4; ++i)
+          worst.tangent =
+              std::max(worst.tangent, std::abs(many.Phi[static_cast<std::size_t>(i)] - one.Phi(i / 2, i % 2)) / (size * size));
+        if (std::isfinite(one.liouville)) worst.volume = std::max(worst.volume, std::abs(many.liouville - one.liouville));
+        const double log_det = std::log(std::abs(many.det));
+        if (std::isfinite(log_det)) worst.volume = std::max(worst.volume, std::abs(log_det - many.liouville));
+        int impacts = 0;
+        for (const std::size_t event : one.event_sequence) impacts += begins_contact(system.events[event].kind) ? 1 : 0;
+        worst.impacts += impacts != many.impacts ? 1 : 0;
+      }
+    }
+  }
+  return worst;
+}
+
+}  // namespace graze::support
