@@ -129,9 +129,11 @@ template <class Machine, std::size_t Quads> struct CubicRecurrence {
   template <std::size_t n> [[gnu::always_inline]] static void next(Terms& s, const Constants& c) {
     constexpr std::size_t m = n + 1;
     constexpr double inverse = 1.0 / static_cast<double>(m);
-    double square = m % 2 == 0 ? 0.5 * s.x[m / 2] * s.x[m / 2] : 0.0;
+    double square = 0.0;
 #pragma GCC unroll 8
     for (std::size_t i = m / 2 + 1; i < m; ++i) square = Machine::fma(s.x[i], s.x[m - i], square);
+    square += square;
+    if constexpr (m % 2 == 0) square = Machine::fma(s.x[m / 2], s.x[m / 2], square);
     double force = s.force[n] * (n % 2 == 0 ? s.start.cosine : s.start.sine);
     if constexpr (m % 4 >= 2) force = -force;
     if constexpr (n == 0) force += s.q[Terms::constant];
@@ -147,17 +149,15 @@ template <class Machine, std::size_t Quads> struct CubicRecurrence {
         one = Machine::fma(Machine::all(s.square[i]), Machine::load(s.P[j][n - i]), one);
         two = Machine::fma(Machine::all(s.square[n - i]), Machine::load(s.P[j][i]), two);
       }
-      const Quad cubic = part * c.cubic[j];
-      Quad next = j == 0 ? Machine::first(inverse * force) : Machine::all(0.0);
-      if constexpr (n > 1) next = Machine::fma(cubic, one, next);
-      if constexpr (n > 2) next = Machine::fma(cubic, two, next);
-      next = Machine::fma(part * c.pull[j], Machine::load(s.P[j][n]), next);
-      if constexpr (n > 0) next = Machine::fma(square_n, part * c.cubic_P0[j], next);
+      Quad next = j == 0 ? Machine::first(force) : Machine::all(0.0);
+      if constexpr (n > 1) next = Machine::fma(c.cubic[j], one + two, next);
+      next = Machine::fma(c.pull[j], Machine::load(s.P[j][n]), next);
+      if constexpr (n > 0) next = Machine::fma(square_n, c.cubic_P0[j], next);
       Machine::store(s.P[j][m], part * V);
-      Machine::store(s.V[j][m], Machine::fma(part * c.drag, V, next));
+      Machine::store(s.V[j][m], part * Machine::fma(c.drag, V, next));
     }
     s.x[m] = inverse * v_n;
-    s.square[m] = Machine::fma(inverse * c.twice_x0, v_n, square + square);
+    s.square[m] = Machine::fma(c.twice_x0, s.x[m], square);
     if constexpr (Quads > 1) {
       s.cube[n] = 0.0;
       for (std::size_t i = 0; i <= n; ++i) s.cube[n] = Machine::fma(s.x[i], s.square[n - i], s.cube[n]);

@@ -176,6 +176,7 @@ using Complex = std::complex<long double>;  // so that a double is right to its 
 /// z^k for k = 0, 1, ..., each of two earlier ones: after few products.
 std::vector<Complex> powers(Complex z, std::size_t count) {
   std::vector<Complex> out{1.0L, z};
+  out.reserve(count + 1);
   for (std::size_t k = 2; k < count; ++k) {
     const Complex a = out[k / 2], b = out[k - k / 2];
     out.emplace_back(a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real());
