@@ -4,9 +4,12 @@
 #include <graze/apps/side_by_side_text.hpp>
 #include <graze/apps/version.hpp>
 
+#include <algorithm>
 #include <stdexcept>
 
 namespace graze::apps {
+
+void reserve_members(Json& object, std::size_t count) { object.get_ref<Json::object_t&>().reserve(count); }
 
 Json to_json(const Vector& vector) {
   Json out = Json::array();
@@ -33,21 +36,27 @@ std::string pretty(const Json& json) {
 }
 
 std::string pretty(const Json& json, const LongList& list, int threads) {
-  constexpr std::size_t short_lists = json_line_width / 3;  // as many empty objects might stand on one line
-  if (list.size <= short_lists) return pretty(with_items(json, list, threads));
+  // As many empty objects might stand on one line; of more, each has lines of its own.
+  constexpr std::size_t short_lists = json_line_width / 3;
+  if (!list.name.empty() && list.size <= short_lists) return pretty(with_items(json, list, threads), {}, threads);
+  if (!json.is_object() || json.empty()) return pretty(json);
   std::string out = "{";
   const char* separator = "\n  ";
   for (const auto& [name, value] : json.items()) {
     out += separator + Json(name).dump() + ": ";
     separator = ",\n  ";
-    if (name != list.name) {
-      lay_out(value.dump(), 2, out);
+    const Json& here = value;
+    const bool listed = name == list.name;
+    const bool is_long = here.is_array() && here.size() > short_lists &&
+                         std::all_of(here.begin(), here.end(), [](const Json& item) { return item.is_structured(); });
+    if (!listed && !is_long) {
+      lay_out(here.dump(), 2, out);
       continue;
     }
     out += "[";
-    append_items(threads, list.size, out, [&](std::size_t k, std::string& text) {
+    append_items(threads, listed ? list.size : here.size(), out, [&](std::size_t k, std::string& text) {
       text += k == 0 ? "\n    " : ",\n    ";
-      lay_out(list.item(k).dump(), 4, text);
+      lay_out(listed ? list.item(k).dump() : here[k].dump(), 4, text);
     });
     out += "\n  ]";
   }
@@ -63,7 +72,8 @@ Json with_items(const Json& json, const LongList& list, int threads) {
 }
 
 Json result_head(const std::string& schema, const std::string& command, const Problem& problem, Json options) {
-  Json head;
+  Json head = Json::object();
+  reserve_members(head, 24);
   head["schema"] = "graze." + schema;
   head["graze"] = program_version;
   head["command"] = command;

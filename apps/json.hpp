@@ -29,9 +29,12 @@ struct LongList {
   std::function<Json(std::size_t)> item = {};  ///< called by several threads
 };
 
+/// Room for so many members: an object that grows copies all that it has.
+void reserve_members(Json& object, std::size_t count);
+
 /// Indented; what fits stands on one line.
 std::string pretty(const Json& json);
-/// With the items of the list; their text is made on so many threads.
+/// With the items of the list. The text of long lists is made on so many threads.
 std::string pretty(const Json& json, const LongList& list, int threads);
 
 /// The whole as JSON.

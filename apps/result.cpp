@@ -39,8 +39,9 @@ std::string table_text(const Result& result) { return result.csv ? result.csv() 
 std::vector<OutputFile> files(const Result& result, const OutputOptions& options, const std::string& command, int threads) {
   std::vector<OutputFile> list;
   const auto table = [&result] { return table_text(result); };
-  const bool pictures = !options.plot.empty() || !options.out.empty();
-  const auto whole = std::make_shared<const Json>(pictures ? with_items(result.json, result.list, threads) : Json());
+  std::shared_ptr<const Json> whole(std::shared_ptr<const Json>(), &result.json);
+  if (!result.list.name.empty() && (!options.plot.empty() || !options.out.empty()))
+    whole = std::make_shared<const Json>(with_items(result.json, result.list, threads));
   const auto picture = [whole](const std::string& file, const std::string& kind) {
     return [whole, file, kind] { return draw(picture_of(*whole, kind), ending(file)); };
   };
