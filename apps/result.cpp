@@ -107,7 +107,8 @@ void keep(const Json& part, const OutputOptions& options, const std::string& com
           const LongList& list) {
   for (const std::string& file : json_files(options, command)) {
     if (is_special(file)) continue;  // a pipe gets one result
-    if (const auto failure = write_whole(file, pretty(part, list, console.thread_count()))) console.err << "graze " << command << ": " << *failure << "\n";
+    if (const auto failure = write_whole(file, pretty(part, list, console.thread_count())))
+      console.err << "graze " << command << ": " << *failure << "\n";
   }
 }
 

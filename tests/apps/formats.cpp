@@ -81,6 +81,7 @@ TEST_CASE("a list that is written item by item is the same text, on any number o
     for (const int threads : {1, 3}) {
       CHECK(with_items(head, list, threads)["list"].size() == size);
       CHECK(pretty(head, list, threads) == pretty(with_items(head, list, 1)));
+      CHECK(pretty(with_items(head, list, 1), {}, threads) == pretty(with_items(head, list, 1)));
     }
   }
 }
