@@ -60,12 +60,13 @@ TEST_CASE("what fits stands on one line of JSON, and so do numbers and texts wit
   const std::vector<double> numbers(100, 0.25);
   CHECK(pretty(Json{{"numbers", numbers}}) == "{\n  \"numbers\": " + Json(numbers).dump() + "\n}\n");
   // 110 letters on a line at most, with the blanks before them, without the name
-  for (const std::size_t letters : {95U, 96U}) {
+  for (const std::size_t letters : {96U, 97U}) {
     const Json list = {{{"b", {std::string(letters, 'x')}}}};
-    REQUIRE(list.dump().size() == letters + 11);
+    REQUIRE(list.dump().size() == letters + 12);
     const std::string text = pretty(Json{{"list", list}});
-    const std::string inside = list[0].dump();
-    CHECK(text == (letters == 95U ? "{\n  \"list\": [" + inside + "]\n}\n" : "{\n  \"list\": [\n    " + inside + "\n  ]\n}\n"));
+    const std::string x = Json(std::string(letters, 'x')).dump();
+    CHECK(text ==
+          "{\n  \"list\": " + (letters == 96U ? list.dump() : "[\n    {\n      \"b\": [" + x + "]\n    }\n  ]") + "\n}\n");
   }
   CHECK(pretty(Json{{"a", Json::array()}, {"b", nullptr}}) == "{\n  \"a\": [],\n  \"b\": null\n}\n");
   CHECK(pretty(Json::object()) == "{}\n");
