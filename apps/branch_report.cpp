@@ -107,6 +107,7 @@ Json special_point_json(const SpecialPoint& point) {
 
 Json branch_json(const Branch& branch) {
   Json out = {{"id", branch.id}, {"parent", nullptr}, {"period", branch.period}};
+  reserve_members(out, 12);
   if (branch.parent) out["parent"] = {{"branch", branch.parent->branch}, {"label", branch.parent->label}};
   out["stop"] = {{"reason", branch_stop_name(branch.stop)}, {"at", branch.stop_value}, {"message", branch.message}};
   out["points"] = Json::array();

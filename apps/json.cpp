@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/json.hpp>
+#include <graze/apps/json_layout.hpp>
+#include <graze/apps/side_by_side_text.hpp>
 #include <graze/apps/version.hpp>
 
 #include <algorithm>
@@ -7,31 +9,7 @@
 
 namespace graze::apps {
 
-namespace {
-
-constexpr std::size_t line_width = 110;
-
-void write(const Json& json, std::size_t indent, std::string& out) {
-  const std::string flat = json.dump();
-  // Arrays of numbers stay on one line however long: a list of 5 multipliers is one thing to the eye.
-  const bool scalars = json.is_array() && std::none_of(json.begin(), json.end(), [](const Json& e) { return e.is_structured(); });
-  if (!json.is_structured() || json.empty() || scalars || (indent + flat.size() <= line_width && indent > 0)) {
-    out += flat;
-    return;
-  }
-  const std::string padding(indent + 2, ' ');
-  out += json.is_array() ? "[" : "{";
-  const char* separator = "\n";
-  for (auto it = json.begin(); it != json.end(); ++it) {
-    out += separator + padding;
-    if (json.is_object()) out += Json(it.key()).dump() + ": ";
-    write(*it, indent + 2, out);
-    separator = ",\n";
-  }
-  out.append(1, '\n').append(indent, ' ').append(json.is_array() ? "]" : "}");
-}
-
-}  // namespace
+void reserve_members(Json& object, std::size_t count) { object.get_ref<Json::object_t&>().reserve(count); }
 
 Json to_json(const Vector& vector) {
   Json out = Json::array();
@@ -53,12 +31,49 @@ Json to_json(const std::vector<std::complex<double>>& values) {
 
 std::string pretty(const Json& json) {
   std::string out;
-  write(json, 0, out);
+  lay_out(json.dump(), 0, out);
   return out + "\n";
 }
 
+std::string pretty(const Json& json, const LongList& list, int threads) {
+  // As many empty objects might stand on one line; of more, each has lines of its own.
+  constexpr std::size_t short_lists = json_line_width / 3;
+  if (!list.name.empty() && list.size <= short_lists) return pretty(with_items(json, list, threads), {}, threads);
+  if (!json.is_object() || json.empty()) return pretty(json);
+  std::string out = "{";
+  const char* separator = "\n  ";
+  for (const auto& [name, value] : json.items()) {
+    out += separator + Json(name).dump() + ": ";
+    separator = ",\n  ";
+    const Json& here = value;
+    const bool listed = name == list.name;
+    const bool is_long = here.is_array() && here.size() > short_lists &&
+                         std::all_of(here.begin(), here.end(), [](const Json& item) { return item.is_structured(); });
+    if (!listed && !is_long) {
+      lay_out(here.dump(), 2, out);
+      continue;
+    }
+    out += "[";
+    append_items(threads, listed ? list.size : here.size(), out, [&](std::size_t k, std::string& text) {
+      text += k == 0 ? "\n    " : ",\n    ";
+      lay_out(listed ? list.item(k).dump() : here[k].dump(), 4, text);
+    });
+    out += "\n  ]";
+  }
+  return out + "\n}\n";
+}
+
+Json with_items(const Json& json, const LongList& list, int threads) {
+  Json out = json;
+  if (list.name.empty()) return out;
+  Json& items = out[list.name] = Json::array_t(list.size);
+  on_threads(threads, list.size, [&](std::size_t k) { items[k] = list.item(k); });
+  return out;
+}
+
 Json result_head(const std::string& schema, const std::string& command, const Problem& problem, Json options) {
-  Json head;
+  Json head = Json::object();
+  reserve_members(head, 24);
   head["schema"] = "graze." + schema;
   head["graze"] = program_version;
   head["command"] = command;

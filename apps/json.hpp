@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include <complex>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -21,8 +22,23 @@ Json to_json(const Vector& vector);
 Vector vector_from(const Json& json);  ///< the inverse
 Json to_json(const std::vector<std::complex<double>>& values);
 
+/// A member of a result that is a list of objects, too long to be kept as JSON, too: `json` has null in its place.
+struct LongList {
+  std::string name;  ///< of the member; empty: there is none
+  std::size_t size = 0;
+  std::function<Json(std::size_t)> item = {};  ///< called by several threads
+};
+
+/// Room for so many members: an object that grows copies all that it has.
+void reserve_members(Json& object, std::size_t count);
+
 /// Indented; what fits stands on one line.
 std::string pretty(const Json& json);
+/// With the items of the list. The text of long lists is made on so many threads.
+std::string pretty(const Json& json, const LongList& list, int threads);
+
+/// The whole as JSON.
+Json with_items(const Json& json, const LongList& list, int threads);
 
 /// `schema` is "orbit/1" and the like.
 Json result_head(const std::string& schema, const std::string& command, const Problem& problem, Json options);

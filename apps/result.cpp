@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <memory>
 #include <stdexcept>
 
 namespace graze::apps {
@@ -32,19 +33,25 @@ std::vector<std::string> json_files(const OutputOptions& options, const std::str
   return list;
 }
 
+std::string table_text(const Result& result) { return result.csv ? result.csv() : csv(result.table); }
+
 /// Files to be written, each with what goes into it. Pictures come last: who is told to end has a while for it, and not for ever.
-std::vector<OutputFile> files(const Result& result, const OutputOptions& options, const std::string& command) {
+std::vector<OutputFile> files(const Result& result, const OutputOptions& options, const std::string& command, int threads) {
   std::vector<OutputFile> list;
-  const auto table = [&result] { return csv(result.table); };
-  const auto picture = [&result](const std::string& file, const std::string& kind) {
-    return [&result, file, kind] { return draw(picture_of(result.json, kind), ending(file)); };
+  const auto table = [&result] { return table_text(result); };
+  std::shared_ptr<const Json> whole(std::shared_ptr<const Json>(), &result.json);
+  if (!result.list.name.empty() && (!options.plot.empty() || !options.out.empty()))
+    whole = std::make_shared<const Json>(with_items(result.json, result.list, threads));
+  const auto picture = [whole](const std::string& file, const std::string& kind) {
+    return [whole, file, kind] { return draw(picture_of(*whole, kind), ending(file)); };
   };
-  for (const std::string& file : json_files(options, command)) list.push_back({file, [&result] { return pretty(result.json); }});
+  for (const std::string& file : json_files(options, command))
+    list.push_back({file, [&result, threads] { return pretty(result.json, result.list, threads); }});
   if (!options.csv.empty() && options.csv != "-") list.push_back({options.csv, table});
   if (!options.out.empty()) list.push_back({fmt::format("{}/{}.csv", options.out, command), table});
   if (!options.plot.empty()) list.push_back({options.plot, picture(options.plot, options.plot_kind)});
   if (!options.out.empty())
-    for (const std::string& kind : pictures_for(result.json)) {
+    for (const std::string& kind : pictures_for(*whole)) {
       const std::string file = fmt::format("{}/{}-{}.{}", options.out, command, kind, folder_format);
       list.push_back({file, picture(file, kind)});
     }
@@ -96,10 +103,12 @@ std::optional<double> keeping_stints(const OutputOptions& options) {
   return kept ? std::optional(stint_length()) : std::nullopt;
 }
 
-void keep(const Json& part, const OutputOptions& options, const std::string& command, const Console& console) {
+void keep(const Json& part, const OutputOptions& options, const std::string& command, const Console& console,
+          const LongList& list) {
   for (const std::string& file : json_files(options, command)) {
     if (is_special(file)) continue;  // a pipe gets one result
-    if (const auto failure = write_whole(file, pretty(part))) console.err << "graze " << command << ": " << *failure << "\n";
+    if (const auto failure = write_whole(file, pretty(part, list, console.thread_count())))
+      console.err << "graze " << command << ": " << *failure << "\n";
   }
 }
 
@@ -110,7 +119,7 @@ int deliver(const Result& result, const OutputOptions& options, const std::strin
     console.err << "graze " << command << ": " << sentence << "\n";
   };
   // Files first: if stdout is a pipe that closes early, they are there.
-  for (const OutputFile& output : files(result, options, command)) {
+  for (const OutputFile& output : files(result, options, command, console.thread_count())) {
     try {
       if (const auto failure = write_whole(output.file, output.content())) complain(*failure);
     } catch (const Interrupted& error) {
@@ -120,7 +129,9 @@ int deliver(const Result& result, const OutputOptions& options, const std::strin
       complain(fmt::format("{}: {}", output.file, error.what()));
     }
   }
-  console.out << (options.json == "-" ? pretty(result.json) : options.csv == "-" ? csv(result.table) : result.text);
+  console.out << (options.json == "-"  ? pretty(result.json, result.list, console.thread_count())
+                  : options.csv == "-" ? table_text(result)
+                                       : result.text);
   console.out.flush();
   if (!console.out) complain("stdout: cannot be written");
   return complete || code != 0 ? code : 2;

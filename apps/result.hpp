@@ -6,6 +6,7 @@
 #include <graze/apps/json.hpp>
 #include <graze/apps/table.hpp>
 
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -17,8 +18,10 @@ namespace graze::apps {
 
 struct Result {  // NOLINT(bugprone-exception-escape): of nlohmann's move constructor
   Json json;
-  Table table;       ///< for --csv
-  std::string text;  ///< for people
+  LongList list = {};                     ///< one of its members
+  Table table;                            ///< for --csv
+  std::function<std::string()> csv = {};  ///< its text, where it is too long to be a Table
+  std::string text;                       ///< for people
 };
 
 struct OutputOptions {
@@ -47,7 +50,8 @@ bool wants_table(const OutputOptions& options);
 std::optional<double> keeping_stints(const OutputOptions& options);
 
 /// Writes the JSON files, and nothing else, with what there is by now. One that cannot be written is told on console.err.
-void keep(const Json& part, const OutputOptions& options, const std::string& command, const Console& console);
+void keep(const Json& part, const OutputOptions& options, const std::string& command, const Console& console,
+          const LongList& list = {});
 
 /// Writes the files, then prints the result on console.out: the text, or the JSON or CSV if that was sent there. Returns `code`,
 /// or instead of 0, 2 if something could not be written (each with a sentence on console.err), 130 if drawing was interrupted.

@@ -3,6 +3,7 @@
 #include <graze/apps/cascades.hpp>
 #include <graze/apps/number.hpp>
 #include <graze/apps/orbit_report.hpp>
+#include <graze/apps/side_by_side_text.hpp>
 #include <graze/apps/skeleton_report.hpp>
 
 #include <fmt/format.h>
@@ -112,10 +113,13 @@ Json seeds_json(const std::vector<SkeletonSeed>& seeds, std::size_t parameter) {
 
 }  // namespace
 
-void put_skeleton(Json& result, const Skeleton& found, std::size_t parameter) {
+void put_skeleton(Json& result, const Skeleton& found, std::size_t parameter, int threads) {
+  if (result.is_null()) result = Json::object();
+  reserve_members(result, result.size() + 8);
   result["seeds"] = seeds_json(found.seeds, parameter);
-  result["branches"] = Json::array();
-  for (const Branch& branch : found.graph.branches) result["branches"].push_back(branch_json(branch));
+  const std::vector<Branch>& branches = found.graph.branches;
+  Json& list = result["branches"] = Json::array_t(branches.size());
+  on_threads(threads, branches.size(), [&](std::size_t k) { list[k] = branch_json(branches[k]); });
   for (const std::vector<std::size_t>& curve : curves_of(found.graph.branches))
     for (const std::size_t place : curve) result["branches"][place]["family"] = found.graph.branches[curve.front()].id;
   result["cascades"] = cascades_json(cascades(found.graph.branches));

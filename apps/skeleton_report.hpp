@@ -15,9 +15,10 @@ namespace graze::apps {
 /// What a skeleton puts into a result.
 inline constexpr std::array skeleton_keys = {"seeds", "branches", "cascades", "cut_off"};
 
-/// Adds these to the result; `parameter`: index of the continuation parameter. To one that was interrupted it adds "seed_search",
-/// the "parts" of it that are "done", and the "part" of each seed, so that these are not searched again.
-void put_skeleton(Json& result, const Skeleton& found, std::size_t parameter);
+/// Adds these to the result, made on so many threads; `parameter`: index of the continuation parameter. To one that was
+/// interrupted it adds "seed_search", the "parts" of it that are "done", and the "part" of each seed, so that these are not
+/// searched again.
+void put_skeleton(Json& result, const Skeleton& found, std::size_t parameter, int threads);
 
 struct SeedsSoFar {
   std::vector<SkeletonSeed> seeds;

@@ -3,28 +3,18 @@
 #include <graze/apps/branch_reading.hpp>
 #include <graze/apps/number.hpp>
 #include <graze/apps/orbit_report.hpp>
+#include <graze/apps/side_by_side_text.hpp>
 #include <graze/apps/sweep_report.hpp>
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <iterator>
 #include <limits>
 
 namespace graze::apps {
 
 namespace {
-
-Json row_json(const SweepRow& row) {
-  Json json = {{"value", row.value},
-               {"direction", sweep_direction_name(row.direction)},
-               {"attractor", attractor_json(row.attractor)},
-               {"exponents", numbers_json(row.attractor.exponents)},
-               {"standard_errors", numbers_json(row.attractor.standard_errors)},
-               {"periods", row.attractor.time_average.periods},
-               {"end", to_json(row.end)}};
-  json["states"] = Json::array();
-  for (const Vector& state : row.states) json["states"].push_back(to_json(state));
-  json["impact_speeds"] = row.impact_speeds;
-  return json;
-}
 
 SweepRow row_of(const Json& json) {
   SweepRow row;
@@ -41,6 +31,20 @@ SweepRow row_of(const Json& json) {
 }
 
 }  // namespace
+
+Json row_json(const SweepRow& row) {
+  Json json = {{"value", row.value},
+               {"direction", sweep_direction_name(row.direction)},
+               {"attractor", attractor_json(row.attractor)},
+               {"exponents", numbers_json(row.attractor.exponents)},
+               {"standard_errors", numbers_json(row.attractor.standard_errors)},
+               {"periods", row.attractor.time_average.periods},
+               {"end", to_json(row.end)}};
+  json["states"] = Json::array();
+  for (const Vector& state : row.states) json["states"].push_back(to_json(state));
+  json["impact_speeds"] = row.impact_speeds;
+  return json;
+}
 
 Json rows_json(const std::vector<SweepRow>& rows) {
   Json list = Json::array();
@@ -73,22 +77,19 @@ Table sweep_overview(const std::vector<SweepRow>& rows, const std::string& param
   return table;
 }
 
-Table samples_table(const std::vector<SweepRow>& rows, const std::string& parameter) {
-  Table table{{parameter, "direction", "attractor", "period", "impacts", "exponent1", "exponent2", "x", "v"}, {}};
-  for (const SweepRow& row : rows) {
+std::string samples_csv(const std::vector<SweepRow>& rows, const std::string& parameter, int threads) {
+  std::string text =
+      csv(Table{{parameter, "direction", "attractor", "period", "impacts", "exponent1", "exponent2", "x", "v"}, {}});
+  append_items(threads, rows.size(), text, [&](std::size_t k, std::string& lines) {
+    const SweepRow& row = rows[k];
     const Attractor& attractor = row.attractor;
-    for (const Vector& state : row.states) {
-      std::vector<std::string> cells = {exact(row.value), std::string(sweep_direction_name(row.direction)),
-                                        std::string(attractor_type_name(attractor.type)),
-                                        attractor.period > 0 ? std::to_string(attractor.period) : "",
-                                        attractor.period > 0 ? std::to_string(attractor.impacts) : ""};
-      for (std::size_t i = 0; i < 2; ++i) cells.push_back(i < attractor.exponents.size() ? exact(attractor.exponents[i]) : "");
-      cells.push_back(exact(state[0]));
-      cells.push_back(exact(state[1]));
-      table.rows.push_back(std::move(cells));
-    }
-  }
-  return table;
+    std::string begin =
+        fmt::format("{},{},{},", row.value, sweep_direction_name(row.direction), attractor_type_name(attractor.type));
+    begin += attractor.period > 0 ? fmt::format("{},{}", attractor.period, attractor.impacts) : ",";
+    for (std::size_t i = 0; i < 2; ++i) begin += "," + (i < attractor.exponents.size() ? exact(attractor.exponents[i]) : "");
+    for (const Vector& state : row.states) fmt::format_to(std::back_inserter(lines), "{},{},{}\n", begin, state[0], state[1]);
+  });
+  return text;
 }
 
 std::vector<ChaoticWindow> chaotic_windows(const std::vector<SweepRow>& rows) {

@@ -13,6 +13,7 @@
 
 namespace graze::apps {
 
+Json row_json(const SweepRow& row);
 Json rows_json(const std::vector<SweepRow>& rows);
 
 /// The inverse, as far as a sweep can go on from it and the rows are written again: of orbits state, label and multipliers, of
@@ -23,8 +24,8 @@ std::vector<SweepRow> rows_from(const Json& rows);
 /// One line per stretch of rows with the same attractor.
 Table sweep_overview(const std::vector<SweepRow>& rows, const std::string& parameter);
 
-/// One line per stroboscopic state.
-Table samples_table(const std::vector<SweepRow>& rows, const std::string& parameter);
+/// As CSV: one line per stroboscopic state; made on so many threads.
+std::string samples_csv(const std::vector<SweepRow>& rows, const std::string& parameter, int threads);
 
 /// Neighbouring values of one direction at which the attractor is chaotic, and the largest exponent there.
 struct ChaoticWindow {

@@ -22,6 +22,12 @@ double size_of(const std::vector<Pair>& pairs) {
 
 double between(const Pair& a, const Pair& b) { return std::max(std::abs(a[0] - b[0]), std::abs(a[1] - b[1])); }
 
+/// The equations of a step, one guess after the other.
+struct StepEquations {
+  CyclicBlocks blocks;
+  std::vector<Square> Phi;
+};
+
 /// One guess on its way: newton() of shooting.cpp, with the evaluations done by others.
 class Iteration {
  public:
@@ -35,7 +41,7 @@ class Iteration {
   }
 
   /// What one period did to the nodes asked for.
-  void take(const PeriodResult* results, CyclicBlocks& blocks) {
+  void take(const PeriodResult* results, StepEquations& equations) {
     const std::size_t n = nodes();
     const bool carried = std::all_of(results, results + n, [](const auto& one) { return one.termination == Termination::time; });
     if (!carried) return begun_ ? halve() : end(false);
@@ -49,7 +55,7 @@ class Iteration {
       if (!std::isfinite(after)) return end(false);
       begun_ = true;
       accept(results, after);
-      return step(blocks);
+      return step(equations);
     }
     const double before = now_;
     if (!(after < before)) return before <= options_.acceptance ? end(true) : halve();
@@ -57,7 +63,7 @@ class Iteration {
     constexpr double rounding = 1e-15;
     if (now_ < rounding || (now_ <= options_.tolerance && now_ > 0.5 * before)) return end(true);
     if (++iterations_ == options_.max_iterations) return end(now_ <= options_.acceptance);
-    step(blocks);
+    step(equations);
   }
 
   LaneOrbit orbit() const {
@@ -108,10 +114,10 @@ class Iteration {
   }
 
   /// The next step of Newton's method.
-  void step(CyclicBlocks& blocks) {
-    std::vector<Square> Phi;
-    for (const PeriodResult& period : carried_) Phi.push_back(period.Phi);
-    blocks.solve(Phi, residual_, step_);
+  void step(StepEquations& equations) {
+    equations.Phi.clear();
+    for (const PeriodResult& period : carried_) equations.Phi.push_back(period.Phi);
+    equations.blocks.solve(equations.Phi, residual_, step_);
     double length = 0.0;
     for (const Pair& one : step_) {
       if (!std::isfinite(one[0]) || !std::isfinite(one[1])) return end(false);
@@ -150,7 +156,7 @@ std::vector<LaneOrbit> newton(ManyMotions& many, const std::vector<LaneGuess>& g
   std::vector<Iteration> iterations(guesses.begin(), guesses.end());
   std::vector<MotionStart> motions;
   std::vector<PeriodResult> results;
-  CyclicBlocks blocks;
+  StepEquations equations;
   for (;;) {
     motions.clear();
     for (const Iteration& one : iterations)
@@ -162,10 +168,11 @@ std::vector<LaneOrbit> newton(ManyMotions& many, const std::vector<LaneGuess>& g
       if (!one.open()) continue;
       const PeriodResult* of_one = next;
       next += one.nodes();
-      one.take(of_one, blocks);
+      one.take(of_one, equations);
     }
   }
   std::vector<LaneOrbit> orbits;
+  orbits.reserve(iterations.size());
   for (const Iteration& one : iterations) orbits.push_back(one.orbit());
   return orbits;
 }

@@ -21,6 +21,9 @@ constexpr std::size_t shortest_stretch = 32, longest_stretch = 256;
 /// Of the motions side by side, that are worth all threads.
 constexpr std::size_t long_for_threads = 64;
 
+/// Strands that a processor goes on with at once: each waits for what its last period gave.
+constexpr std::size_t at_once = 4;
+
 /// One motion with its first tangent vector.
 struct Strand {
   MotionStart at;
@@ -105,8 +108,11 @@ class Average {
       const bool counted = uncounted_ == 0;
       const std::size_t parts = options_.all_threads && n >= long_for_threads ? std::min(threads_here(), strands_.size()) : 1;
       in_parallel(parts, [&](std::size_t part) {
-        for (std::size_t i = part * strands_.size() / parts; i < (part + 1) * strands_.size() / parts; ++i)
-          for (std::size_t j = 0; j < n; ++j) strands_[i].add(results[i * periods + k + j], counted, options_.interval);
+        const std::size_t end = (part + 1) * strands_.size() / parts;
+        for (std::size_t first = part * strands_.size() / parts; first < end; first += at_once)
+          for (std::size_t j = 0; j < n; ++j)
+            for (std::size_t i = first; i < std::min(end, first + at_once); ++i)
+              strands_[i].add(results[i * periods + k + j], counted, options_.interval);
       });
       k += n;
       if (gather(); out_.termination != Termination::time) {

@@ -372,8 +372,10 @@ std::optional<PeriodicOrbit> settling_orbit(const HybridSystem& system, const Ve
 int ReturnWatch::see(const Vector& state) {
   ++periods_;
   int back = 0;
-  if (looked_ >= 0 &&
-      (state - looked_at_).lpNorm<Eigen::Infinity>() < recurrence_ * (1.0 + looked_at_.lpNorm<Eigen::Infinity>())) {
+  // (Entry by entry: mostly the first is too far away.)
+  bool near = looked_ >= 0;
+  for (Eigen::Index i = 0; near && i < state.size(); ++i) near = std::abs(state[i] - looked_at_[i]) < within_;
+  if (near) {
     back = periods_ - looked_;
     looked_ = -1;
     look_ = 2 * periods_;
@@ -381,6 +383,7 @@ int ReturnWatch::see(const Vector& state) {
   if (periods_ == look_) {
     looked_ = periods_;
     looked_at_ = state;
+    within_ = recurrence_ * (1.0 + size(state));
     look_ = 2 * periods_;
   }
   return back;

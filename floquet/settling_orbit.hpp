@@ -63,7 +63,7 @@ class ReturnWatch {
   int see(const Vector& state);
 
  private:
-  double recurrence_;
+  double recurrence_, within_ = 0.0;
   int periods_ = 0, look_ = 4, looked_ = -1;
   Vector looked_at_;
 };

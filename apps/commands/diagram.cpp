@@ -185,14 +185,14 @@ Status add_skeleton(Result& result, Earlier& earlier, const Options& options, co
       if (!stints.over()) return;
       const Skeleton part = so_far();
       Json json = result.json;
-      put_skeleton(json, part, parameter);
+      put_skeleton(json, part, parameter, console.thread_count());
       put_parts(json, options, earlier, Status::interrupted);
       keep_part(json, fmt::format("kept with {} branches complete, while it went on", part.graph.branches.size()));
       stints.begin(told);
     };
     stints.begin(told);
     Skeleton found = skeleton(problem.system, problem.parameters, computing);
-    put_skeleton(result.json, found, parameter);
+    put_skeleton(result.json, found, parameter, console.thread_count());
     earlier.branches = std::move(found.graph.branches);
     earlier.cut_off = std::move(found.graph.cut_off);
     if (found.graph.interrupted) status = Status::interrupted;
@@ -295,11 +295,11 @@ int run(const Options& given, const Console& console) {
   described.update({{"param", options.parameter}, {"from", *options.from}, {"to", *options.to}, {"skeleton", options.skeleton}});
   described.update(skeleton_json(options));
   if (!options.skeleton) described.update(sweeping_json(options.sweeping));
-  const auto complete = [&](const Json& found, Status status, const std::string& message) {
+  const auto complete = [&](Json found, Status status, const std::string& message) {
     Json json = result_head(options.skeleton ? "branch/1" : "diagram/1", "diagram", problem, described);
     json["parameter"] = options.parameter;
     set_status(json, status, message);
-    json.update(found);
+    for (auto& item : found.items()) json[item.key()] = std::move(item.value());
     return json;
   };
   const KeepPart keep_part = [&](const Json& part, const std::string& message) {
@@ -320,7 +320,7 @@ int run(const Options& given, const Console& console) {
     if (status == Status::done || swept.status == Status::interrupted) message = swept.message;
     if (swept.status != Status::done) status = swept.status;
   }
-  result.json = complete(result.json, status, message);
+  result.json = complete(std::move(result.json), status, message);
   if (status != Status::done) console.err << "graze diagram: " << message << "\n";
   return deliver(result, options.output, "diagram", exit_code(status), console);
 }

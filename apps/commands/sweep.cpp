@@ -68,17 +68,22 @@ int run(const Options& given, const Console& console) {
   result.json["parameter"] = options.parameter;
   std::vector<SweepRow> so_far;
   if (!options.resume.empty()) so_far = earlier_rows(earlier, options.resume, result.json);
-  const auto with_rows = [head = result.json](const Swept& swept) {
+  const auto with_status = [head = result.json](const Swept& swept) {
     Json json = head;
     set_status(json, swept.status, swept.message);
-    json["rows"] = rows_json(swept.rows);
+    json["rows"] = nullptr;
     return json;
   };
-  const KeepingRows keeping{keeping_stints(options.output),
-                            [&](const Swept& swept) { keep(with_rows(swept), options.output, "sweep", console); }};
+  const auto rows_of = [](const Swept& swept) {
+    return LongList{"rows", swept.rows.size(), [&rows = swept.rows](std::size_t k) { return row_json(rows[k]); }};
+  };
+  const KeepingRows keeping{keeping_stints(options.output), [&](const Swept& swept) {
+                              keep(with_status(swept), options.output, "sweep", console, rows_of(swept));
+                            }};
   const Swept swept = carry_out_sweeps(problem, options.start, range, options.sweeping, console, so_far, keeping);
-  result.json = with_rows(swept);
-  result.table = samples_table(swept.rows, options.parameter);
+  result.json = with_status(swept);
+  result.list = rows_of(swept);
+  result.csv = [&] { return samples_csv(swept.rows, options.parameter, console.thread_count()); };
   result.text = describe(problem, options.parameter) + "\n\n" + aligned(sweep_overview(swept.rows, options.parameter));
   if (swept.status != Status::done) console.err << "graze sweep: " << swept.message << "\n";
   return deliver(result, options.output, "sweep", exit_code(swept.status), console);

@@ -54,6 +54,39 @@ TEST_CASE("pretty JSON is the same JSON") {
   CHECK(Json::parse(pretty(json)) == json);
 }
 
+TEST_CASE("what fits stands on one line of JSON, and so do numbers and texts without end") {
+  const Json fits = {{"a", {1, Json::array({Json::array({2, "x]\\\""})})}}};
+  CHECK(pretty(Json{{"fits", fits}}) == "{\n  \"fits\": " + fits.dump() + "\n}\n");
+  const std::vector<double> numbers(100, 0.25);
+  CHECK(pretty(Json{{"numbers", numbers}}) == "{\n  \"numbers\": " + Json(numbers).dump() + "\n}\n");
+  // 110 letters on a line at most, with the blanks before them, without the name
+  for (const std::size_t letters : {96U, 97U}) {
+    const Json list = {{{"b", {std::string(letters, 'x')}}}};
+    REQUIRE(list.dump().size() == letters + 12);
+    const std::string text = pretty(Json{{"list", list}});
+    const std::string x = Json(std::string(letters, 'x')).dump();
+    CHECK(text ==
+          "{\n  \"list\": " + (letters == 96U ? list.dump() : "[\n    {\n      \"b\": [" + x + "]\n    }\n  ]") + "\n}\n");
+  }
+  CHECK(pretty(Json{{"a", Json::array()}, {"b", nullptr}}) == "{\n  \"a\": [],\n  \"b\": null\n}\n");
+  CHECK(pretty(Json::object()) == "{}\n");
+  CHECK(pretty(Json(1.5)) == "1.5\n");
+}
+
+TEST_CASE("a list that is written item by item is the same text, on any number of threads") {
+  for (const std::size_t size : {0U, 1U, 36U, 37U, 500U}) {
+    const LongList list{"list", size, [](std::size_t k) {
+                          return k % 3 == 0 ? Json::object() : Json{{"k", k}, {"numbers", std::vector<double>(k, 0.1)}};
+                        }};
+    const Json head = {{"before", 1}, {"list", nullptr}, {"after", {{"x", 2}}}};
+    for (const int threads : {1, 3}) {
+      CHECK(with_items(head, list, threads)["list"].size() == size);
+      CHECK(pretty(head, list, threads) == pretty(with_items(head, list, 1)));
+      CHECK(pretty(with_items(head, list, 1), {}, threads) == pretty(with_items(head, list, 1)));
+    }
+  }
+}
+
 TEST_CASE("a result's head names its model and can be turned into a problem again") {
   Problem p = load_problem(problem("beam-newton"));
   apply_settings(p, {"k_r=0.7"});
