@@ -112,6 +112,11 @@ void keep(const Json& part, const OutputOptions& options, const std::string& com
   }
 }
 
+std::string how_to_go_on(Status status, const OutputOptions& options) {
+  if (status != Status::interrupted || options.out.empty()) return "";
+  return fmt::format("; --resume {} goes on from there", options.out);
+}
+
 int deliver(const Result& result, const OutputOptions& options, const std::string& command, int code, const Console& console) {
   bool complete = true;
   const auto complain = [&](const std::string& sentence) {

@@ -53,6 +53,10 @@ std::optional<double> keeping_stints(const OutputOptions& options);
 void keep(const Json& part, const OutputOptions& options, const std::string& command, const Console& console,
           const LongList& list = {});
 
+/// What to add to the message of a run that was interrupted and can be gone on with: "; --resume DIR goes on from there". Else
+/// nothing.
+std::string how_to_go_on(Status status, const OutputOptions& options);
+
 /// Writes the files, then prints the result on console.out: the text, or the JSON or CSV if that was sent there. Returns `code`,
 /// or instead of 0, 2 if something could not be written (each with a sentence on console.err), 130 if drawing was interrupted.
 int deliver(const Result& result, const OutputOptions& options, const std::string& command, int code, const Console& console);

@@ -313,7 +313,7 @@ int run(const Options& given, const Console& console) {
   result.json = with_basins(status, message);
   if (wants_table(options.output)) result.table = starts_table(starts, basins);
   result.text = describe(problem) + "\n\n" + (basins.attractors.empty() ? message + "\n" : overview(basins));
-  if (status != Status::done) console.err << "graze attractors: " << message << "\n";
+  if (status != Status::done) console.err << "graze attractors: " << message << how_to_go_on(status, options.output) << "\n";
   return deliver(result, options.output, "attractors", exit_code(status), console);
 }
 

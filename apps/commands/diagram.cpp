@@ -321,7 +321,7 @@ int run(const Options& given, const Console& console) {
     if (swept.status != Status::done) status = swept.status;
   }
   result.json = complete(std::move(result.json), status, message);
-  if (status != Status::done) console.err << "graze diagram: " << message << "\n";
+  if (status != Status::done) console.err << "graze diagram: " << message << how_to_go_on(status, options.output) << "\n";
   return deliver(result, options.output, "diagram", exit_code(status), console);
 }
 

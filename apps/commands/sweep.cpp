@@ -85,7 +85,8 @@ int run(const Options& given, const Console& console) {
   result.list = rows_of(swept);
   result.csv = [&] { return samples_csv(swept.rows, options.parameter, console.thread_count()); };
   result.text = describe(problem, options.parameter) + "\n\n" + aligned(sweep_overview(swept.rows, options.parameter));
-  if (swept.status != Status::done) console.err << "graze sweep: " << swept.message << "\n";
+  if (swept.status != Status::done)
+    console.err << "graze sweep: " << swept.message << how_to_go_on(swept.status, options.output) << "\n";
   return deliver(result, options.output, "sweep", exit_code(swept.status), console);
 }
 

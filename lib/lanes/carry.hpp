@@ -77,8 +77,11 @@ template <class Flight> class Carrier {
     alignas(64) double x[W] = {}, v[W] = {}, depth[W] = {}, there[W] = {};
   };
 
-  void hit(const Landing<Real>& landing) {
+  void hit(Landing<Real> landing) {
     for_each(landing.where, [&](std::size_t lane) { memory_.impacts[lane] += memory_.coefficient[side][lane] > 0.0 ? 1 : 0; });
+    const Mask<Real> busy = memory_.busy(landing.where);
+    memory_.assign(busy, Task::given_up);
+    landing.where = landing.where & !busy;
     if (job_.law == Law::restitution) return rebound<Flight>(memory_, landing);
     if (job_.law == Law::linear_elastic) return change_sides<Flight>(memory_, landing, job_.motions);
     Mask<Real> touching = landing.where;

@@ -80,8 +80,8 @@ template <class Number, bool WithTangent> struct CubicFlight {
   static Landing<Real> land(Memory<Real>& m) {
     const Mask<Real> crossing = m.is(Task::crossing);
     const Series series(law_of(m), state_of(m));
-    const Real h = root_in_step(
-        [&](const Real& trial) { return std::pair<Real, Real>(series.gap(trial), series.speed(trial)); }, m[trial], crossing);
+    const Real h = root_in_step([&](const Real& trial) { return std::pair<Real, Real>(series.gap(trial), series.speed(trial)); },
+                                m[trial], crossing);
     const FlightState<Real> end = series.at(h);
     const Real duration = m[flown] + h;
     const Mask<Real> short_hop = (m[off_barrier] > Real(0.5)) & (duration < m[shortest_flight]);
@@ -136,7 +136,8 @@ template <class Number, bool WithTangent> struct CubicFlight {
     put(a, last);
     put(b, before);
     for (std::size_t lane = 0; lane < width<Real>; ++lane)
-      a[lane] = std::min(detail::rough_root(allowed, a[lane], Series::order), detail::rough_root(allowed, b[lane], Series::order - 1));
+      a[lane] =
+          std::min(detail::rough_root(allowed, a[lane], Series::order), detail::rough_root(allowed, b[lane], Series::order - 1));
     return take<Real>(a);
   }
 

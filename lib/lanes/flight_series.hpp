@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// FlightSeries: the Taylor series in time of a flight x'' + 2 b x' + k x + beta x^3 = A cos(w t) + c and of its 2x2 tangent in lanes:
-// the equations of detail/cubic_recurrence.hpp, one loop an order for all products, which suits registers that hold the same number
-// of many flights.
+// FlightSeries: the Taylor series in time of a flight x'' + 2 b x' + k x + beta x^3 = A cos(w t) + c and of its 2x2 tangent in
+// lanes: the equations of detail/cubic_recurrence.hpp, one loop an order for all products, which suits registers that hold the
+// same number of many flights.
 #pragma once
 
 #include <graze/lib/lanes/real.hpp>
@@ -34,8 +34,8 @@ template <class Real, bool Tangent> class FlightSeries {
       for (std::size_t i = 0; i < 4; ++i) Phi_[i][0] = z.Phi[i];
     const Real force_c = law.amplitude * z.c, force_s = law.amplitude * z.s;
     constexpr double third = 1.0 / 3.0;
-    const Constants constants{
-        -law.b2, -law.k, -third * law.b2, -third * law.k, -2.0 * law.beta, {force_c, -force_s, -force_c, force_s}};
+    const Constants constants{-law.b2,        -law.k,          -third * law.b2,
+                              -third * law.k, -2.0 * law.beta, {force_c, -force_s, -force_c, force_s}};
     expand(law, constants, std::make_index_sequence<order>());
   }
   /// Of the gap, but for the first.
@@ -57,11 +57,12 @@ template <class Real, bool Tangent> class FlightSeries {
     return z;
   }
 
-  /// Sums of the coefficients of the last order and of the one before, each relative to 1 + |what it belongs to|.
+  /// Sums of the coefficients of the last order and of the one before, each relative to 1 + |what it belongs to|; of the tangent,
+  /// to 1 + its largest entry.
   void size(const FlightLaw<Real>& law, Real& last, Real& before) const {
-    const Real of_state = 1.0 / (1.0 + largest(abs(x_[0]), abs(v_[0])));
+    const Real of_x = 1.0 / (1.0 + abs(x_[0])), of_v = 1.0 / (1.0 + abs(v_[0]));
     const auto state = [&](std::size_t k) {
-      return madd(of_state, Real(abs(x_[k]) + abs(v_[k])), Real(abs(law.amplitude) * abs(turn_[k])));
+      return madd(of_x, abs(x_[k]), madd(of_v, abs(v_[k]), Real(abs(law.amplitude) * abs(turn_[k]))));
     };
     last = state(order);
     before = state(order - 1);
@@ -78,7 +79,9 @@ template <class Real, bool Tangent> class FlightSeries {
 
  private:
   /// -2 b, -k, a third of either, -2 beta; derivatives of A cos.
-  struct Constants { Real drag, pull, drag_3, pull_3, twice_bend, force[4]; };
+  struct Constants {
+    Real drag, pull, drag_3, pull_3, twice_bend, force[4];
+  };
 
   template <std::size_t... k>
   [[gnu::always_inline]] void expand(const FlightLaw<Real>& law, const Constants& constants, std::index_sequence<k...>) {

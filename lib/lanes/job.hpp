@@ -50,7 +50,7 @@ using Coefficients = std::array<double, coefficients>;
 /// A forcing period in cells of equal length, in which no angle turns by more than `widest_cell`: what the lanes know of the
 /// instants between them.
 inline constexpr double widest_cell = 0.45;
-inline constexpr std::size_t points_ahead = 32;
+inline constexpr std::size_t points_ahead = 24;
 struct alignas(64) Grid {
   std::array<double, points_ahead> turn_c{}, turn_s{};  ///< over k cells: e^(-damping t) (cos, sin)(rate t)
   const double* forced = nullptr;                       ///< position of the particular solution; beyond the period: infinity
@@ -90,6 +90,9 @@ struct Motion {
 };
 
 enum class Law { restitution, hertz, linear_elastic };
+
+/// A motion with more impacts in a period is given up: whether they are too many the Propagator says.
+inline constexpr double most_impacts = 4000;
 
 struct Job {
   Law law = Law::restitution;

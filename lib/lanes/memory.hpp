@@ -24,11 +24,11 @@ enum Field : std::size_t {
   flown,       ///< time since then
   next_point,  ///< of the grid: number, and time up to it (none where the task is `marching`: the motion is there)
   ahead,
-  trial,         ///< length of the next step, at most up to that point
-  tried,         ///< 1: the step before was too long
-  ceiling,       ///< below it at both ends of a cell, a motion does not reach the barrier in between
-  off_barrier,   ///< 1: it began there (where the gap is zero, not what rounding says)
-  rest,          ///< time left of the forcing period, where a flight ends and during a contact
+  trial,        ///< length of the next step, at most up to that point
+  tried,        ///< 1: the step before was too long
+  ceiling,      ///< below it at both ends of a cell, a motion does not reach the barrier in between
+  off_barrier,  ///< 1: it began there (where the gap is zero, not what rounding says)
+  rest,         ///< time left of the forcing period, where a flight ends and during a contact
   gap,  ///< a flight with beta x^3: distance from the barrier (negative) and speed; tangent since the flight or the period began
   gap_speed,
   flight_00,
@@ -78,6 +78,12 @@ template <class Real> struct Memory {
     put(task, Real(select(mask, Real(static_cast<double>(t)), take<Real>(task))));
   }
   void assign(std::size_t lane, Task t) { task[lane] = static_cast<double>(t); }
+  /// Those of the lanes that have had too many impacts.
+  template <class Mask> Mask busy(const Mask& where) const {
+    alignas(64) double out[W] = {};
+    for_each(where, [&](std::size_t lane) { out[lane] = impacts[lane]; });
+    return take<Real>(out) > Real(most_impacts);
+  }
   /// Puts a motion's coefficients in a lane: those of its flight, or those of -x in contact.
   void load(std::size_t lane, const Motion& of_motion, bool pressed) {
     grid[lane] = pressed ? of_motion.pressed_grid : of_motion.grid;

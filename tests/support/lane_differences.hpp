@@ -35,8 +35,9 @@ struct Difference {
 
 /// Largest differences from the Propagator, period by period from the lanes' own states. That of the state is relative to
 /// 1 + |Phi|; that of the tangent to its square, since an error of the entry's speed is magnified twice.
-inline Difference compare(const HybridSystem& system, const std::vector<Vector>& parameters, const std::vector<MotionStart>& starts,
-                   std::size_t periods, const std::vector<PeriodResult>& results, const FlowOptions& options = {}) {
+inline Difference compare(const HybridSystem& system, const std::vector<Vector>& parameters,
+                          const std::vector<MotionStart>& starts, std::size_t periods, const std::vector<PeriodResult>& results,
+                          const FlowOptions& options = {}) {
   Difference worst;
   for (std::size_t set = 0; set < parameters.size(); ++set) {
     Propagator propagator(system, parameters[set], {}, options);
