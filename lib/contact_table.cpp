@@ -17,13 +17,13 @@ using lanes::time_cells;
 
 bool ContactTable::applies(const HybridSystem& system, const Vector& p) {
   const auto oscillator = lanes::lane_oscillator(system, p);
-  return oscillator && oscillator->law == lanes::Law::hertz && !oscillator->cubic;
+  return oscillator && oscillator->tabulated();
 }
 
 ContactTable::ContactTable(const HybridSystem& system, const Vector& p, const SpeedRange& speeds, LaneWidth width) {
   check_parameters(system.parameters, p);
   const auto oscillator = lanes::lane_oscillator(system, p);
-  if (!oscillator || oscillator->law != lanes::Law::hertz || oscillator->cubic)
+  if (!oscillator || !oscillator->tabulated())
     throw std::invalid_argument(
         fmt::format("{} at these parameters is not a linear oscillator with a Hertz stop; a table of its contacts cannot be made",
                     system.name));

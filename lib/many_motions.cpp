@@ -85,8 +85,7 @@ ManyMotions::Set& ManyMotions::set_of(std::size_t parameters) const {
 
 void ManyMotions::expect(std::size_t parameters, std::int64_t periods) {
   Set& set = set_of(parameters);
-  if (set.oscillator.law == lanes::Law::hertz && !set.oscillator.cubic && !set.table && periods >= periods_for_table &&
-      options_.tolerance >= finest_tolerance)
+  if (set.oscillator.tabulated() && !set.table && periods >= periods_for_table && options_.tolerance >= finest_tolerance)
     set.awaits_table = true;
 }
 
@@ -156,10 +155,9 @@ void ManyMotions::carry(const std::vector<MotionStart>& starts, std::size_t peri
     return std::pair(last.x, last.v);
   };
   std::vector<Going> going, next;
-  const auto cubic = [&](std::size_t m) { return sets_[starts[m].parameters]->oscillator.cubic; };
-  for (const bool kind : {false, true})
-    for (std::size_t m = 0; m < starts.size(); ++m)
-      if (cubic(m) == kind) going.push_back({m, 0});
+  for (std::size_t m = 0; m < starts.size(); ++m) going.push_back({m, 0});
+  const auto is_linear = [&](const Going& one) { return !sets_[starts[one.motion].parameters]->oscillator.cubic; };
+  std::stable_partition(going.begin(), going.end(), is_linear);
   std::vector<lanes::Motion> motions;
   std::vector<std::size_t> carried;
   while (!going.empty()) {
@@ -174,8 +172,7 @@ void ManyMotions::carry(const std::vector<MotionStart>& starts, std::size_t peri
                          &results[one.motion * periods + one.done], set.table ? &set.pieces : nullptr,
                          set.awaits_table ? &set.met : nullptr});
     }
-    const auto linear = static_cast<std::size_t>(
-        std::find_if(going.begin(), going.end(), [&](const Going& one) { return cubic(one.motion); }) - going.begin());
+    const auto linear = static_cast<std::size_t>(std::partition_point(going.begin(), going.end(), is_linear) - going.begin());
     carried.assign(motions.size(), 0);
     carry_in_lanes(std::span(motions).first(linear), false, tangent, carried.data());
     carry_in_lanes(std::span(motions).subspan(linear), true, tangent, carried.data() + linear);

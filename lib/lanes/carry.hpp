@@ -50,7 +50,7 @@ template <class Flight> class Carrier {
                 marching = count(memory_.is(Task::marching));
       const int others = marching + flights + ends;
       if (contacts >= most || (contacts > 0 && crossings + others == 0)) {
-        const Surfacing<Real> up = press<Real, Tangent, Flight::cubic>(memory_, job_, ratio_);
+        const Surfacing<Real> up = press<Flight>(memory_, job_, ratio_);
         if (any(up.at_barrier)) Flight::leave_barrier(memory_, up.at_barrier, up.v, up.c, up.s);
         if (any(up.at_end)) end_periods(up.at_end, Real(memory_[barrier] + up.y * up.y), up.v, up.y);
       } else if (crossings >= many || (crossings > 0 && others == 0)) {
@@ -78,10 +78,7 @@ template <class Flight> class Carrier {
   };
 
   void hit(Landing<Real> landing) {
-    for_each(landing.where, [&](std::size_t lane) { memory_.impacts[lane] += memory_.coefficient[side][lane] > 0.0 ? 1 : 0; });
-    const Mask<Real> busy = memory_.busy(landing.where);
-    memory_.assign(busy, Task::given_up);
-    landing.where = landing.where & !busy;
+    landing.where = memory_.count_impacts(landing.where);
     if (job_.law == Law::restitution) return rebound<Flight>(memory_, landing);
     if (job_.law == Law::linear_elastic) return change_sides<Flight>(memory_, landing, job_.motions);
     Mask<Real> touching = landing.where;

@@ -21,7 +21,7 @@ template <class Real> struct ContactLaw {
 };
 
 /// Cubic: with beta x^3; without, ContactLaw::beta does not count.
-template <class Real, bool Tangent, bool Cubic = false> class ContactSeries {
+template <class Real, bool Tangent, bool Cubic> class ContactSeries {
  public:
   static constexpr std::size_t order = detail::hertz_order;
 

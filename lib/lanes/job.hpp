@@ -92,7 +92,7 @@ struct Motion {
 enum class Law { restitution, hertz, linear_elastic };
 
 /// A motion with more impacts in a period is given up: whether they are too many the Propagator says.
-inline constexpr double most_impacts = 4000;
+inline constexpr int most_impacts = 4000;
 
 struct Job {
   Law law = Law::restitution;

@@ -78,11 +78,17 @@ template <class Real> struct Memory {
     put(task, Real(select(mask, Real(static_cast<double>(t)), take<Real>(task))));
   }
   void assign(std::size_t lane, Task t) { task[lane] = static_cast<double>(t); }
-  /// Those of the lanes that have had too many impacts.
-  template <class Mask> Mask busy(const Mask& where) const {
-    alignas(64) double out[W] = {};
-    for_each(where, [&](std::size_t lane) { out[lane] = impacts[lane]; });
-    return take<Real>(out) > Real(most_impacts);
+  /// Of the lanes that have come to the barrier, to it from outside or back. Gives up those that have had too many impacts, and
+  /// returns the others.
+  template <class Mask> Mask count_impacts(const Mask& where) {
+    alignas(64) double few[W] = {};
+    for_each(where, [&](std::size_t lane) {
+      impacts[lane] += coefficient[side][lane] > 0.0 ? 1 : 0;
+      few[lane] = impacts[lane] <= most_impacts ? 1.0 : 0.0;
+    });
+    const Mask good = take<Real>(few) > Real(0.5);
+    assign(where & !good, Task::given_up);
+    return good;
   }
   /// Puts a motion's coefficients in a lane: those of its flight, or those of -x in contact.
   void load(std::size_t lane, const Motion& of_motion, bool pressed) {

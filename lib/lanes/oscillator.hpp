@@ -22,6 +22,9 @@ struct Oscillator {
   Coefficients pressed{};  ///< with a linear elastic stop: in contact, of -x
   std::shared_ptr<const Grid> pressed_grid;
   std::size_t hit = 0;  ///< index of the event in which a contact begins
+
+  /// Whether there are tables of its contacts.
+  bool tabulated() const { return law == Law::hertz && !cubic; }
 };
 
 /// Whether the lanes know the system at these parameters.

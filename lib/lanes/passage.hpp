@@ -57,18 +57,17 @@ template <class Real> struct Surfacing {
 };
 
 /// One step of every lane in contact, at the accuracy of the job.
-template <class Real, bool Tangent, bool Cubic, class Job> Surfacing<Real> press(Memory<Real>& m, const Job& job, double ratio) {
-  using Series = ContactSeries<Real, Tangent, Cubic>;
+template <class Flight, class Real, class Job> Surfacing<Real> press(Memory<Real>& m, const Job& job, double ratio) {
+  using Series = ContactSeries<Real, Flight::tangent, Flight::cubic>;
   const Mask<Real> pressed = m.is(Task::contact);
   const Real b = m[damping], k_H = m[contact_stiffness], b_H = m[contact_damping];
   const ContactLaw<Real> law{2.0 * b, m[frequency], m[amplitude], m[barrier], k_H, k_H * b_H, m[lanes::cubic]};
   const ContactState<Real> z{m[depth], m[speed], m[phase_c], m[phase_s], m[contact_time], m[contact_divergence],
                              m[dx_0],  m[dx_1],  m[q_0],     m[q_1]};
   const Series series(law, z);
+  const Real spring = Flight::spring_at_barrier(m);
   const auto longest_step = [&](const Real& v, const Real& dt) {
-    Real pull = law.r;
-    if constexpr (Cubic) pull = pull + law.beta * (law.r * law.r * law.r);
-    const Real a = abs(Real(law.xi * z.c - pull)) + law.b2 * abs(v) + abs(law.xi) * law.w * dt;
+    const Real a = abs(Real(law.xi * z.c - spring)) + law.b2 * abs(v) + abs(law.xi) * law.w * dt;
     return Real(detail::hertz_longest_step * sqrt(Real(2.0 / largest(a, Real(1e-12)))));
   };
   const Real v = abs(z.v), longest_here = longest_step(v, Real(0.0));
@@ -111,7 +110,7 @@ template <class Real, bool Tangent, bool Cubic, class Job> Surfacing<Real> press
   m.set(contact_divergence, pressed, next.divergence);
   const Mask<Real> ended = surfaced | late;
   const Real y = select(surfaced, Real(0.0), next.y);
-  if constexpr (Tangent) {
+  if constexpr (Flight::tangent) {
     m.set(dx_0, pressed, next.dx_0);
     m.set(dx_1, pressed, next.dx_1);
     m.set(q_0, pressed, next.q_0);

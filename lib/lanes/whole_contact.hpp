@@ -176,7 +176,7 @@ template <class Real> void pass_contacts(const ContactJob& job) {
       touch(m, here, Real(0.0), Real(entry.v), Real(entry.c), Real(entry.s));
     }
     if (!any(m.is(Task::contact))) return;
-    const Surfacing<Real> up = press<Real, true, false>(m, job, ratio);
+    const Surfacing<Real> up = press<LinearFlight<Real, true>>(m, job, ratio);
     alignas(64) double ended[W], late[W];
     put(ended, Real(select(up.at_barrier, Real(1.0), Real(0.0))));
     put(late, Real(select(up.at_end | m.is(Task::given_up), Real(1.0), Real(0.0))));
