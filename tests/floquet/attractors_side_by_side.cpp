@@ -37,12 +37,8 @@ std::vector<AverageStart> points(const HybridSystem& system) {
 std::vector<AverageStart> cantilevers(const HybridSystem& system) {
   std::vector<AverageStart> starts;
   for (const double eta : {0.4, 0.45, 0.5, 0.53, 0.554, 0.58, 0.62, 0.7, 0.8})
-    for (const double r : {0.06, 0.079}) {
-      Vector p = default_parameters(system.parameters);
-      for (const auto& [name, value] : {std::pair{"b", 0.026}, {"xi", 0.08}, {"eta", eta}, {"r", r}})
-        p[static_cast<Eigen::Index>(parameter_index(system.parameters, name))] = value;
-      starts.push_back({p, vector({0.0, 0.0})});
-    }
+    for (const double r : {0.06, 0.079})
+      starts.push_back({parameters(system, {{"b", 0.026}, {"xi", 0.08}, {"eta", eta}, {"r", r}}), vector({0.0, 0.0})});
   return starts;
 }
 

@@ -38,7 +38,7 @@ inline Vector vector(std::initializer_list<double> values) {
 }
 
 /// Default parameters with some of them set by name.
-inline Vector parameters(const HybridSystem& system, std::initializer_list<std::pair<const char*, double>> set = {}) {
+inline Vector parameters(const HybridSystem& system, const std::vector<std::pair<const char*, double>>& set = {}) {
   Vector p = default_parameters(system.parameters);
   for (const auto& [name, value] : set) p[static_cast<Eigen::Index>(parameter_index(system.parameters, name))] = value;
   return p;

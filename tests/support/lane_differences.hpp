@@ -6,6 +6,8 @@
 
 #include <graze/lib/many_motions.hpp>
 
+#include <catch2/catch.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -13,12 +15,6 @@
 #include <vector>
 
 namespace graze::support {
-
-inline Vector with(const HybridSystem& system, std::vector<std::pair<const char*, double>> values) {
-  Vector p = default_parameters(system.parameters);
-  for (const auto& [name, value] : values) p[static_cast<Eigen::Index>(parameter_index(system.parameters, name))] = value;
-  return p;
-}
 
 inline std::vector<MotionStart> random_starts(std::size_t count, double r, std::size_t sets = 1) {
   std::mt19937_64 generator(7);
@@ -35,13 +31,12 @@ struct Difference {
 
 /// Largest differences from the Propagator, period by period from the lanes' own states. That of the state is relative to
 /// 1 + |Phi|; that of the tangent to its square, since an error of the entry's speed is magnified twice.
-inline Difference compare(const HybridSystem& system, const std::vector<Vector>& parameters,
-                          const std::vector<MotionStart>& starts, std::size_t periods, const std::vector<PeriodResult>& results,
-                          const FlowOptions& options = {}) {
+inline Difference compare(const HybridSystem& system, const std::vector<Vector>& sets, const std::vector<MotionStart>& starts,
+                          std::size_t periods, const std::vector<PeriodResult>& results, const FlowOptions& options = {}) {
   Difference worst;
-  for (std::size_t set = 0; set < parameters.size(); ++set) {
-    Propagator propagator(system, parameters[set], {}, options);
-    const double T = forcing_period(system, parameters[set]);
+  for (std::size_t set = 0; set < sets.size(); ++set) {
+    Propagator propagator(system, sets[set], {}, options);
+    const double T = forcing_period(system, sets[set]);
     Transition one;
     for (std::size_t m = 0; m < starts.size(); ++m) {
       if (starts[m].parameters != set) continue;
@@ -68,6 +63,22 @@ inline Difference compare(const HybridSystem& system, const std::vector<Vector>&
     }
   }
   return worst;
+}
+
+/// That motions beginning next to grazing meet the barrier as the Propagator finds, and not too few of them.
+inline void check_near_grazing(const HybridSystem& system, const std::vector<Vector>& sets,
+                               const std::vector<MotionStart>& starts, std::size_t periods) {
+  ManyMotions many(system);
+  for (const Vector& p : sets) many.add_parameters(p);
+  std::vector<PeriodResult> results;
+  many.carry(starts, periods, true, results);
+  int impacts = 0;
+  for (const PeriodResult& one : results) impacts += one.impacts;
+  CHECK(impacts > 50);
+  const Difference worst = compare(system, sets, starts, periods, results);
+  CHECK(worst.impacts == 0);
+  CHECK(worst.other_endings == 0);
+  CHECK(worst.state < 1e-12);
 }
 
 }  // namespace graze::support
