@@ -22,7 +22,7 @@ namespace {
 constexpr std::size_t most_attractors = 200;  // more are a parameter at which nothing can be told apart
 constexpr double return_distance = 1e-3;      // relative to 1 + |x|: so near a return, an orbit is looked for
 constexpr int first_look = 64;                // periods
-constexpr std::size_t side_by_side = 64;      // motions of one thread
+constexpr std::size_t side_by_side = 256;     // motions of one thread
 constexpr std::int64_t usual_periods = 40;    // until a motion is recognised: says whether a table of contacts pays
 
 struct Run {

@@ -51,21 +51,24 @@ std::vector<double> determinants(const std::vector<Matrix>& factors, const std::
   return list;
 }
 
+/// Square matrices of at most Max rows (Eigen::Dynamic: any); where it is a number they are kept without allocation.
+template <int Max> using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, Max, Max>;
+
 /// +1 or -1 for an orthogonal matrix.
-double orientation(const Matrix& Q) {
+template <int Max> double orientation(const Square<Max>& Q) {
   const double det = Q.rows() == 2 ? Q(0, 0) * Q(1, 1) - Q(0, 1) * Q(1, 0) : Q.determinant();
   return std::copysign(1.0, det);
 }
 
 /// Factors in triangular form: A_k Q_{k-1} = Q_k R_k and E = Q_0^T Q_N, so that Q_0^T M Q_0 = E R_N ... R_1.
-struct TriangularForm {
-  std::vector<Matrix> R;
-  Matrix E;
+template <int Max> struct TriangularForm {
+  std::vector<Square<Max>> R;
+  Square<Max> E;
 };
 
 /// What rounding has blurred in R: its smallest pivot comes out of the largest entries by cancellation, but the determinant knows
 /// it to relative accuracy; a factor of deficient rank has exact zeros.
-void sharpen(Matrix& R, double det, double size) {
+template <int Max> void sharpen(Square<Max>& R, double det, double size) {
   const Eigen::Index n = R.rows();
   const double blur = 8.0 * epsilon * static_cast<double>(n) * size;
   Eigen::Index smallest = 0;
@@ -77,43 +80,65 @@ void sharpen(Matrix& R, double det, double size) {
   }
   R(smallest, smallest) = 0.0;
   for (Eigen::Index i = 0; i < n; ++i)
-    if (R.row(i).lpNorm<Eigen::Infinity>() <= blur) R.row(i).setZero();
+    if (R.row(i).template lpNorm<Eigen::Infinity>() <= blur) R.row(i).setZero();
 }
 
-TriangularForm sweep(const std::vector<Matrix>& factors, const std::vector<double>& dets, const Matrix& start, Matrix& Q) {
-  TriangularForm form;
-  Q = start;
-  double side = orientation(Q);
+/// Q: Q_0 before, Q_N after.
+template <int Max>
+void sweep(const std::vector<Matrix>& factors, const std::vector<double>& dets, Square<Max>& Q, TriangularForm<Max>& form) {
+  const Square<Max> start = Q;
+  double side = orientation<Max>(Q);
+  form.R.resize(factors.size());
   for (std::size_t k = 0; k < factors.size(); ++k) {
-    const Eigen::HouseholderQR<Matrix> qr(factors[k] * Q);
+    const Square<Max> turned = factors[k] * Q;
+    const Eigen::HouseholderQR<Square<Max>> qr(turned);
     Q = qr.householderQ();
-    Matrix R = qr.matrixQR().triangularView<Eigen::Upper>();
+    Square<Max>& R = form.R[k];
+    R = qr.matrixQR().template triangularView<Eigen::Upper>();
     const double before = side;
-    side = orientation(Q);
-    sharpen(R, before * side * dets[k], factors[k].cwiseAbs().maxCoeff());
-    form.R.push_back(std::move(R));
+    side = orientation<Max>(Q);
+    sharpen<Max>(R, before * side * dets[k], factors[k].cwiseAbs().maxCoeff());
   }
   form.E = start.transpose() * Q;
-  return form;
+}
+
+/// Rows first ... first + size - 1 of the product, and its determinant, factor by factor.
+template <int Max> struct DiagonalBlock {
+  Square<Max> product;
+  double det = 1.0;
+
+  DiagonalBlock(const TriangularForm<Max>& form, Eigen::Index first, Eigen::Index size) {
+    Vector diagonal = Vector::Ones(size);
+    product = Square<Max>::Identity(size, size);
+    for (const Square<Max>& R : form.R) {
+      product = Square<Max>(R.block(first, first, size, size) * product);
+      diagonal = diagonal.cwiseProduct(R.diagonal().segment(first, size));
+    }
+    const Square<Max> E = form.E.block(first, first, size, size);
+    product = Square<Max>(E * product);
+    det = diagonal.prod() * (E.determinant() < 0.0 ? -1.0 : 1.0);
+  }
+
+  /// Of two rows: the square of half the difference of the eigenvalues.
+  double discriminant() const { return 0.25 * product.trace() * product.trace() - det; }
+};
+
+/// Whether a planar product is sure to have conjugate eigenvalues: no sweep parts these.
+template <int Max> bool conjugate(const TriangularForm<Max>& form) {
+  constexpr double beyond_rounding = 1e-10;
+  const DiagonalBlock<Max> whole(form, 0, 2);
+  return whole.discriminant() < -beyond_rounding * whole.product.squaredNorm();
 }
 
 /// Eigenvalues of one diagonal block, rows first ... first + size - 1.
-void block_eigenvalues(const TriangularForm& form, Eigen::Index first, Eigen::Index size,
+template <int Max>
+void block_eigenvalues(const TriangularForm<Max>& form, Eigen::Index first, Eigen::Index size,
                        std::vector<std::complex<double>>& out) {
-  Matrix product = Matrix::Identity(size, size);
-  Vector diagonal = Vector::Ones(size);
-  for (const Matrix& R : form.R) {
-    const Matrix block = R.block(first, first, size, size);
-    product = block * product;
-    diagonal = diagonal.cwiseProduct(block.diagonal());
-  }
-  const Matrix E = form.E.block(first, first, size, size);
-  product = E * product;
+  const DiagonalBlock<Max> block(form, first, size);
   if (size == 1) {
-    out.emplace_back(E(0, 0) < 0.0 ? -diagonal[0] : diagonal[0]);
+    out.emplace_back(block.det);
   } else if (size == 2) {
-    const double det = diagonal.prod() * (E.determinant() < 0.0 ? -1.0 : 1.0), half_trace = 0.5 * product.trace();
-    const double discriminant = half_trace * half_trace - det;
+    const double half_trace = 0.5 * block.product.trace(), discriminant = block.discriminant();
     if (discriminant < 0.0) {
       const double imaginary = std::sqrt(-discriminant);
       out.emplace_back(half_trace, imaginary);
@@ -121,10 +146,10 @@ void block_eigenvalues(const TriangularForm& form, Eigen::Index first, Eigen::In
     } else {
       const double larger = half_trace + std::copysign(std::sqrt(discriminant), half_trace);
       out.emplace_back(larger);
-      out.emplace_back(larger == 0.0 ? 0.0 : det / larger);
+      out.emplace_back(larger == 0.0 ? 0.0 : block.det / larger);
     }
   } else {
-    const Eigen::VectorXcd values = product.eigenvalues();
+    const Eigen::VectorXcd values = Matrix(block.product).eigenvalues();
     out.insert(out.end(), values.begin(), values.end());
   }
 }
@@ -141,29 +166,18 @@ void sort_by_modulus(std::vector<std::complex<double>>& values) {
   }
 }
 
-}  // namespace
-
-Matrix MonodromyMatrix::product() const {
-  if (factors.empty()) return {};
-  Matrix M = factors.front();
-  for (std::size_t k = 1; k < factors.size(); ++k) M = factors[k] * M;
-  return M;
-}
-
-std::vector<std::complex<double>> product_eigenvalues(const std::vector<Matrix>& factors, const std::vector<double>& log_dets) {
-  std::vector<std::complex<double>> values;
-  if (factors.empty()) return values;
+template <int Max>
+std::vector<std::complex<double>> eigenvalues(const std::vector<Matrix>& factors, const std::vector<double>& dets) {
   const Eigen::Index n = factors.front().rows();
-  Matrix start = Matrix::Identity(n, n), end;
-  const std::vector<double> dets = determinants(factors, log_dets);
-  TriangularForm form = sweep(factors, dets, start, end);
+  Square<Max> Q = Square<Max>::Identity(n, n);
+  TriangularForm<Max> form;
+  sweep<Max>(factors, dets, Q, form);
   const auto parted = [&] {
-    return n < 2 || form.E.triangularView<Eigen::StrictlyLower>().toDenseMatrix().cwiseAbs().maxCoeff() < epsilon;
+    return n < 2 || (n == 2 && conjugate(form)) ||
+           Square<Max>(form.E.template triangularView<Eigen::StrictlyLower>()).cwiseAbs().maxCoeff() < epsilon;
   };
-  for (int i = 0; i < (n > 2 ? sweeps_of_large_blocks : sweeps) && !parted(); ++i) {
-    start = end;
-    form = sweep(factors, dets, start, end);
-  }
+  for (int i = 0; i < (n > 2 ? sweeps_of_large_blocks : sweeps) && !parted(); ++i) sweep<Max>(factors, dets, Q, form);
+  std::vector<std::complex<double>> values;
   for (Eigen::Index first = 0; first < n;) {
     Eigen::Index size = 1;
     // A block ends where nothing below its rows couples back into its columns.
@@ -175,6 +189,21 @@ std::vector<std::complex<double>> product_eigenvalues(const std::vector<Matrix>&
   }
   sort_by_modulus(values);
   return values;
+}
+
+}  // namespace
+
+Matrix MonodromyMatrix::product() const {
+  if (factors.empty()) return {};
+  Matrix M = factors.front();
+  for (std::size_t k = 1; k < factors.size(); ++k) M = factors[k] * M;
+  return M;
+}
+
+std::vector<std::complex<double>> product_eigenvalues(const std::vector<Matrix>& factors, const std::vector<double>& log_dets) {
+  if (factors.empty()) return {};
+  const std::vector<double> dets = determinants(factors, log_dets);
+  return factors.front().rows() <= 2 ? eigenvalues<2>(factors, dets) : eigenvalues<Eigen::Dynamic>(factors, dets);
 }
 
 int FloquetMultipliers::unstable() const {
@@ -194,8 +223,9 @@ FloquetMultipliers multipliers(const MonodromyMatrix& monodromy, double duration
     // The direction of the field is carried into itself: taken as first basis vector it splits off the trivial multiplier, and
     // what is left of the factors is their lower right block.
     const Eigen::Index n = monodromy.trivial_direction.size();
-    Matrix start = Eigen::HouseholderQR<Matrix>(monodromy.trivial_direction).householderQ() * Matrix::Identity(n, n), end;
-    const TriangularForm form = sweep(monodromy.factors, determinants(monodromy.factors, monodromy.log_dets), start, end);
+    Matrix Q = Eigen::HouseholderQR<Matrix>(monodromy.trivial_direction).householderQ() * Matrix::Identity(n, n);
+    TriangularForm<Eigen::Dynamic> form;
+    sweep<Eigen::Dynamic>(monodromy.factors, determinants(monodromy.factors, monodromy.log_dets), Q, form);
     std::vector<Matrix> rest;
     double along = form.E(0, 0);
     for (const Matrix& R : form.R) {

@@ -74,7 +74,8 @@ template <class Flight> class Carrier {
 
   /// Where the next periods of lanes begin; depth < 0: not in contact.
   struct Starts {
-    alignas(64) double x[W] = {}, v[W] = {}, depth[W] = {}, there[W] = {};
+    alignas(64) double x[W] = {}, v[W] = {}, depth[W] = {};
+    unsigned there = 0;  // bit by bit
   };
 
   void hit(Landing<Real> landing) {
@@ -111,7 +112,7 @@ template <class Flight> class Carrier {
   /// Writes down what the periods did, and begins the next. Says which motions go on.
   Mask<Real> end_periods(const Mask<Real>& where, const Real& x, const Real& v, const Real& depth) {
     Starts starts;
-    alignas(64) double goes_on[W] = {};
+    unsigned goes_on = 0;
     put(starts.x, x);
     put(starts.v, v);
     put(starts.depth, depth);
@@ -132,16 +133,17 @@ template <class Flight> class Carrier {
       result.by_propagator = false;
       memory_.impacts[lane] = 0;
       if (++memory_.period[lane] < motion.periods)
-        starts.there[lane] = goes_on[lane] = 1.0;
+        goes_on |= 1U << lane;
       else
         end_motion(lane, starts);
     });
+    starts.there |= goes_on;
     begin_periods(starts);
-    return take<Real>(goes_on) > Real(0.5);
+    return mask_of<Real>(goes_on);
   }
 
   void begin_periods(const Starts& starts) {
-    const Mask<Real> where = take<Real>(starts.there) > Real(0.5);
+    const Mask<Real> where = mask_of<Real>(starts.there);
     const Real x = take<Real>(starts.x), v = take<Real>(starts.v), y = take<Real>(starts.depth);
     memory_.set(rest, where, memory_[period]);
     for (const Field one : {phi_00, phi_11, det}) memory_.set(one, where, Real(1.0));
@@ -166,7 +168,7 @@ template <class Flight> class Carrier {
     starts.x[lane] = motion.x;
     starts.v[lane] = motion.v;
     starts.depth[lane] = job_.law == Law::hertz && into > 0.0 ? std::sqrt(into) : -1.0;
-    starts.there[lane] = 1.0;
+    starts.there |= 1U << lane;
   }
 
   void end_motion(std::size_t lane, Starts& starts) {

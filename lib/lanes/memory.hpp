@@ -81,12 +81,12 @@ template <class Real> struct Memory {
   /// Of the lanes that have come to the barrier, to it from outside or back. Gives up those that have had too many impacts, and
   /// returns the others.
   template <class Mask> Mask count_impacts(const Mask& where) {
-    alignas(64) double few[W] = {};
+    unsigned few = 0;
     for_each(where, [&](std::size_t lane) {
       impacts[lane] += coefficient[side][lane] > 0.0 ? 1 : 0;
-      few[lane] = impacts[lane] <= most_impacts ? 1.0 : 0.0;
+      few |= (impacts[lane] <= most_impacts ? 1U : 0U) << lane;
     });
-    const Mask good = take<Real>(few) > Real(0.5);
+    const Mask good = mask_of<Real>(few);
     assign(where & !good, Task::given_up);
     return good;
   }

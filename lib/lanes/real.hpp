@@ -47,6 +47,19 @@ template <class T, class A> unsigned bits(const xsimd::batch_bool<T, A>& mask) {
   for (std::size_t i = 0; i < Batch::size; ++i) all |= one[i] > 0.5 ? 1U << i : 0U;
   return all;
 }
+/// The mask with these bits.
+template <class Real> Mask<Real> mask_of(unsigned bits) {
+  if constexpr (width<Real> == 1) return bits != 0;
+#if XSIMD_WITH_AVX512F
+  else if constexpr (width<Real> == 8)
+    return Mask<Real>(static_cast<__mmask8>(bits));
+#endif
+  else {
+    alignas(64) double one[width<Real>];
+    for (std::size_t i = 0; i < width<Real>; ++i) one[i] = static_cast<double>(bits >> i & 1U);
+    return Real::load_aligned(one) > Real(0.5);
+  }
+}
 template <class Mask> int count(const Mask& mask) { return std::popcount(bits(mask)); }
 template <class Mask, class Function> void for_each(const Mask& mask, const Function& function) {
   for (unsigned lanes = bits(mask); lanes != 0; lanes &= lanes - 1) function(static_cast<std::size_t>(std::countr_zero(lanes)));
