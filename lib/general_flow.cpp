@@ -8,6 +8,7 @@
 #include <gsl/gsl_roots.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace graze {
@@ -62,7 +63,7 @@ struct GeneralFlow::Integrator {
                   // flight off a barrier does not drown in the rounding of x
   Vector x, f;
   Matrix A, f_p;
-  StepPointer state_step, tangent_step, full_step;
+  std::array<StepPointer, 3> steppers;  // by sensitivity; made when they are needed: most flows of modes never are
   std::vector<double> y, y_next, error, slope, slope_next, y_state, error_state;
   std::size_t evaluations = 0;
   double max_step;
@@ -77,12 +78,6 @@ struct GeneralFlow::Integrator {
       if (s.events[i].from == index) events.push_back(i);
     max_step = options.max_step;
     if (max_step <= 0.0) max_step = s.forcing_frequency ? forcing_period(s, p) / 16.0 : std::numeric_limits<double>::infinity();
-    const auto allocate = [](Eigen::Index size) {
-      return StepPointer(gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, static_cast<std::size_t>(size)));
-    };
-    state_step = allocate(n);
-    tangent_step = allocate(size(Sensitivity::state));
-    full_step = allocate(size(Sensitivity::state_and_parameters));
     const auto largest = static_cast<std::size_t>(size(Sensitivity::state_and_parameters));
     for (auto* v : {&y, &y_next, &error, &slope, &slope_next}) v->resize(largest);
     y_state.resize(s.states);
@@ -93,9 +88,10 @@ struct GeneralFlow::Integrator {
     if (sensitivity == Sensitivity::none) return n;
     return n + n * n + 1 + (sensitivity == Sensitivity::state ? 0 : n * m);
   }
-  gsl_odeiv2_step* stepper(Sensitivity sensitivity) const {
-    if (sensitivity == Sensitivity::none) return state_step.get();
-    return sensitivity == Sensitivity::state ? tangent_step.get() : full_step.get();
+  gsl_odeiv2_step* stepper(Sensitivity sensitivity) {
+    StepPointer& one = steppers[static_cast<std::size_t>(sensitivity)];
+    if (!one) one.reset(gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, static_cast<std::size_t>(size(sensitivity))));
+    return one.get();
   }
 
   /// Field of x | Phi | divergence | Psi; how much of it there is follows from `size`.
@@ -151,7 +147,7 @@ struct GeneralFlow::Integrator {
     std::copy_n(y.begin(), n, y_state.begin());
     Bound bound{this, n};
     gsl_odeiv2_system equations_of_state{callback, nullptr, static_cast<std::size_t>(n), &bound};
-    gsl_odeiv2_step_apply(state_step.get(), step_start, s, y_state.data(), error_state.data(), slope.data(), nullptr,
+    gsl_odeiv2_step_apply(stepper(Sensitivity::none), step_start, s, y_state.data(), error_state.data(), slope.data(), nullptr,
                           &equations_of_state);
     return node_at(guard, s, y_state.data());
   }
