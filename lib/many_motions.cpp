@@ -109,14 +109,19 @@ void ManyMotions::make_table(Set& set) {
   set.pieces = set.table->pieces();
 }
 
-void ManyMotions::carry_one_period(Set& set, double x, double v, bool tangent, PeriodResult& out) {
+bool ManyMotions::do_left_over(const lanes::Motion& motion, std::size_t period, bool tangent) {
+  const std::lock_guard lock(left_over_lock_);
+  ++left_over_;
+  Set& set = *sets_[motion.parameters];
   if (!set.propagator) set.propagator = std::make_unique<Propagator>(*system_, set.p, std::vector<std::size_t>{}, options_);
-  graze::carry(*set.propagator, 0.0, set.period, Vector{{x, v}},
-               {.sensitivity = tangent ? Sensitivity::state : Sensitivity::none}, transition_);
-  out = {};
+  const bool first = period == 0;
+  const Vector at{{first ? motion.x : motion.results[period - 1].x, first ? motion.v : motion.results[period - 1].v}};
+  graze::carry(*set.propagator, 0.0, set.period, at, {.sensitivity = tangent ? Sensitivity::state : Sensitivity::none},
+               transition_);
+  PeriodResult& out = motion.results[period] = {};
   out.termination = transition_.termination;
   out.by_propagator = true;
-  if (out.termination != Termination::time) return;
+  if (out.termination != Termination::time) return false;
   out.x = transition_.x1[0];
   out.v = transition_.x1[1];
   if (tangent) out.Phi = {transition_.Phi(0, 0), transition_.Phi(0, 1), transition_.Phi(1, 0), transition_.Phi(1, 1)};
@@ -124,14 +129,18 @@ void ManyMotions::carry_one_period(Set& set, double x, double v, bool tangent, P
   out.liouville = transition_.liouville;
   out.impacts = static_cast<int>(std::count_if(transition_.event_sequence.begin(), transition_.event_sequence.end(),
                                                [&](std::size_t e) { return begins_contact(system_->events[e].kind); }));
+  return true;
 }
 
-void ManyMotions::carry_in_lanes(std::span<const lanes::Motion> motions, bool cubic, bool tangent, std::size_t* carried) const {
+void ManyMotions::carry_in_lanes(std::span<const lanes::Motion> motions, bool cubic, bool tangent, std::size_t* carried) {
   if (motions.empty()) return;
   const auto carry = [&](std::size_t begin, std::size_t end) {
     const LaneWidth width = width_ == LaneWidth::widest ? width_for(end - begin) : width_;
+    const auto do_given_up = [](void* self, const lanes::Job& job, const lanes::Motion& motion, std::size_t period) {
+      return static_cast<ManyMotions*>(self)->do_left_over(motion, period, job.tangent);
+    };
     lane_kernels(width).carry({sets_.front()->oscillator.law, cubic, options_.tolerance, options_.max_steps, tangent,
-                               motions.data() + begin, end - begin, carried + begin});
+                               motions.data() + begin, end - begin, carried + begin, do_given_up, this});
   };
   // Those that write down what they meet write into the same place.
   const bool apart = all_threads_ && std::none_of(motions.begin(), motions.end(), [](const auto& motion) { return motion.met; });
@@ -144,17 +153,11 @@ void ManyMotions::carry(const std::vector<MotionStart>& starts, std::size_t peri
   for (const MotionStart& start : starts) set_of(start.parameters);
   results.resize(starts.size() * periods);
   if (results.empty()) return;
-  // Motions that go on: by index, with the periods that are behind them. Each round of the lanes takes them through one stretch;
-  // where one was given up, the Propagator carries that period, and the lanes take over again.
+  // Motions that go on: by index, with the periods that are behind them. Those that wait for a table stop in between and look.
   struct Going {
     std::size_t motion, done;
   };
-  const auto state = [&](const Going& one) {
-    if (one.done == 0) return std::pair(starts[one.motion].x, starts[one.motion].v);
-    const PeriodResult& last = results[one.motion * periods + one.done - 1];
-    return std::pair(last.x, last.v);
-  };
-  std::vector<Going> going, next;
+  std::vector<Going> going;
   for (std::size_t m = 0; m < starts.size(); ++m) going.push_back({m, 0});
   const auto is_linear = [&](const Going& one) { return !sets_[starts[one.motion].parameters]->oscillator.cubic; };
   std::stable_partition(going.begin(), going.end(), is_linear);
@@ -163,37 +166,34 @@ void ManyMotions::carry(const std::vector<MotionStart>& starts, std::size_t peri
   while (!going.empty()) {
     motions.clear();
     for (const Going& one : going) {
-      Set& set = *sets_[starts[one.motion].parameters];
+      const MotionStart& start = starts[one.motion];
+      Set& set = *sets_[start.parameters];
       if (set.awaits_table) make_table(set);
-      const auto [x, v] = state(one);
+      PeriodResult* const next = &results[one.motion * periods + one.done];
       const std::size_t left = periods - one.done;
-      motions.push_back({x, v, &set.oscillator.coefficients, set.oscillator.grid.get(), &set.oscillator.pressed,
-                         set.oscillator.pressed_grid.get(), set.awaits_table ? std::min(left, periods_between_looks) : left,
-                         &results[one.motion * periods + one.done], set.table ? &set.pieces : nullptr,
-                         set.awaits_table ? &set.met : nullptr});
+      motions.push_back({one.done == 0 ? start.x : next[-1].x, one.done == 0 ? start.v : next[-1].v, start.parameters,
+                         &set.oscillator.coefficients, set.oscillator.grid.get(), &set.oscillator.pressed,
+                         set.oscillator.pressed_grid.get(), set.awaits_table ? std::min(left, periods_between_looks) : left, next,
+                         set.table ? &set.pieces : nullptr, set.awaits_table ? &set.met : nullptr});
     }
     const auto linear = static_cast<std::size_t>(std::partition_point(going.begin(), going.end(), is_linear) - going.begin());
     carried.assign(motions.size(), 0);
     carry_in_lanes(std::span(motions).first(linear), false, tangent, carried.data());
     carry_in_lanes(std::span(motions).subspan(linear), true, tangent, carried.data() + linear);
-    next.clear();
+    std::size_t kept = 0;
     for (std::size_t i = 0; i < going.size(); ++i) {
       Going one = going[i];
-      PeriodResult* const of_motion = &results[one.motion * periods];
       one.done += carried[i];
       carried_ += carried[i];
-      if (carried[i] < motions[i].periods) {
-        const auto [x, v] = state(one);
-        PeriodResult& left_over = of_motion[one.done++];
-        carry_one_period(*sets_[starts[one.motion].parameters], x, v, tangent, left_over);
-        ++left_over_;
+      if (carried[i] < motions[i].periods) {  // it ended there
         ++carried_;
-        if (left_over.termination != Termination::time)
-          for (; one.done < periods; ++one.done) (of_motion[one.done] = {}).termination = left_over.termination;
+        PeriodResult* const end = &results[one.motion * periods + one.done];
+        for (std::size_t k = 1; k < periods - one.done; ++k) (end[k] = {}).termination = end->termination;
+      } else if (one.done < periods) {
+        going[kept++] = one;
       }
-      if (one.done < periods) next.push_back(one);
     }
-    going.swap(next);
+    going.resize(kept);
   }
 }
 

@@ -17,6 +17,7 @@
 #include <graze/lib/transition.hpp>
 
 #include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
@@ -71,14 +72,16 @@ class ManyMotions {
   Set& set_of(std::size_t parameters) const;
   void make_table(Set& set);
   /// Those that are alike.
-  void carry_in_lanes(std::span<const lanes::Motion> motions, bool cubic, bool tangent, std::size_t* carried) const;
-  void carry_one_period(Set& set, double x, double v, bool tangent, PeriodResult& out);
+  void carry_in_lanes(std::span<const lanes::Motion> motions, bool cubic, bool tangent, std::size_t* carried);
+  /// A period that the lanes give up, by the Propagator. False: the motion ends in it.
+  bool do_left_over(const lanes::Motion& motion, std::size_t period, bool tangent);
 
   const HybridSystem* system_;
   FlowOptions options_;
   LaneWidth width_;
   std::vector<std::unique_ptr<Set>> sets_;
   Transition transition_;
+  std::mutex left_over_lock_;  ///< the lanes of several threads leave something over
   bool all_threads_ = false;
   std::size_t left_over_ = 0, carried_ = 0;
 };

@@ -158,7 +158,7 @@ bool carry_in_lane(Propagator& propagator, double t0, double t1, const Vector& x
   const auto cancelled = propagator.options().cancelled;
   if (cancelled && cancelled()) return false;
   lanes::Period period;
-  const lanes::Motion motion{x0[0], x0[1], &lane->coefficients, lane->grid.get(), nullptr, nullptr, 1, &period};
+  const lanes::Motion motion{x0[0], x0[1], 0, &lane->coefficients, lane->grid.get(), nullptr, nullptr, 1, &period};
   const bool tangent = options.sensitivity == Sensitivity::state;
   std::size_t carried = 0;
   static const LaneKernels one_lane = lane_kernels(LaneWidth::one);

@@ -20,22 +20,12 @@ template <class Flight> class Carrier {
  public:
   explicit Carrier(const Job& job) : job_(job) {
     if (job.law == Law::hertz) ratio_ = std::pow(job.tolerance, 1.0 / static_cast<double>(detail::hertz_order));
-    if constexpr (W > 1)  // idle lanes compute along
-      for (auto& row : memory_.coefficient)
-        for (double& one : row) one = 1.0;
-    for (auto& row : memory_.field)
-      for (double& one : row) one = 0.0;
     for (std::size_t i = 0; i < job.count; ++i) {
       tables_ = tables_ || job.motions[i].table;
       met_ = met_ || job.motions[i].met;
     }
     Starts starts;
-    for (std::size_t lane = 0; lane < W; ++lane) {
-      memory_.coefficients_of[lane] = nullptr;
-      memory_.table[lane] = nullptr;
-      memory_.met[lane] = nullptr;
-      next_motion(lane, starts);
-    }
+    for (std::size_t lane = 0; lane < W; ++lane) next_motion(lane, starts);
     begin_periods(starts);
   }
 
@@ -146,8 +136,7 @@ template <class Flight> class Carrier {
     const Mask<Real> where = mask_of<Real>(starts.there);
     const Real x = take<Real>(starts.x), v = take<Real>(starts.v), y = take<Real>(starts.depth);
     memory_.set(rest, where, memory_[period]);
-    for (const Field one : {phi_00, phi_11, det}) memory_.set(one, where, Real(1.0));
-    for (const Field zero : {phi_01, phi_10, divergence}) memory_.set(zero, where, Real(0.0));
+    memory_.begin_tangent(where);
     const Mask<Real> pressed = where & (y >= Real(0.0));
     if (any(pressed)) touch(memory_, pressed, y, v, Real(1.0), Real(0.0));
     Flight::begin_period(memory_, where & !pressed, x, v);
@@ -161,12 +150,17 @@ template <class Flight> class Carrier {
     memory_.period[lane] = 0;
     memory_.table[lane] = motion.table;
     memory_.met[lane] = motion.met;
+    place(lane, motion, motion.x, motion.v, starts);
+  }
+
+  /// Lets the motion of a lane begin a period at (x, v).
+  void place(std::size_t lane, const Motion& motion, double x, double v, Starts& starts) {
     memory_.impacts[lane] = 0;
-    const double into = motion.x - (*motion.coefficients)[barrier];
+    const double into = x - (*motion.coefficients)[barrier];
     memory_.load(lane, motion, job_.law == Law::linear_elastic && into > 0.0);
     if (job_.law == Law::restitution && into > 0.0) return memory_.assign(lane, Task::given_up);
-    starts.x[lane] = motion.x;
-    starts.v[lane] = motion.v;
+    starts.x[lane] = x;
+    starts.v[lane] = v;
     starts.depth[lane] = job_.law == Law::hertz && into > 0.0 ? std::sqrt(into) : -1.0;
     starts.there |= 1U << lane;
   }
@@ -178,7 +172,13 @@ template <class Flight> class Carrier {
 
   void give_up() {
     Starts starts;
-    for_each(memory_.is(Task::given_up), [&](std::size_t lane) { end_motion(lane, starts); });
+    for_each(memory_.is(Task::given_up), [&](std::size_t lane) {
+      const Motion& motion = job_.motions[memory_.motion[lane]];
+      const std::size_t period = memory_.period[lane];
+      const bool done = job_.do_given_up && job_.do_given_up(job_.whom, job_, motion, period);
+      if (!done || ++memory_.period[lane] == motion.periods) return end_motion(lane, starts);
+      place(lane, motion, motion.results[period].x, motion.results[period].v, starts);
+    });
     begin_periods(starts);
   }
 

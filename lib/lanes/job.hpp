@@ -79,6 +79,7 @@ struct Period {
 
 struct Motion {
   double x = 0.0, v = 0.0;
+  std::size_t parameters = 0;  ///< which set they are
   const Coefficients* coefficients = nullptr;
   const Grid* grid = nullptr;
   const Coefficients* pressed = nullptr;  ///< of -x in contact with a linear elastic stop
@@ -102,9 +103,12 @@ struct Job {
   bool tangent = true;
   const Motion* motions = nullptr;
   std::size_t count = 0;
-  /// Of each motion, how many periods were carried: fewer than asked for where an impact is too weak or the motion too close to
-  /// the barrier for the lanes.
+  /// Of each motion, how many periods were carried: fewer than asked for where one failed, or was given up (an impact too weak
+  /// for the lanes, the motion too close to the barrier) and there is nobody to do it.
   std::size_t* carried = nullptr;
+  /// Carries a period that the lanes give up, and writes it down; says whether the motion goes on. May be null.
+  bool (*do_given_up)(void* whom, const Job& job, const Motion& motion, std::size_t period) = nullptr;
+  void* whom = nullptr;
 };
 
 /// A Hertz contact: forcing's phase (c, s) and speed at entry, and how long to follow it; and how it stands then.

@@ -5,6 +5,8 @@
 #include <graze/lib/lanes/job.hpp>
 #include <graze/lib/lanes/real.hpp>
 
+#include <algorithm>
+
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
@@ -66,6 +68,19 @@ template <class Real> struct Memory {
   SpeedsMet* met[W];
   int impacts[W];
 
+  /// All lanes idle. (They compute along: with numbers that do no harm.)
+  Memory() {
+    if constexpr (W > 1)
+      for (auto& row : coefficient) std::fill_n(row, W, 1.0);
+    for (auto& row : field) std::fill_n(row, W, 0.0);
+    for (std::size_t lane = 0; lane < W; ++lane) {
+      assign(lane, Task::idle);
+      coefficients_of[lane] = nullptr;
+      table[lane] = nullptr;
+      met[lane] = nullptr;
+    }
+  }
+
   Real operator[](Field f) const { return take<Real>(field[f]); }
   Real operator[](Coefficient c) const { return take<Real>(coefficient[c]); }
   void set(Field f, const Real& value) { put(field[f], value); }
@@ -78,6 +93,11 @@ template <class Real> struct Memory {
     put(task, Real(select(mask, Real(static_cast<double>(t)), take<Real>(task))));
   }
   void assign(std::size_t lane, Task t) { task[lane] = static_cast<double>(t); }
+  /// Nothing of the period has been: the tangent is the identity.
+  template <class Mask> void begin_tangent(const Mask& where) {
+    for (const Field one : {phi_00, phi_11, det}) set(one, where, Real(1.0));
+    for (const Field zero : {phi_01, phi_10, divergence}) set(zero, where, Real(0.0));
+  }
   /// Of the lanes that have come to the barrier, to it from outside or back. Gives up those that have had too many impacts, and
   /// returns the others.
   template <class Mask> Mask count_impacts(const Mask& where) {

@@ -19,7 +19,7 @@ struct Oscillator {
   bool cubic = false;
   Coefficients coefficients{};
   std::shared_ptr<const Grid> grid;  ///< none, if cubic
-  Coefficients pressed{};  ///< with a linear elastic stop: in contact, of -x
+  Coefficients pressed{};            ///< with a linear elastic stop: in contact, of -x
   std::shared_ptr<const Grid> pressed_grid;
   std::size_t hit = 0;  ///< index of the event in which a contact begins
 

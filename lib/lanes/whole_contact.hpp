@@ -154,43 +154,32 @@ void end_spanning(Memory<Real>& m, const Mask<Real>& where, const KnownContact<R
 template <class Real> void pass_contacts(const ContactJob& job) {
   constexpr std::size_t W = width<Real>;
   Memory<Real> m;
-  for (auto& row : m.field)
-    for (double& one : row) one = 0.0;
   std::size_t taken = 0;
-  for (std::size_t lane = 0; lane < W; ++lane) {
-    for (std::size_t i = 0; i < coefficients; ++i) m.coefficient[i][lane] = (*job.coefficients)[i];
-    m.assign(lane, Task::idle);
-  }
+  for (std::size_t i = 0; i < coefficients; ++i) std::fill_n(m.coefficient[i], W, (*job.coefficients)[i]);
   const double ratio = std::pow(job.tolerance, 1.0 / static_cast<double>(detail::hertz_order));
   for (;;) {
     for (std::size_t lane = 0; lane < W; ++lane) {
       if (!m.is(lane, Task::idle) || taken == job.count) continue;
       m.motion[lane] = taken;
       const ContactEntry& entry = job.entries[taken++];
-      alignas(64) double only[W] = {};
-      only[lane] = 1.0;
-      const Mask<Real> here = take<Real>(only) > Real(0.5);
+      const Mask<Real> here = mask_of<Real>(1U << lane);
       m.set(rest, here, Real(entry.longest));
-      for (const Field one : {phi_00, phi_11, det}) m.set(one, here, Real(1.0));
-      for (const Field zero : {phi_01, phi_10, divergence}) m.set(zero, here, Real(0.0));
+      m.begin_tangent(here);
       touch(m, here, Real(0.0), Real(entry.v), Real(entry.c), Real(entry.s));
     }
     if (!any(m.is(Task::contact))) return;
     const Surfacing<Real> up = press<LinearFlight<Real, true>>(m, job, ratio);
-    alignas(64) double ended[W], late[W];
-    put(ended, Real(select(up.at_barrier, Real(1.0), Real(0.0))));
-    put(late, Real(select(up.at_end | m.is(Task::given_up), Real(1.0), Real(0.0))));
-    for (std::size_t lane = 0; lane < W; ++lane) {
-      if (ended[lane] < 0.5 && late[lane] < 0.5) continue;
+    const unsigned ended = bits(up.at_barrier);
+    for_each(up.at_barrier | up.at_end | m.is(Task::given_up), [&](std::size_t lane) {
       ContactExit& exit = job.exits[m.motion[lane]];
-      exit.ended = ended[lane] > 0.5;
+      exit.ended = (ended >> lane & 1U) != 0;
       exit.duration = m.field[contact_time][lane];
       exit.y = m.field[depth][lane];
       exit.v = m.field[speed][lane];
       exit.divergence = m.field[divergence][lane];
       for (std::size_t i = 0; i < 4; ++i) exit.Phi[i] = m.field[phi_00 + i][lane];
       m.assign(lane, Task::idle);
-    }
+    });
   }
 }
 
