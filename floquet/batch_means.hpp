@@ -8,32 +8,33 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 namespace graze {
 
 class BatchMeans {
  public:
-  void add(double value) {
-    if (count_++ == 0) first_ = value;
-    const double beyond = value - first_;
-    sum_ += beyond;
-    squares_ += beyond * beyond;
-    open_ += value;
-    if (++in_open_ < length_) return;
-    batches_.push_back(open_ / static_cast<double>(length_));
-    open_ = 0.0;
-    in_open_ = 0;
-    if (batches_.size() == most) {
-      for (std::size_t i = 0; i < most / 2; ++i) batches_[i] = 0.5 * (batches_[2 * i] + batches_[2 * i + 1]);
-      batches_.resize(most / 2);
-      length_ *= 2;
-      batch_sum_ = batch_squares_ = 0.0;
-      for (const double batch : batches_) count_in(batch);
-    } else {
-      count_in(batches_.back());
+  void add(double value) { add(std::span<const double>(&value, 1)); }
+  void add(std::span<const double> values) {
+    while (!values.empty()) {
+      if (count_ == 0) first_ = values.front();
+      const std::size_t n = std::min(values.size(), static_cast<std::size_t>(until_batch_ends()));
+      double sum = sum_, squares = squares_, open = open_;
+      for (const double value : values.first(n)) {
+        const double beyond = value - first_;
+        sum += beyond;
+        squares += beyond * beyond;
+        open += value;
+      }
+      sum_ = sum;
+      squares_ = squares;
+      open_ = open;
+      count_ += static_cast<std::int64_t>(n);
+      in_open_ += static_cast<std::int64_t>(n);
+      values = values.subspan(n);
+      if (in_open_ == length_) end_batch();
     }
-    error_ = error_of_batches();
   }
 
   std::int64_t count() const { return count_; }
@@ -55,6 +56,22 @@ class BatchMeans {
 
  private:
   static constexpr std::size_t most = 64;
+
+  void end_batch() {
+    batches_.push_back(open_ / static_cast<double>(length_));
+    open_ = 0.0;
+    in_open_ = 0;
+    if (batches_.size() == most) {
+      for (std::size_t i = 0; i < most / 2; ++i) batches_[i] = 0.5 * (batches_[2 * i] + batches_[2 * i + 1]);
+      batches_.resize(most / 2);
+      length_ *= 2;
+      batch_sum_ = batch_squares_ = 0.0;
+      for (const double batch : batches_) count_in(batch);
+    } else {
+      count_in(batches_.back());
+    }
+    error_ = error_of_batches();
+  }
 
   double variance() const {
     const auto n = static_cast<double>(count_);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/floquet/batch_means.hpp>
+#include <graze/floquet/averaged_motion.hpp>
 #include <graze/floquet/exponents.hpp>
-#include <graze/floquet/log_product.hpp>
 #include <graze/floquet/lyapunov_lanes.hpp>
 #include <graze/lib/in_parallel.hpp>
 #include <graze/lib/many_motions.hpp>
@@ -21,61 +20,6 @@ constexpr std::size_t shortest_stretch = 32, longest_stretch = 256;
 /// Of the motions side by side, that are worth all threads.
 constexpr std::size_t long_for_threads = 64;
 
-/// Strands that a processor goes on with at once: each waits for what its last period gave.
-constexpr std::size_t at_once = 4;
-
-/// One motion with its first tangent vector.
-struct Strand {
-  MotionStart at;
-  double c = 1.0, s = 0.0;
-  LogProduct growth = {}, det = {};  // since the last orthonormalisation
-  double liouville = 0.0;            // likewise
-  int periods = 0;                   // likewise
-  std::array<BatchMeans, 2> means = {};
-  std::array<bool, 2> lost{};
-  std::int64_t averaged = 0, impacts = 0;  // periods that were, up to the last orthonormalisation; impacts in all that were
-  double liouville_residual = 0.0;
-  Termination termination = Termination::time;
-
-  /// What one more period did to it.
-  void add(const PeriodResult& period, bool counted, int interval) {
-    if (termination != Termination::time) return;
-    termination = period.termination;
-    if (termination != Termination::time) return;
-    at.x = period.x;
-    at.v = period.v;
-    const double to_c = period.Phi[0] * c + period.Phi[1] * s, to_s = period.Phi[2] * c + period.Phi[3] * s;
-    const double length = std::sqrt(to_c * to_c + to_s * to_s), inverse = 1.0 / length;
-    growth.multiply(length);
-    det.multiply(period.det);
-    liouville += period.liouville;
-    c = length > 0.0 ? to_c * inverse : 1.0;
-    s = length > 0.0 ? to_s * inverse : 0.0;
-    if (!counted) return begin_interval();
-    impacts += period.impacts;
-    if (++periods == interval) end_interval(interval);
-  }
-
- private:
-  void begin_interval() {
-    growth = det = {};
-    liouville = 0.0;
-    periods = 0;
-  }
-  void end_interval(int interval) {
-    const double log_det = det.value(), first = growth.value();
-    const std::array<double, 2> grown = {first, (std::isfinite(log_det) ? log_det : liouville) - first};
-    for (std::size_t i = 0; i < 2; ++i) {
-      lost[i] = lost[i] || !std::isfinite(grown[i]);
-      if (!lost[i]) means[i].add(grown[i]);
-    }
-    if (std::isfinite(log_det) && std::isfinite(liouville))
-      liouville_residual = std::max(liouville_residual, std::abs(log_det - liouville) / interval);
-    averaged += interval;
-    begin_interval();
-  }
-};
-
 /// All motions of one start.
 class Average {
  public:
@@ -83,22 +27,22 @@ class Average {
       : options_(options), interval_time_(options.interval * period) {
     const double apart = 1e-7 * (1.0 + std::abs(start.state[0]));
     for (int i = 0; i < std::max(1, options.motions); ++i)
-      strands_.push_back({.at = {set, start.state[0] - apart * i, start.state[1]}});
-    uncounted_ = std::max<std::int64_t>(options.aligning, strands_.size() > 1 ? parting : 0);
+      motions_.emplace_back(MotionStart{set, start.state[0] - apart * i, start.state[1]});
+    uncounted_ = std::max<std::int64_t>(options.aligning, motions_.size() > 1 ? parting : 0);
     out_.stop = LyapunovStop::budget;
     out_.state = start.state;
-    open_ = options.max_periods >= options.interval * static_cast<std::int64_t>(strands_.size());
+    open_ = options.max_periods >= options.interval * static_cast<std::int64_t>(motions_.size());
   }
 
   bool open() const { return open_; }
-  const std::vector<Strand>& strands() const { return strands_; }
+  const std::vector<AveragedMotion>& motions() const { return motions_; }
 
   /// Tells `many` what is still to come, once that is known.
   void announce(ManyMotions& many) {
     const bool to_the_end = options_.standard_error == 0.0 && options_.change == 0.0;
     if (announced_ || (!to_the_end && out_.periods < lasting)) return;
     announced_ = true;
-    many.expect(strands_.front().at.parameters, options_.max_periods - out_.periods);
+    many.expect(motions_.front().at().parameters, options_.max_periods - out_.periods);
   }
 
   /// What `periods` more did to its motions, one after the other.
@@ -106,24 +50,21 @@ class Average {
     for (std::size_t k = 0; k < periods && open_;) {
       const std::size_t n = std::min<std::size_t>(periods - k, static_cast<std::size_t>(until_look()));
       const bool counted = uncounted_ == 0;
-      const std::size_t parts = options_.all_threads && n >= long_for_threads ? std::min(threads_here(), strands_.size()) : 1;
+      const std::size_t parts = options_.all_threads && n >= long_for_threads ? std::min(threads_here(), motions_.size()) : 1;
       in_parallel(parts, [&](std::size_t part) {
-        const std::size_t end = (part + 1) * strands_.size() / parts;
-        for (std::size_t first = part * strands_.size() / parts; first < end; first += at_once)
-          for (std::size_t j = 0; j < n; ++j)
-            for (std::size_t i = first; i < std::min(end, first + at_once); ++i)
-              strands_[i].add(results[i * periods + k + j], counted, options_.interval);
+        for (std::size_t i = part * motions_.size() / parts; i < (part + 1) * motions_.size() / parts; ++i)
+          motions_[i].add({&results[i * periods + k], n}, counted, options_.interval);
       });
       k += n;
       if (gather(); out_.termination != Termination::time) {
         stop(LyapunovStop::failed);
       } else if (!counted) {
         uncounted_ -= static_cast<std::int64_t>(n);
-      } else if (strands_.front().periods == 0) {
+      } else if (motions_.front().periods_open() == 0) {
         look();
       }
     }
-    out_.state = Vector{{strands_.front().at.x, strands_.front().at.v}};
+    out_.state = Vector{{motions_.front().at().x, motions_.front().at().v}};
   }
 
   void stop(LyapunovStop reason) {
@@ -135,12 +76,12 @@ class Average {
   LyapunovSpectrum result() && {
     const auto correlation = [&](std::size_t i) {
       double time = 0.0;
-      for (const Strand& strand : strands_) time += strand.means[i].correlation_time();
-      return lost_[i] ? 0.0 : time / static_cast<double>(strands_.size()) * options_.interval;
+      for (const AveragedMotion& motion : motions_) time += motion.means(i).correlation_time();
+      return lost_[i] ? 0.0 : time / static_cast<double>(motions_.size()) * options_.interval;
     };
     hand_over(
         2, [&](std::size_t i) { return exponent(i); }, [&](std::size_t i) { return standard_error(i); }, correlation, out_);
-    for (std::size_t i = 1; i < strands_.size(); ++i) out_.others.push_back(Vector{{strands_[i].at.x, strands_[i].at.v}});
+    for (std::size_t i = 1; i < motions_.size(); ++i) out_.others.push_back(Vector{{motions_[i].at().x, motions_[i].at().v}});
     return std::move(out_);
   }
 
@@ -148,10 +89,10 @@ class Average {
   /// Periods after which something is asked: where the motions begin to count, or have another standard error, or may end.
   std::int64_t until_look() const {
     if (uncounted_ > 0) return uncounted_;
-    const Strand& first = strands_.front();
-    const std::int64_t all = static_cast<std::int64_t>(strands_.size()), to_end = (options_.max_periods - out_.periods) / all;
-    const std::int64_t intervals = options_.change > 0.0 || lost_[0] ? 1 : first.means[0].until_batch_ends();
-    return std::max<std::int64_t>(1, std::min(intervals * options_.interval - first.periods, to_end));
+    const AveragedMotion& first = motions_.front();
+    const std::int64_t all = static_cast<std::int64_t>(motions_.size()), to_end = (options_.max_periods - out_.periods) / all;
+    const std::int64_t intervals = options_.change > 0.0 || lost_[0] ? 1 : first.means(0).until_batch_ends();
+    return std::max<std::int64_t>(1, std::min(intervals * options_.interval - first.periods_open(), to_end));
   }
 
   /// From all motions.
@@ -159,25 +100,25 @@ class Average {
     out_.impacts = 0;
     out_.periods = 0;
     out_.termination = Termination::time;
-    for (const Strand& strand : strands_) {
-      out_.impacts += strand.impacts;
-      out_.periods += strand.averaged;
-      out_.liouville_residual = std::max(out_.liouville_residual, strand.liouville_residual);
-      for (std::size_t i = 0; i < 2; ++i) lost_[i] = lost_[i] || strand.lost[i];
-      if (strand.termination != Termination::time) out_.termination = strand.termination;
+    for (const AveragedMotion& motion : motions_) {
+      out_.impacts += motion.impacts();
+      out_.periods += motion.averaged();
+      out_.liouville_residual = std::max(out_.liouville_residual, motion.liouville_residual());
+      for (std::size_t i = 0; i < 2; ++i) lost_[i] = lost_[i] || motion.lost(i);
+      if (motion.termination() != Termination::time) out_.termination = motion.termination();
     }
   }
 
   /// After an orthonormalisation of all motions: whether that is enough.
   void look() {
-    const std::int64_t round = options_.interval * static_cast<std::int64_t>(strands_.size());
+    const std::int64_t round = options_.interval * static_cast<std::int64_t>(motions_.size());
     if (options_.change > 0.0) {
       const std::array<double, 2> before = last_;
       for (std::size_t i = 0; i < 2; ++i) last_[i] = lost_[i] ? 0.0 : exponent(i);
       const double change = std::max(std::abs(last_[0] - before[0]), std::abs(last_[1] - before[1]));
       if (out_.periods > round && change < options_.change) return stop(LyapunovStop::change);
     }
-    if (has_new_errors(options_, lost_[0], strands_.front().means[0]) && settled()) return stop(LyapunovStop::standard_error);
+    if (has_new_errors(options_, lost_[0], motions_.front().means(0)) && settled()) return stop(LyapunovStop::standard_error);
     if (out_.periods + round > options_.max_periods) open_ = false;
   }
 
@@ -190,9 +131,9 @@ class Average {
     if (lost_[i]) return -std::numeric_limits<double>::infinity();
     double sum = 0.0;
     std::int64_t count = 0;
-    for (const Strand& strand : strands_) {
-      sum += strand.means[i].total();
-      count += strand.means[i].count();
+    for (const AveragedMotion& motion : motions_) {
+      sum += motion.means(i).total();
+      count += motion.means(i).count();
     }
     return sum / static_cast<double>(std::max<std::int64_t>(count, 1)) / interval_time_;
   }
@@ -201,21 +142,21 @@ class Average {
   /// their spread counts.
   double standard_error(std::size_t i) const {
     if (lost_[i]) return 0.0;
-    const auto n = static_cast<double>(strands_.size());
+    const auto n = static_cast<double>(motions_.size());
     double squares = 0.0, edges = 0.0, mean = 0.0, apart = 0.0;
-    for (const Strand& strand : strands_) {
-      squares += strand.means[i].standard_error() * strand.means[i].standard_error();
-      edges += strand.means[i].edge() / n;
-      mean += strand.means[i].mean() / n;
+    for (const AveragedMotion& motion : motions_) {
+      squares += motion.means(i).standard_error() * motion.means(i).standard_error();
+      edges += motion.means(i).edge() / n;
+      mean += motion.means(i).mean() / n;
     }
-    for (const Strand& strand : strands_) apart += (strand.means[i].mean() - mean) * (strand.means[i].mean() - mean);
-    const double spread = strands_.size() > 1 ? apart / (n - 1.0) / n : 0.0;
+    for (const AveragedMotion& motion : motions_) apart += (motion.means(i).mean() - mean) * (motion.means(i).mean() - mean);
+    const double spread = motions_.size() > 1 ? apart / (n - 1.0) / n : 0.0;
     return std::sqrt(std::max(squares / (n * n), spread) + edges * edges) / interval_time_;
   }
 
   const LyapunovOptions& options_;
   double interval_time_;
-  std::vector<Strand> strands_;
+  std::vector<AveragedMotion> motions_;
   std::int64_t uncounted_ = 0;
   std::array<bool, 2> lost_{};
   std::array<double, 2> last_{};
@@ -249,7 +190,7 @@ std::vector<LyapunovSpectrum> lane_spectra(const HybridSystem& system, const std
       if (cancelled) average.stop(LyapunovStop::interrupted);
       if (average.open()) average.announce(many);
       if (average.open())
-        for (const Strand& strand : average.strands()) motions.push_back(strand.at);
+        for (const AveragedMotion& motion : average.motions()) motions.push_back(motion.at());
       periods += average.periods();
     }
     if (options.progress && periods > told) options.progress(told = periods);
@@ -261,7 +202,7 @@ std::vector<LyapunovSpectrum> lane_spectra(const HybridSystem& system, const std
     for (Average& average : averages) {
       if (!average.open()) continue;
       average.add(next, stretch);
-      next += average.strands().size() * stretch;
+      next += average.motions().size() * stretch;
     }
   }
   std::vector<LyapunovSpectrum> spectra;
