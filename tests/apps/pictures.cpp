@@ -162,6 +162,13 @@ TEST_CASE("of an interrupted skeleton there are no empty pictures, and one line 
   CHECK(text.find(was_interrupted) == text.rfind(was_interrupted));
 }
 
+TEST_CASE("there are no pictures of an orbit or a point that was not found") {
+  CHECK(pictures_for({{"schema", "graze.orbit/1"}, {"orbit", nullptr}}).empty());
+  CHECK(pictures_for({{"schema", "graze.orbit/1"}, {"orbits", Json::array()}}).empty());
+  CHECK(pictures_for({{"schema", "graze.orbit/1"}, {"orbit", {{"period", 1}}}}).size() == 2);
+  CHECK(pictures_for({{"schema", "graze.point/1"}, {"special_point", nullptr}}).empty());
+}
+
 TEST_CASE("a kind of picture that there is none of is named in plain order") {
   CHECK_THROWS_WITH(picture_of(branches_of(2), "foo"),
                     "of graze.branch/1 there is no kind of picture \"foo\"; choose one of branch, multipliers, skeleton");
