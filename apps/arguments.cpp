@@ -22,9 +22,11 @@ std::string long_name(const std::string& names) { return names.substr(names.rfin
   throw CLI::ValidationError(fmt::format("{} {}", long_name(names), given), "must be " + wanted);
 }
 
+constexpr const char* magnitude = "0 or of a magnitude from 4.9e-324 to 1.8e308, which a double holds";
+
 double number(const std::string& names, const std::string& text) {
   const std::optional<double> value = parse_number(text);
-  if (!value) refuse(names, text, "a number (0.92, 36/35 and 2*pi are)");
+  if (!value) refuse(names, text, is_beyond_double(text) ? magnitude : "a number (0.92, 36/35 and 2*pi are)");
   return *value;
 }
 
@@ -32,7 +34,7 @@ int count(const std::string& names, const std::string& text, int least, int most
   const std::optional<double> value = parse_number(text);
   if (value && *value >= least && *value <= most && *value == std::floor(*value)) return static_cast<int>(*value);
   // A limit that nobody will meet is named only to who has gone beyond it.
-  const bool limited = most < std::numeric_limits<int>::max() || (value && *value > most);
+  const bool limited = most < std::numeric_limits<int>::max() || (value && *value > most) || is_beyond_double(text);
   refuse(names, text, fmt::format("a whole number >= {}{}", least, limited ? fmt::format(" and <= {}", most) : ""));
 }
 
@@ -97,7 +99,7 @@ void add_count(CLI::App& app, const std::string& names, int& target, int least, 
 void add_state(CLI::App& app, const std::string& names, std::optional<Vector>& target, const std::string& help) {
   add(app, names, "x,v", help, Need::optional, [&target, names](const std::string& text) {
     const std::optional<Vector> state = parse_numbers(text);
-    if (!state || state->size() != 2) refuse(names, text, "two numbers x,v, for example 0.5,-1.2");
+    if (!state || state->size() != 2) refuse(names, text, state_form(text));
     target = state;
   });
 }
@@ -116,6 +118,13 @@ void add_choice(CLI::App& app, const std::string& names, std::string& target, co
     }
     target = text;
   });
+}
+
+std::string state_form(const std::string& text) {
+  const std::size_t comma = text.find(',');
+  const bool beyond =
+      is_beyond_double(text.substr(0, comma)) || (comma != std::string::npos && is_beyond_double(text.substr(comma + 1)));
+  return fmt::format("two numbers x,v{}, for example 0.5,-1.2", beyond ? fmt::format(", each {}", magnitude) : "");
 }
 
 void begin_group(CLI::App& app, const std::string& heading) { app.option_defaults()->group(heading); }

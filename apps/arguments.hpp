@@ -52,4 +52,7 @@ void add_choice(CLI::App& app, const std::string& names, std::string& target, co
 /// Options added from now on are listed under this heading in the help.
 void begin_group(CLI::App& app, const std::string& heading);
 
+/// What a text must be to be read as a state.
+std::string state_form(const std::string& text);
+
 }  // namespace graze::apps

@@ -5,6 +5,7 @@
 #include <oneapi/tbb/info.h>
 
 #include <algorithm>
+#include <cstring>
 #include <ostream>
 #include <string>
 
@@ -24,5 +25,10 @@ struct Console {
     if (!quiet) err << "graze: " << text << "\n";
   }
 };
+
+/// "stdout: cannot be written: No space left on device"; `error`: errno as the writing left it.
+inline std::string cannot_write_stdout(int error) {
+  return std::string("stdout: cannot be written") + (error ? std::string(": ") + std::strerror(error) : "");
+}
 
 }  // namespace graze::apps

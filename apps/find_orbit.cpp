@@ -86,14 +86,6 @@ Problem open_problem(const StartOptions& options, const Console& console) {
   return problem;
 }
 
-void check_forcing(const Problem& problem) {
-  const double eta = parameter(problem, "eta");
-  if (eta < slowest_forcing)
-    throw std::invalid_argument(fmt::format(
-        "eta is {}: a forcing period is then more than {} periods of the oscillator's own; motions are computed for eta >= {}",
-        eta, rounded(1.0 / slowest_forcing, 3), slowest_forcing));
-}
-
 int settle_of(const Problem& problem, const StartOptions& options) {
   return options.settle ? *options.settle : problem.settle.value_or(default_settle);
 }
@@ -118,7 +110,6 @@ Json options_json(const Problem& problem, const OrbitOptions& options) {
 }
 
 Settled settle_down(const Problem& problem, const StartOptions& options, const Console& console) {
-  check_forcing(problem);
   const int wanted = settle_of(problem, options);
   Progress progress(console.err, console.quiet, "settling");
   int done = 0;
@@ -135,7 +126,6 @@ Settled settle_down(const Problem& problem, const StartOptions& options, const C
 }
 
 FoundOrbits search_for_orbits(const Problem& problem, const OrbitOptions& options, const Console& console) {
-  check_forcing(problem);
   FoundOrbits found;
   const int period = period_of(problem, options);
   Progress progress(console.err, console.quiet, "searching");

@@ -45,13 +45,6 @@ void add_orbit_options(CLI::App& app, OrbitOptions& options);
 /// The problem with its settings applied; notes on defaults and on the conversion of units go to the console.
 Problem open_problem(const StartOptions& options, const Console& console);
 
-/// The smallest eta for which motions are computed: a forcing period of 10000 natural ones.
-inline constexpr double slowest_forcing = 1e-4;
-
-/// Where the forcing is so slow that a single period of it would take ages.
-/// @throws std::invalid_argument with the smallest eta that is run.
-void check_forcing(const Problem& problem);
-
 int settle_of(const Problem& problem, const StartOptions& options);
 int period_of(const Problem& problem, const OrbitOptions& options);
 

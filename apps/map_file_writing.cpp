@@ -20,7 +20,8 @@ namespace {
 constexpr unsigned deflation = 4;                     // more takes longer than it saves
 constexpr std::size_t growth = std::size_t(4) << 20;  // of the file in memory, in bytes
 
-/// Of variable length, which h5py and MATLAB give as a string, not as bytes, and netCDF reads.
+/// Of variable length, which h5py and MATLAB give as a string, not as bytes, and netCDF reads; of lists of texts of one length
+/// netCDF 4.9 reads the first alone. Octave reads only such ones, and all else if asked for by name.
 Handle text_type() {
   Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
   check(H5Tset_size(type, H5T_VARIABLE));

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/apps/find_orbit.hpp>
 #include <graze/apps/map_plan.hpp>
 #include <graze/apps/number.hpp>
 
@@ -65,7 +64,6 @@ void check_plan(const MapPlan& plan) {
   for (const int column : columns)
     for (const int row : rows) {
       const Problem problem = corner(plan, column, row);
-      check_forcing(problem);
       for (std::size_t i = 0; i < plan.starts.size(); ++i)
         if (!plan.starts[i] || mode_at(problem.system, 0.0, *plan.starts[i], problem.parameters)) admissible[i] = true;
     }

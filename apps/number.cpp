@@ -18,7 +18,7 @@ void skip_blanks(std::string_view& text) {
 }
 
 /// Takes one factor, with its sign, off the front.
-std::optional<double> take_factor(std::string_view& text) {
+std::optional<double> take_factor(std::string_view& text, bool& beyond) {
   skip_blanks(text);
   double sign = 1.0;
   if (!text.empty() && (text.front() == '-' || text.front() == '+')) {
@@ -32,24 +32,41 @@ std::optional<double> take_factor(std::string_view& text) {
   }
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  beyond = beyond || error == std::errc::result_out_of_range;
   if (error != std::errc{}) return std::nullopt;
   text.remove_prefix(static_cast<std::size_t>(end - text.data()));
   return sign * value;
 }
 
-}  // namespace
-
-std::optional<double> parse_number(std::string_view text) {
-  std::optional<double> value = take_factor(text);
+/// `beyond`: becomes true where a factor has the form of a number, but no double is so large or so small.
+std::optional<double> parse(std::string_view text, bool& beyond) {
+  std::optional<double> value = take_factor(text, beyond);
   for (skip_blanks(text); value && !text.empty(); skip_blanks(text)) {
     const char sign = text.front();
     if (sign != '*' && sign != '/') return std::nullopt;
     text.remove_prefix(1);
-    const std::optional<double> factor = take_factor(text);
+    const std::optional<double> factor = take_factor(text, beyond);
     if (!factor) return std::nullopt;
     value = sign == '*' ? *value * *factor : *value / *factor;
   }
   return value;
+}
+
+}  // namespace
+
+std::optional<double> parse_number(std::string_view text) {
+  bool beyond = false;
+  return parse(text, beyond);
+}
+
+bool is_beyond_double(std::string_view text) {
+  bool beyond = false;
+  return !parse(text, beyond) && beyond;
+}
+
+std::string no_number(std::string_view text) {
+  return is_beyond_double(text) ? fmt::format("\"{}\" is {}; give another number", text, beyond_double)
+                                : fmt::format("\"{}\" is not a number (0.05, 36/35 and 2*pi are)", text);
 }
 
 std::optional<int> parse_count(std::string_view text) {

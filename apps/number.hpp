@@ -21,6 +21,15 @@ std::optional<int> parse_count(std::string_view text);
 /// Numbers separated by commas: "-0.169,-0.962". nullopt: one of them is not a number.
 std::optional<Vector> parse_numbers(std::string_view text);
 
+inline constexpr const char* beyond_double =
+    "too large or too small for a double, which holds 0 and magnitudes from 4.9e-324 to 1.8e308";
+
+/// Whether it is too large or too small a number for a double, which none of these reads.
+bool is_beyond_double(std::string_view text);
+
+/// One sentence on what cannot be read.
+std::string no_number(std::string_view text);
+
 /// The shortest text that reads back to the same double.
 std::string exact(double value);
 

@@ -95,6 +95,16 @@ void check_writable(const std::string& file) {
   ::unlink(temporary.c_str());
 }
 
+void check_writable_folder(const std::string& folder) {
+  std::string temporary;
+  const int descriptor = open_temporary(resolved(folder) / "probe", temporary);
+  if (descriptor < 0)
+    throw std::invalid_argument(
+        fmt::format("{}: no files can be made in this folder: {}; give another", folder, std::strerror(errno)));
+  ::close(descriptor);
+  ::unlink(temporary.c_str());
+}
+
 void check_distinct(const std::vector<NamedOutput>& outputs, const std::string& input) {
   const auto same = [](const std::string& a, const std::string& b) {
     std::error_code error;

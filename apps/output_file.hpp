@@ -14,6 +14,9 @@ namespace graze::apps {
 /// @throws std::invalid_argument with one sentence if not.
 void check_writable(const std::string& file);
 
+/// @throws std::invalid_argument if no files can be made in this folder.
+void check_writable_folder(const std::string& folder);
+
 /// An output as it was asked for: "--json", and the file ("" or "-": none).
 struct NamedOutput {
   std::string option, file;

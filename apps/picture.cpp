@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/label_places.hpp>
+#include <graze/apps/legend.hpp>
 #include <graze/apps/number.hpp>
 #include <graze/apps/picture.hpp>
 #include <graze/apps/raster.hpp>
@@ -65,26 +66,6 @@ std::string data_block(const std::string& name, const std::vector<std::array<dou
   for (const std::array<double, 3>& p : points)
     out += std::isnan(p[0]) || std::isnan(p[1]) ? "\n" : fmt::format("{} {} {}\n", p[0], p[1], std::isnan(p[2]) ? 0.0 : p[2]);
   return out + "END\n";
-}
-
-/// Rows of the legend, in how many columns, and of what height in characters.
-struct Legend {
-  std::size_t rows = 0, columns = 3;
-  int font = 13;
-  double row_height() const { return font < 11 ? 0.9 : font < 13 ? 1.05 : 1.25; }
-};
-
-Legend legend_of(const Picture& picture) {
-  std::size_t entries = picture.unit_circle ? 1 : 0, longest = 0;
-  for (const Curve& curve : picture.curves) {
-    entries += curve.title.empty() ? 0 : 1;
-    longest = std::max(longest, curve.title.size());
-  }
-  Legend legend;
-  legend.columns = picture.legend_columns > 0 ? picture.legend_columns : longest > 24 ? 2 : 3;
-  legend.rows = (entries + legend.columns - 1) / legend.columns;
-  legend.font = legend.rows > 5 ? 9 : legend.rows > 4 ? 11 : 13;
-  return legend;
 }
 
 /// The legend has rows of its own below the axis label, which gnuplot's own placement writes over.
@@ -171,27 +152,40 @@ double title_lines_of(const Picture& picture) {
   return title.empty() ? 0.6 : 1.0 + static_cast<double>(std::count(title.begin(), title.end(), '\n') + 1);
 }
 
+std::vector<std::array<double, 3>> unit_circle() {
+  std::vector<std::array<double, 3>> circle;
+  for (int i = 0; i <= 360; ++i) circle.push_back({std::cos(i * M_PI / 180.0), std::sin(i * M_PI / 180.0), 0.0});
+  return circle;
+}
+
 /// Marks, their words where there is room for them, and lines that lead from far words to their marks.
 std::string labels(const Picture& picture) {
   std::string s;
-  const std::vector<LabelPlace> places =
-      label_places(picture.labels, extent(picture, 0, picture.x_range), extent(picture, 1, picture.y_range), picture.curves,
-                   std::max(10.0, 33.0 - lines_below(picture, true) - title_lines_of(picture)));
+  if (picture.labels.empty()) return s;
+  std::vector<Curve> curves = picture.curves;
+  if (picture.unit_circle) curves.push_back({.points = unit_circle()});
+  const std::vector<LabelPlace> places = label_places(
+      picture.labels, extent(picture, 0, picture.x_range), extent(picture, 1, picture.y_range), curves,
+      std::max(10.0, 33.0 - lines_below(picture, true) - title_lines_of(picture)), picture.colour_label.empty() ? 92.0 : 70.0);
+  const double size = is_crowd(picture.labels) ? 0.7 : 1.4;
   for (std::size_t i = 0; i < picture.labels.size(); ++i) {
     const Label& label = picture.labels[i];
     const LabelPlace& place = places[i];
     const std::string at = exact(label.x) + ", " + exact(label.y), colour = quoted(label.colour);
-    s += fmt::format("set label {} at {} {} point pt {} ps 1.4 lc rgb {} offset {},{} front tc rgb {}{}\n", quoted(label.text),
-                     at, place.leftwards ? "right" : "left", label.mark, colour, place.right, place.up, colour,
-                     label.placed || label.text.empty() ? "" : " boxed");
-    if (place.far)
+    const std::string text = place.free ? label.text : "";
+    if (label.mark == no_mark && text.empty()) continue;
+    const std::string mark = label.mark == no_mark ? "" : fmt::format(" point pt {} ps {} lc rgb {}", label.mark, size, colour);
+    s += fmt::format("set label {} at {} {}{} offset {},{} front tc rgb {}{}\n", quoted(text), at,
+                     place.leftwards ? "right" : "left", mark, place.right, place.up, colour,
+                     label.placed || text.empty() ? "" : " boxed");
+    if (place.far && !text.empty())
       s += fmt::format("set arrow from {} rto character {}, character {} nohead front lc rgb {} lw 0.8\n", at, place.right,
                        place.up, colour);
   }
   return s;
 }
 
-/// Barriers: a line each, its words, and a shade over what lies beyond.
+/// Barriers: a line each, and a shade over what lies beyond. Their words stand in the legend, where they cover nothing.
 std::string barriers(const Picture& picture) {
   std::string s;
   int object = 1;
@@ -204,10 +198,6 @@ std::string barriers(const Picture& picture) {
       s += fmt::format(
           "set object {} rectangle from {} to graph 1, graph 1 behind fc rgb '#b22222' fs transparent solid 0.07 noborder\n",
           object++, from);
-    s += barrier.vertical ? fmt::format("set label {} at {}, graph 0.03 right offset -0.6,0 front tc rgb '#b22222' boxed\n",
-                                        quoted(barrier.text), at)
-                          : fmt::format("set label {} at graph 0.01, first {} offset 0,0.6 front tc rgb '#b22222' boxed\n",
-                                        quoted(barrier.text), at);
   }
   return s;
 }
@@ -218,6 +208,16 @@ std::string palette(const Picture& picture) {
   for (const ColourStop& stop : picture.palette)
     s += fmt::format("{}{} {}", s.empty() ? "" : ", ", exact(stop.value), quoted(stop.colour));
   return s;
+}
+
+/// The legend's last entries: barriers, and how many curves are not in it.
+std::vector<std::string> last_entries(const Picture& picture) {
+  std::vector<std::string> list;
+  for (const Barrier& barrier : picture.barriers)
+    if (!barrier.text.empty()) list.push_back(fmt::format("NaN {} title {}", barrier_style, quoted(barrier.text)));
+  if (const Legend legend = legend_of(picture); legend.left_out > 0)
+    list.push_back(fmt::format("NaN with lines lc bgnd title {}", quoted(left_out_entry(legend))));
+  return list;
 }
 
 /// What gnuplot is told of one pair of axes: the data, the settings, and at last the plot.
@@ -253,9 +253,7 @@ Drawn axes(const Picture& picture, const std::string& prefix, int columns, int r
   }
   s += "set style textbox opaque fillcolor rgb '#30ffffff' noborder margins 0.3,0.2\n" + barriers(picture) + labels(picture);
   if (picture.unit_circle) {
-    std::vector<std::array<double, 3>> circle;
-    for (int i = 0; i <= 360; ++i) circle.push_back({std::cos(i * M_PI / 180.0), std::sin(i * M_PI / 180.0), 0.0});
-    out.data += data_block(prefix + "circle", circle);
+    out.data += data_block(prefix + "circle", unit_circle());
     out.plot = fmt::format("${}circle using 1:2 with lines lc rgb '#888888' lw 1.2 title 'unit circle'", prefix);
   }
   const auto add = [&plot = out.plot](const std::string& text) { plot += (plot.empty() ? "" : ", \\\n     ") + text; };
@@ -273,11 +271,14 @@ Drawn axes(const Picture& picture, const std::string& prefix, int columns, int r
       if (goes_with_dense(curve)) raster.paint(curve);
     add_image(raster.image());
   }
+  std::size_t titles = legend_of(picture).titles;
   for (std::size_t i = 0; i < picture.curves.size(); ++i) {
     const Curve& curve = picture.curves[i];
+    const bool titled = !curve.title.empty() && titles > 0;
     if (image && goes_with_dense(curve)) {
       // What stands for it in the legend; a point outside the picture is no point.
-      if (!curve.title.empty()) add(fmt::format("NaN {} title {}", style(curve), quoted(curve.title)));
+      if (titled) add(fmt::format("NaN {} title {}", style(curve), quoted(curve.title)));
+      titles -= titled ? 1 : 0;
       continue;
     }
     const bool empty =
@@ -286,9 +287,11 @@ Drawn axes(const Picture& picture, const std::string& prefix, int columns, int r
     const std::string name = fmt::format("{}curve{}", prefix, i);
     out.data += data_block(name, thinned(curve, x, y));
     add(fmt::format("${} using {} {} {}", name, curve.coloured ? "1:2:3" : "1:2", style(curve),
-                    curve.title.empty() ? "notitle" : "title " + quoted(curve.title)));
+                    titled ? "title " + quoted(curve.title) : "notitle"));
+    titles -= titled ? 1 : 0;
   }
   if (out.plot.empty()) throw std::runtime_error("there is nothing to draw");
+  for (const std::string& entry : last_entries(picture)) add(entry);
   out.plot = "plot " + out.plot + "\n" + images;
   return out;
 }
@@ -302,11 +305,14 @@ std::string single(const Picture& picture, const std::string& format) {
 
 /// Axes that are not seen, over the whole sheet, for the legend of all others: gnuplot makes none wider than its axes.
 std::string common_legend(const Picture& picture, double y) {
-  std::string plot;
+  std::vector<std::string> entries;
+  const std::size_t most = legend_of(picture).titles;
   for (const Curve& curve : picture.curves)
-    if (!curve.title.empty())
-      plot += fmt::format("{}NaN {} title {}", plot.empty() ? "plot " : ", ", style(curve), quoted(curve.title));
-  if (plot.empty()) return {};
+    if (!curve.title.empty() && entries.size() < most)
+      entries.push_back(fmt::format("NaN {} title {}", style(curve), quoted(curve.title)));
+  for (std::string& entry : last_entries(picture)) entries.push_back(std::move(entry));
+  if (entries.empty()) return {};
+  const std::string plot = fmt::format("plot {}", fmt::join(entries, ", "));
   return "reset\nset encoding utf8\nunset border\nunset tics\nset xrange [0:1]\nset yrange [0:1]\n" + legend(picture, 0.5, y) +
          "set lmargin at screen 0.02\nset rmargin at screen 0.98\nset bmargin at screen 0\nset tmargin at screen 1\n" + plot +
          "\n";

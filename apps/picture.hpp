@@ -26,20 +26,22 @@ struct Curve {
 /// A mark in the legend only: its point lies far outside.
 Curve legend_entry(const std::string& title, const std::string& colour);
 
+inline constexpr int no_mark = -1;  ///< of a label that is words alone
+
 /// A point with a mark and text beside it.
 struct Label {
   double x = 0.0, y = 0.0;
   std::string text;
-  int mark = 7;
+  int mark = 7;  ///< gnuplot's point type, or no_mark
   std::string colour = "black";
   bool placed = false;  ///< its words stand right beside it, where room was found for them already
 };
 
-/// A line across the picture: x = position (or y = position), with text; `shaded`: what lies beyond it is shaded.
+/// A line across the picture: x = position (or y = position); `shaded`: what lies beyond it is shaded.
 struct Barrier {
   bool vertical = true;
   double position = 0.0;
-  std::string text;
+  std::string text;  ///< in the legend; empty: it is not there
   bool shaded = false;
 };
 

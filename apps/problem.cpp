@@ -39,6 +39,9 @@ Problem make_problem(const std::string& oscillator, const std::string& contact) 
   problem.oscillator = oscillator;
   problem.contact = contact;
   problem.system = make_oscillator(oscillator, contact);
+  ParameterInfo& eta = problem.system.parameters[parameter_index(problem.system.parameters, "eta")];
+  eta.lower = slowest_forcing;  // motions could be computed for slower forcing, if anybody waited for them
+  eta.lower_open = false;
   problem.parameters = default_parameters(problem.system.parameters);
   return problem;
 }
@@ -52,8 +55,16 @@ void set_parameter(Problem& problem, std::string_view name, double value) {
   problem.parameters = changed;
 }
 
+void check_parameter_name(const Problem& problem, std::string_view name) {
+  try {
+    index_of(problem, name);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(fmt::format("--param {}: {}", name, error.what()));
+  }
+}
+
 void set_parameter(Problem& problem, std::string_view name, double value, const std::string& option) {
-  index_of(problem, name);  // an unknown name is not the fault of this option
+  check_parameter_name(problem, name);  // an unknown name is not the fault of this option
   try {
     set_parameter(problem, name, value);
   } catch (const std::invalid_argument& error) {
@@ -82,8 +93,7 @@ void apply_settings(Problem& problem, const std::vector<std::string>& settings) 
     try {
       const std::string name = setting.substr(0, equals);
       index_of(problem, name);  // a wrong name is the better thing to say where both are wrong
-      if (!value)
-        throw std::invalid_argument(fmt::format("\"{}\" is not a number (0.05, 36/35 and 2*pi are)", setting.substr(equals + 1)));
+      if (!value) throw std::invalid_argument(no_number(setting.substr(equals + 1)));
       set_parameter(problem, name, *value);
       std::erase(problem.defaulted, name);
     } catch (const std::invalid_argument& error) {
@@ -93,16 +103,17 @@ void apply_settings(Problem& problem, const std::vector<std::string>& settings) 
 }
 
 Vector start_state(const Problem& problem, const std::optional<Vector>& given) {
-  const std::string source = given ? "--start" : problem.file + ": [start] state";
   const std::optional<Vector>& wanted = given ? given : problem.start;
   const double barrier = parameter(problem, "r");
   if (!wanted) return Vector{{std::min(0.0, barrier), 0.0}};
   try {
     initial_mode(problem.system, 0.0, *wanted, problem.parameters);
   } catch (const std::invalid_argument& error) {
+    const std::string source =
+        given ? fmt::format("--start {},{}", exact((*given)[0]), exact((*given)[1])) : problem.file + ": [start] state";
     const bool inside = wanted->allFinite();
-    throw std::invalid_argument(
-        fmt::format("{}: {}{}", source, error.what(), inside ? fmt::format(", x <= r = {}", exact(barrier)) : ""));
+    throw std::invalid_argument(fmt::format("{}: {}{}", source, error.what(),
+                                            inside ? fmt::format(", x <= r = {}", exact(barrier)) : "; give two that are"));
   }
   return *wanted;
 }

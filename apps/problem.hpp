@@ -31,6 +31,9 @@ struct ConvertedFrom {
 /// Of an orbit, in forcing periods: its matrices grow with the square.
 inline constexpr int longest_period = 1024;
 
+/// The smallest eta for which motions are computed: a forcing period of 10000 natural ones.
+inline constexpr double slowest_forcing = 1e-4;
+
 struct Problem {
   std::string file;
   std::string oscillator, contact;
@@ -57,6 +60,9 @@ void set_parameter(Problem& problem, std::string_view name, double value);
 
 /// The same for a value given by an option such as "--from", which the message then names.
 void set_parameter(Problem& problem, std::string_view name, double value, const std::string& option);
+
+/// @throws std::invalid_argument for a parameter that was given by --param and that the model does not have.
+void check_parameter_name(const Problem& problem, std::string_view name);
 
 /// " (k_H belongs to the hertz contact law)" for a parameter that the model lacks and other laws have, or the like for a physical
 /// quantity; else empty.

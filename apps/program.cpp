@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <map>
 #include <new>
 #include <optional>
@@ -58,6 +59,14 @@ std::vector<std::string> option_names(const CLI::App& app) {
   return names;
 }
 
+/// "; give --to VALUE: where it is to end".
+std::string what_to_give(const CLI::App& app, const std::string& name) {
+  const CLI::Option* option = app.get_option_no_throw(name);
+  if (!option) return "";
+  const std::string given = name.starts_with("-") ? name + " " + option->get_type_name() : "a " + option->get_type_name();
+  return fmt::format("; give {}: {}", given, option->get_description());
+}
+
 /// One sentence for what CLI11 found wrong.
 std::string sentence(const CLI::App& app, const CLI::App& used, const CLI::ParseError& error) {
   const bool command_given = &used != &app;
@@ -78,12 +87,13 @@ std::string sentence(const CLI::App& app, const CLI::App& used, const CLI::Parse
     return unknown_name("command", given, names);
   }
   std::string text = error.what();
+  if (dynamic_cast<const CLI::RequiredError*>(&error)) return text + what_to_give(used, text.substr(0, text.find(' ')));
   if (dynamic_cast<const CLI::ArgumentMismatch*>(&error)) {
     const std::string option = text.substr(0, text.find(':'));
     const std::size_t received = text.find("but received ");  // "--period: At Most 1 required but received 2"
     if (received != std::string::npos)
       return fmt::format("{} is given {} times; give it once", option, text.substr(received + 13));
-    if (text.find("missing") != std::string::npos) return option + " lacks its value";
+    if (text.find("missing") != std::string::npos) return option + " lacks its value" + what_to_give(used, option);
   }
   std::replace(text.begin(), text.end(), '\n', ' ');
   return text;
@@ -134,9 +144,10 @@ int run_program(const std::vector<std::string>& arguments, std::ostream& out, st
       limit.emplace(oneapi::tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(global.threads));
     return runs.at(&used())({out, err, global.quiet, global.threads});
   } catch (const CLI::Success& request) {  // --help, --version
+    errno = 0;
     const int code = app.exit(request, out, err);
     if (out.flush()) return code;
-    err << name << ": stdout: cannot be written\n";
+    err << name << ": " << cannot_write_stdout(errno) << "\n";
     return 2;
   } catch (const CLI::ParseError& error) {
     if (&used() != &app) name += " " + used().get_name();

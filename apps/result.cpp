@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <functional>
 #include <memory>
 #include <stdexcept>
@@ -88,7 +89,7 @@ void check_outputs(const OutputOptions& options, const std::string& input) {
   if (!options.out.empty()) {
     if (options.pictures) check_picture_file(options.out + "/*." + folder_format);  // before there is a folder
     make_folder(options.out);
-    check_writable(options.out + "/probe");
+    check_writable_folder(options.out);
   }
   for (const std::string& file : {options.json, options.csv, options.plot})
     if (!file.empty() && file != "-") check_writable(file);
@@ -134,11 +135,12 @@ int deliver(const Result& result, const OutputOptions& options, const std::strin
       complain(fmt::format("{}: {}", output.file, error.what()));
     }
   }
-  console.out << (options.json == "-"  ? pretty(result.json, result.list, console.thread_count())
-                  : options.csv == "-" ? table_text(result)
-                                       : result.text);
-  console.out.flush();
-  if (!console.out) complain("stdout: cannot be written");
+  const std::string text = options.json == "-"  ? pretty(result.json, result.list, console.thread_count())
+                           : options.csv == "-" ? table_text(result)
+                                                : result.text;
+  errno = 0;
+  console.out << text << std::flush;
+  if (!console.out) complain(cannot_write_stdout(errno));
   return complete || code != 0 ? code : 2;
 }
 

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <stdexcept>
 
 namespace graze::apps {
@@ -176,9 +177,24 @@ std::string skeleton_text(std::size_t seeds, const std::vector<Branch>& branches
                      "\n" + aligned(special_points_overview(branches, parameter)) + cascades_text(cascades(branches), parameter);
   if (cut_off.empty()) return text;
   text += fmt::format("\nnot followed ({}):\n", cut_off.size());
-  for (const CutOff& cut : cut_off)
-    text += cut.branch == 0 ? fmt::format("  a seed: {}\n", cut.reason)
-                            : fmt::format("  {} of branch {}: {}\n", cut.label, cut.branch, cut.reason);
+  // One line for all ways from seeds of a reason, which have no names, and for all that an interruption left over.
+  std::map<std::string, std::size_t> seeds_left;
+  std::size_t points_left = 0;
+  for (const CutOff& cut : cut_off) {
+    if (cut.branch == 0)
+      ++seeds_left[cut.reason];
+    else if (cut.reason.ends_with(was_interrupted))
+      ++points_left;
+    else
+      text += fmt::format("  {} of branch {}: {}\n", cut.label, cut.branch, cut.reason);
+  }
+  if (points_left > 0) seeds_left.try_emplace(was_interrupted, 0);
+  for (const auto& [reason, seed_count] : seeds_left) {
+    std::string left = seed_count > 0 ? counted(seed_count, "way") + " from seeds (two from each)" : "";
+    if (points_left > 0 && reason == was_interrupted)
+      left += (left.empty() ? "" : " and ") + counted(points_left, "special point");
+    text += fmt::format("  {}: {}\n", left, reason);
+  }
   return text;
 }
 

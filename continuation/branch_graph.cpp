@@ -79,14 +79,14 @@ class Graph {
         } else if (outcomes[k].branch && !full) {
           accept(round[k], std::move(outcomes[k]));
         } else if (outcomes[k].branch || cancelled()) {
-          cut_off(round[k], full ? fmt::format("{} branches are the limit", options_.max_branches) : "it was interrupted");
+          cut_off(round[k], full ? fmt::format("{} branches are the limit", options_.max_branches) : was_interrupted);
         }
       }
       if (options_.complete) options_.complete(graph_.branches);
     }
     for (std::size_t k = 0; k < graph_.branches.size(); ++k) confirm_grazing(k);
     graph_.interrupted = cancelled();
-    if (graph_.interrupted) cut_off_rest("it was interrupted");
+    if (graph_.interrupted) cut_off_rest(was_interrupted);
     return std::move(graph_);
   }
 

@@ -22,6 +22,9 @@ struct BranchSeed {
   std::vector<int> directions = {1, -1};
 };
 
+/// The reason of those that an interruption left over.
+inline constexpr const char* was_interrupted = "it was interrupted";
+
 /// A special point at which more orbits begin that were not followed. (That families of several times the period at a grazing end
 /// at max_period and max_multiple holds for all of them and is not listed.)
 struct CutOff {

@@ -271,7 +271,6 @@ int run(const Options& given, const Console& console) {
   if (!options.resume.empty() && options.output.out.empty()) options.output.out = options.resume;
   check_outputs(options.output, options.start.file);
   const Problem problem = open_problem(options.start, console);
-  check_forcing(problem);
   const std::array<Axis, 2> axes = axes_of(options, problem);
   const std::vector<Vector> starts = starts_of(options, axes);
   check_starts(problem, starts);

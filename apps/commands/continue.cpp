@@ -84,6 +84,7 @@ int run(const Options& options, const Console& console) {
   if (options.max_step && !(*options.max_step > 0.0))
     throw std::invalid_argument(fmt::format("--max-step {}: must be > 0, for example 0.01", *options.max_step));
   Problem problem = open_problem(options.orbit.start, console);
+  check_parameter_name(problem, options.parameter);
   if (options.from) set_parameter(problem, options.parameter, *options.from, "--from");
   const double start = parameter(problem, options.parameter);
   Problem at_end = problem;

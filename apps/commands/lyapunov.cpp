@@ -68,11 +68,12 @@ int run(const Options& options, const Console& console) {
   } else if (attractor.termination != Termination::time || attractor.time_average.stop == LyapunovStop::failed) {
     status = Status::failed;
     message = "the motion could not be carried on";
-  } else if (attractor.type != AttractorType::periodic && attractor.time_average.stop == LyapunovStop::budget) {
-    // A limit that was asked for, and says so.
-    console.note(fmt::format("the budget of {} forcing periods is used up before every standard error is below its bound; "
-                             "--periods gives more",
-                             options.periods));
+  } else if (attractor.type != AttractorType::periodic && attractor.time_average.stop == LyapunovStop::budget &&
+             options.standard_error != 0.0) {
+    // Not a failure, and no other exit code: an average and its error of so many periods are a result. But it says so.
+    message = fmt::format("the budget of {} forcing periods is used up before {}; --periods gives more", options.periods,
+                          options.change ? "the exponents have settled to --change" : "every standard error is below its bound");
+    console.note(message);
   }
   Json given = options_json(problem, options.start);
   given.update({{"periods", options.periods}, {"interval", options.interval}, {"max_period", options.max_period}});
@@ -127,7 +128,8 @@ Command lyapunov_command() {
       "the spectrum of Lyapunov exponents, with standard errors, on the attractor reached",
       "From --start the motion settles for --settle forcing periods. If it is settling on a stable orbit, the exponents are\n"
       "those of its multipliers, and the time average is given beside them. Else they are averaged until every standard error\n"
-      "(batch means) is below its bound, or the budget is used up. The sum is checked by Liouville's identity.",
+      "(batch means) is below its bound, or the budget is used up (exit code 0 too, with a note; in JSON \"converged\" is false\n"
+      "then, and \"message\" says why). The sum is checked by Liouville's identity.",
       {"graze lyapunov data/problems/hertz-damped.toml --set eta=0.72",
        "graze lyapunov data/problems/newton-elastic.toml --set eta=0.711 --standard-error 1e-4 --json -"},
       setup};

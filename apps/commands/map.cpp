@@ -39,7 +39,6 @@ struct Options {
 /// An axis whose ends are values that the parameter may have.
 ParameterAxis parse_parameter(const Problem& problem, const std::string& text) {
   const auto [name, axis] = parse_named_axis("--param", text);
-  parameter(problem, name);  // or throws
   for (const double end : {axis.from, axis.to}) try {
       Problem at = problem;
       set_parameter(at, name, end);
@@ -60,8 +59,7 @@ MapPlan plan_from(const Options& options, const Console& console) {
   if (!options.starts.empty()) plan.starts.clear();
   for (const std::string& text : options.starts) {
     const auto state = parse_numbers(text);
-    if (!state || state->size() != 2)
-      throw std::invalid_argument(fmt::format("--start {}: must be two numbers x,v, for example 0.5,-1.2", text));
+    if (!state || state->size() != 2) throw std::invalid_argument(fmt::format("--start {}: must be {}", text, state_form(text)));
     plan.starts.emplace_back(*state);
   }
   if (options.starts.empty() && plan.problem.start) plan.starts = {plan.problem.start};

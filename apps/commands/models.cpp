@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // graze models: what a problem file can name: oscillators, contact laws, excitations; their parameters, ranges, defaults, units.
 #include <graze/apps/commands/command.hpp>
-#include <graze/apps/find_orbit.hpp>
 #include <graze/apps/number.hpp>
+#include <graze/apps/problem.hpp>
 #include <graze/apps/result.hpp>
 #include <graze/apps/version.hpp>
 

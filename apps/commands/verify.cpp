@@ -40,6 +40,7 @@ struct Options {
 /// Values of the parameter, in the order in which orbits are carried from one to the next; the problem's own if there is no
 /// range.
 std::vector<double> values_of(const Options& options, const Problem& problem) {
+  check_parameter_name(problem, options.parameter);
   const double own = parameter(problem, options.parameter), from = options.from.value_or(own);
   if (!options.to && !options.step) return {from};
   if (!options.to || !options.step)

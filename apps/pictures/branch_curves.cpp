@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/pictures/branch_curves.hpp>
 
+#include <algorithm>
 #include <map>
 #include <string>
 
@@ -31,6 +32,11 @@ Stroke stroke_of(const Json& point) {
 
 const char* stroke_name(Stroke stroke) {
   return stroke == Stroke::solid ? "stable" : stroke == Stroke::dashed ? "unstable" : "not admissible";
+}
+
+bool has_branches(const Json& result) {
+  const Json& branches = result.at("branches");
+  return std::any_of(branches.begin(), branches.end(), [](const Json& branch) { return branch.at("points").size() > 1; });
 }
 
 std::vector<Drawn> points_in_order(const Json& branch) {

@@ -33,4 +33,7 @@ std::vector<Drawn> points_in_order(const Json& branch);
 /// The k-th iterate of a branch, cut into curves of one stroke each.
 std::vector<Curve> curves_of(const std::vector<Drawn>& points, std::size_t k);
 
+/// Whether a result has a branch that can be drawn.
+bool has_branches(const Json& result);
+
 }  // namespace graze::apps

@@ -3,12 +3,16 @@
 #include <graze/apps/number.hpp>
 #include <graze/apps/pictures/branch_curves.hpp>
 #include <graze/apps/pictures/pictures.hpp>
+#include <graze/apps/pictures/skeleton.hpp>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
+#include <string>
+#include <vector>
 
 namespace graze::apps {
 
@@ -23,10 +27,12 @@ bool of_multipliers(const Json& point) {
 std::string parameter_label(const Json& result) { return result.at("parameter").get<std::string>() + " (dimensionless)"; }
 
 Picture draw_branches(const Json& result) {
+  const std::string x_label = parameter_label(result);
+  if (result.at("branches").size() > most_branch_colours) return skeleton_of(result, "Periodic orbits", true);
   Picture picture;
   picture.title = "Periodic orbits";
   picture.subtitle = model_title(result, result.at("parameter"));
-  picture.x_label = parameter_label(result);
+  picture.x_label = x_label;
   picture.y_label = "x at forcing phase 0 (dimensionless)";
   for (std::size_t b = 0; b < result.at("branches").size(); ++b) {
     const Json& branch = result["branches"][b];
@@ -64,6 +70,47 @@ Picture draw_branches(const Json& result) {
   return picture;
 }
 
+/// Special points whose multipliers lie in one place: all doublings at -1, all folds at 1.
+struct CriticalPoint {
+  double re, im;
+  int mark;
+  std::vector<std::string> names;
+};
+
+/// The mark stands at the multiplier that makes the point what it is: the one nearest to the unit circle.
+void add_critical(std::vector<CriticalPoint>& list, const Json& point) {
+  const Json* critical = nullptr;
+  double distance = 0.0;
+  for (const Json& mu : point.at("multipliers")) {
+    const double d = std::abs(std::hypot(mu.at(0).get<double>(), mu.at(1).get<double>()) - 1.0);
+    if (!critical || d < distance) {
+      critical = &mu;
+      distance = d;
+    }
+  }
+  if (!critical) return;
+  const double re = critical->at(0), im = critical->at(1);
+  const int mark = mark_of(point);
+  const auto same = std::find_if(list.begin(), list.end(), [&](const CriticalPoint& other) {
+    return other.mark == mark && std::hypot(other.re - re, other.im - im) < 0.03;
+  });
+  if (same == list.end())
+    list.push_back({re, im, mark, {point.at("label")}});
+  else
+    same->names.push_back(point.at("label"));
+}
+
+Curve multiplier_curve(std::size_t series, const std::string& title) {
+  static constexpr int marks[] = {7, 5, 9, 13, 11, 15, 6, 4, 8, 12, 10, 14, 1, 2, 3};
+  Curve curve;
+  curve.title = title;
+  curve.stroke = Stroke::marks;
+  curve.mark = marks[series % std::size(marks)];
+  curve.size = 0.8;
+  curve.coloured = true;
+  return curve;
+}
+
 Picture draw_multipliers(const Json& result) {
   constexpr double farthest = 2.5;  // beyond it, the unit circle would be a dot
   Picture picture;
@@ -73,18 +120,25 @@ Picture draw_multipliers(const Json& result) {
   picture.y_label = "Im mu";
   picture.colour_label = parameter_label(result);
   picture.unit_circle = picture.equal_axes = true;
-  static const std::vector<int> marks = {7, 5, 9, 13, 11, 15};
+  const bool by_period = result.at("branches").size() > most_branch_colours;
+  std::map<int, std::size_t> curves;  // of a period, where its branches are one
+  if (by_period) {
+    for (const Json& branch : result["branches"]) curves[branch.at("period")];
+    for (auto& [period, curve] : curves) {
+      curve = picture.curves.size();
+      picture.curves.push_back(multiplier_curve(curve, fmt::format("period {}", period)));
+    }
+  }
+  std::vector<CriticalPoint> critical;
   double right = 1.0, up = 1.0;
   std::array<double, 2> values = {HUGE_VAL, -HUGE_VAL};
   bool outside = false;
   for (std::size_t b = 0; b < result.at("branches").size(); ++b) {
     const Json& branch = result["branches"][b];
-    Curve curve;
-    curve.stroke = Stroke::marks;
-    curve.mark = marks[b % marks.size()];
-    curve.size = 0.8;
-    curve.coloured = true;
-    curve.title = fmt::format("branch {}: period {}", branch.at("id").dump(), branch.at("period").dump());
+    const int period = branch.at("period");
+    const std::size_t at = by_period ? curves.at(period) : b;
+    if (!by_period)
+      picture.curves.push_back(multiplier_curve(b, fmt::format("branch {}: period {}", branch.at("id").dump(), period)));
     for (const Json& point : branch.at("points"))
       for (const Json& mu : point.at("multipliers")) {
         const double re = mu.at(0), im = mu.at(1), value = point.at("value");
@@ -93,25 +147,21 @@ Picture draw_multipliers(const Json& result) {
           outside = true;
           continue;
         }
-        curve.points.push_back({re, im, value});
+        picture.curves[at].points.push_back({re, im, value});
         right = std::max(right, std::abs(re));
         up = std::max(up, std::abs(im));
       }
-    picture.curves.push_back(std::move(curve));
     for (const Json& point : branch.at("special_points")) {
       if (!of_multipliers(point)) continue;
-      // The mark stands at the multiplier that makes the point what it is: the one nearest to the unit circle.
-      const Json* critical = nullptr;
-      double distance = 0.0;
-      for (const Json& mu : point.at("multipliers")) {
-        const double d = std::abs(std::hypot(mu.at(0).get<double>(), mu.at(1).get<double>()) - 1.0);
-        if (!critical || d < distance) {
-          critical = &mu;
-          distance = d;
-        }
-      }
-      if (critical) picture.labels.push_back({critical->at(0), critical->at(1), point.at("label"), mark_of(point), "black"});
+      add_critical(critical, point);
     }
+  }
+  for (const CriticalPoint& point : critical) {
+    const std::size_t named = point.names.size() > 5 ? 3 : point.names.size();
+    std::string text =
+        fmt::format("{}", fmt::join(point.names.begin(), point.names.begin() + static_cast<std::ptrdiff_t>(named), " "));
+    if (named < point.names.size()) text += fmt::format(" and {} more", point.names.size() - named);
+    picture.labels.push_back({point.re, point.im, text, point.mark, "black"});
   }
   up = std::max(up, 0.65 * right);  // the shape of the paper
   picture.x_range = {{-1.15 * right, 1.15 * right}};
@@ -124,11 +174,13 @@ Picture draw_multipliers(const Json& result) {
 }  // namespace
 
 PictureKind branch_picture() {
-  return {"graze.branch/1", "branch", "x at forcing phase 0 against the parameter; stable solid, unstable dashed", draw_branches};
+  return {"graze.branch/1", "branch", "x at forcing phase 0 against the parameter; stable solid, unstable dashed",
+          draw_branches,    {},       has_branches};
 }
 
 PictureKind multipliers_picture() {
-  return {"graze.branch/1", "multipliers", "multipliers along the branches against the unit circle", draw_multipliers};
+  return {"graze.branch/1", "multipliers", "multipliers along the branches against the unit circle", draw_multipliers, {},
+          has_branches};
 }
 
 }  // namespace graze::apps

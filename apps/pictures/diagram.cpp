@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Picture of graze.diagram/1: the sweeps' samples under the skeleton of branches, and the exponents below on the same axis.
+#include <graze/apps/pictures/branch_curves.hpp>
 #include <graze/apps/pictures/pictures.hpp>
 #include <graze/apps/pictures/skeleton.hpp>
 
@@ -55,9 +56,9 @@ Picture draw_diagram(const Json& result) {
     if (std::any_of(samples.begin(), samples.end(), [&](const Curve& curve) { return curve.colour == sweep_colour(direction); }))
       picture.curves.push_back(legend_line(axes, std::string("sweep ") + direction, Stroke::dots, sweep_colour(direction), 1.0));
   for (Curve& line : skeleton_legend(parts, axes, branch_widths)) picture.curves.push_back(std::move(line));
-  axes.rows = upper_lines - 5.0 - legend_rows(picture.curves.size());
   const Barrier barrier = barrier_of(result, false);
   if (axes.y[0] < barrier.position && barrier.position < axes.y[1]) picture.barriers.push_back(barrier);
+  axes.rows = upper_lines - 5.0 - legend_rows(picture.curves.size() + picture.barriers.size());
   picture.curves.insert(picture.curves.end(), samples.begin(), samples.end());
   add_skeleton(picture, result, parts, axes, branch_widths, samples);
   if (result.at("rows").empty()) return picture;
@@ -69,11 +70,8 @@ Picture draw_diagram(const Json& result) {
 }  // namespace
 
 PictureKind diagram_picture() {
-  return {"graze.diagram/1",
-          "diagram",
-          "samples of the sweeps under the branches, above the exponents, against the parameter",
-          draw_diagram,
-          {}};
+  return {"graze.diagram/1", "diagram", "samples of the sweeps under the branches, above the exponents, against the parameter",
+          draw_diagram,      {},        [](const Json& result) { return has_branches(result) || !result.at("rows").empty(); }};
 }
 
 }  // namespace graze::apps

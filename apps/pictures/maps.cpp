@@ -82,7 +82,7 @@ void check_layers(const MapPlan& plan, const std::vector<int>& layers) {
 Picture picture_of_map(const MapPlan& plan, const MapRows& rows, const std::string& kind, const std::vector<int>& layers) {
   const bool exponent = kind == "exponent";
   if (!exponent && !kind.empty() && kind != "attractors")
-    throw std::invalid_argument(unknown_name("kind of picture for graze.map/1", kind, {"attractors", "exponent"}));
+    throw std::invalid_argument("of graze.map/1 " + unknown_name("kind of picture", kind, {"attractors", "exponent"}));
   check_layers(plan, layers);
   const std::vector<int> columns = thinned(plan.grid.columns.count, most_columns);
   const std::vector<int> kept_rows = thinned(plan.grid.rows.count, most_rows);

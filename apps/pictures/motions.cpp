@@ -160,6 +160,12 @@ Picture time_series(const Json& result, const std::vector<Sampled>& motions) {
   return picture;
 }
 
+bool has_orbit(const Json& result) {
+  return (result.contains("orbits") && !result["orbits"].empty()) || (result.contains("orbit") && !result["orbit"].is_null());
+}
+
+bool has_point(const Json& result) { return !result.at("special_point").is_null(); }
+
 Picture draw_point(const Json& result) {
   const Json& point = result.at("special_point");
   if (point.is_null()) throw std::invalid_argument("this result holds no special point: none was found");
@@ -211,16 +217,26 @@ Picture draw_section(const Json& result) {
 }  // namespace
 
 PictureKind orbit_phase_picture() {
-  return {"graze.orbit/1", "phase", "phase portrait",
-          [](const Json& result) { return phase_portrait(result, orbits_of(result)); }};
+  return {"graze.orbit/1",
+          "phase",
+          "phase portrait",
+          [](const Json& result) { return phase_portrait(result, orbits_of(result)); },
+          {},
+          has_orbit};
 }
 
 PictureKind orbit_time_picture() {
-  return {"graze.orbit/1", "time", "displacement against time",
-          [](const Json& result) { return time_series(result, orbits_of(result)); }};
+  return {"graze.orbit/1",
+          "time",
+          "displacement against time",
+          [](const Json& result) { return time_series(result, orbits_of(result)); },
+          {},
+          has_orbit};
 }
 
-PictureKind point_phase_picture() { return {"graze.point/1", "phase", "phase portrait of the orbit at the point", draw_point}; }
+PictureKind point_phase_picture() {
+  return {"graze.point/1", "phase", "phase portrait of the orbit at the point", draw_point, {}, has_point};
+}
 
 PictureKind trajectory_time_picture() {
   return {"graze.trajectory/1", "time", "displacement against time",

@@ -83,7 +83,7 @@ Picture picture_of(const Json& result, const std::string& kind) {
       throw std::invalid_argument(fmt::format("this result lacks what its picture needs: {}", plain(error)));
     }
   }
-  throw std::invalid_argument(unknown_name("kind of picture for " + schema, kind, names));
+  throw std::invalid_argument(fmt::format("of {} {}", schema, unknown_name("kind of picture", kind, names)));
 }
 
 std::string colour_of(std::size_t series) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Picture of graze.branch/1 as a whole: every branch in the colour of its period, special points marked by type, z along
 // branches.
+#include <graze/apps/number.hpp>
 #include <graze/apps/pictures/pictures.hpp>
 #include <graze/apps/pictures/skeleton.hpp>
 
@@ -28,25 +29,7 @@ std::string type_words(const std::string& type) {
   return found == words.end() ? type : found->second;
 }
 
-Picture draw_skeleton(const Json& result) {
-  Picture picture;
-  const std::string parameter = result.at("parameter");
-  picture.title = "Skeleton of periodic orbits";
-  picture.subtitle = model_title(result, parameter);
-  picture.x_label = parameter + " (dimensionless)";
-  picture.y_label = "x at forcing phase 0 (dimensionless)";
-  const SkeletonCurves parts = skeleton_curves(result);
-  if (parts.curves.empty()) return picture;
-  SkeletonAxes axes;
-  axes.take_in(parts);
-  axes.add_margins(parts);
-  axes.rows = 27.0 - legend_rows(skeleton_legend(parts, axes, 1.0).size());
-  picture.x_range = axes.x;
-  picture.y_range = axes.y;
-  picture.curves = skeleton_legend(parts, axes, 1.0);
-  add_skeleton(picture, result, parts, axes, 1.0);
-  return picture;
-}
+Picture draw_skeleton(const Json& result) { return skeleton_of(result, "Skeleton of periodic orbits", false); }
 
 }  // namespace
 
@@ -131,9 +114,31 @@ void add_skeleton(Picture& picture, const Json& result, const SkeletonCurves& pa
   if (words.without > 0) picture.subtitle += fmt::format("; {} special points are marked without their labels", words.without);
 }
 
+Picture skeleton_of(const Json& result, const std::string& title, bool values) {
+  Picture picture;
+  const std::string parameter = result.at("parameter");
+  picture.title = title;
+  picture.subtitle = model_title(result, parameter);
+  picture.x_label = parameter + " (dimensionless)";
+  picture.y_label = "x at forcing phase 0 (dimensionless)";
+  SkeletonCurves parts = skeleton_curves(result);
+  if (values)
+    for (SkeletonCurves::Named& point : parts.named) point.label += " " + rounded(point.value, 8);
+  if (parts.curves.empty()) return picture;
+  SkeletonAxes axes;
+  axes.take_in(parts);
+  axes.add_margins(parts);
+  axes.rows = 27.0 - legend_rows(skeleton_legend(parts, axes, 1.0).size());
+  picture.x_range = axes.x;
+  picture.y_range = axes.y;
+  picture.curves = skeleton_legend(parts, axes, 1.0);
+  add_skeleton(picture, result, parts, axes, 1.0);
+  return picture;
+}
+
 PictureKind skeleton_picture() {
   return {"graze.branch/1", "skeleton", "all branches in the colours of their periods, with special points and z along them",
-          draw_skeleton, "diagram"};
+          draw_skeleton,    "diagram",  has_branches};
 }
 
 }  // namespace graze::apps

@@ -38,6 +38,9 @@ SkeletonCurves skeleton_curves(const Json& result);
 /// The same in all pictures; doublings of one and of three are far apart.
 std::string colour_of_period(int period);
 
+/// More branches than this are not told apart by colours of their own, but by those of their periods.
+inline constexpr std::size_t most_branch_colours = 8;
+
 /// Axes of the picture, and its places measured in characters.
 struct SkeletonAxes {
   std::array<double, 2> x = {HUGE_VAL, -HUGE_VAL}, y = {HUGE_VAL, -HUGE_VAL};
@@ -62,7 +65,7 @@ struct SkeletonWords {
   int without = 0;  ///< special points for whose names there was no room
 };
 
-/// `barriers`: those of the picture, which have words of their own; `samples`: dots that words keep off where they can.
+/// `barriers`: lines that words keep off; `samples`: dots that words keep off where they can.
 SkeletonWords skeleton_words(const Json& result, const SkeletonCurves& parts, const SkeletonAxes& axes,
                              const std::vector<Barrier>& barriers, const std::vector<Curve>& samples);
 
@@ -78,5 +81,8 @@ double legend_rows(std::size_t entries);
 /// Adds curves, words and marks to the picture, and to its subtitle what they mean. `samples`: as in skeleton_words().
 void add_skeleton(Picture& picture, const Json& result, const SkeletonCurves& parts, const SkeletonAxes& axes, double widths,
                   const std::vector<Curve>& samples = {});
+
+/// The whole picture of a result; `values`: special points are named with their values.
+Picture skeleton_of(const Json& result, const std::string& title, bool values);
 
 }  // namespace graze::apps

@@ -87,11 +87,7 @@ class Wording {
       for (const auto& point : curve.points) places_.add_dot(axes.cell(point[0], point[1]));
     for (const Barrier& barrier : barriers) {
       if (barrier.vertical) continue;
-      const Cell left = axes.cell(axes.x[0], barrier.position);
-      places_.add_line(left, axes.cell(axes.x[1], barrier.position));
-      for (const double up : {0.3, 0.6, 0.9})  // its words stand on it at the left
-        places_.add_line({left.column, left.row + up},
-                         {left.column + 1.5 + 1.2 * static_cast<double>(barrier.text.size()), left.row + up});
+      places_.add_line(axes.cell(axes.x[0], barrier.position), axes.cell(axes.x[1], barrier.position));
     }
     words_.leaders.colour = "#444444";
     words_.leaders.size = 0.7;
@@ -104,6 +100,7 @@ class Wording {
       std::string words;
       int size;
     };
+    constexpr std::size_t longest_words = 24;  // of a group
     std::vector<Group> groups;
     for (const SkeletonCurves::Named& point : points) {
       if (point.period < from || point.period > to) continue;
@@ -111,7 +108,7 @@ class Wording {
       for (const double x : point.x) marks.push_back(axes_.cell(point.value, x));
       const auto same = std::find_if(groups.begin(), groups.end(),
                                      [&](const Group& group) { return one_mark(group.marks.front(), marks.front()); });
-      if (same == groups.end() || same->size == 4) {
+      if (same == groups.end() || same->size == 4 || same->words.size() + point.label.size() > longest_words) {
         groups.insert(groups.begin(), {marks, point.label, 1});
         continue;
       }
@@ -147,9 +144,8 @@ class Wording {
   static bool one_mark(Cell a, Cell b) { return std::abs(a.column - b.column) < 1.0 && std::abs(a.row - b.row) < 0.5; }
 
   void put(const PlacedWords& placed, const std::string& text, const std::string& colour) {
-    constexpr int dot = 0;  // the smallest mark that a label can have
     const SkeletonCurves::Point at = axes_.point(placed.anchor);
-    words_.labels.push_back({at[0], at[1], text, dot, colour, true});
+    words_.labels.push_back({at[0], at[1], text, no_mark, colour, true});
     if (placed.leader.empty()) return;
     if (!words_.leaders.points.empty()) words_.leaders.points.push_back({NAN, NAN, 0.0});
     for (const Cell& cell : placed.leader) words_.leaders.points.push_back(axes_.point(cell));

@@ -25,6 +25,8 @@ Picture frame(const Json& result, const std::string& title, const std::string& y
   return picture;
 }
 
+bool has_rows(const Json& result) { return !result.at("rows").empty(); }
+
 Picture draw_states(const Json& result) {
   Picture picture = frame(result, "Attractors", "x at forcing phase 0 (dimensionless)");
   std::map<std::string, std::vector<std::array<double, 3>>> states;
@@ -120,15 +122,16 @@ Picture exponents_below(const Json& result, const std::array<double, 2>& x_range
 }
 
 PictureKind sweep_diagram_picture() {
-  return {"graze.sweep/1", "diagram", "stroboscopic states above the exponents, against the parameter", draw_diagram, {}};
+  return {"graze.sweep/1", "diagram", "stroboscopic states above the exponents, against the parameter",
+          draw_diagram,    {},        has_rows};
 }
 
 PictureKind sweep_picture() {
-  return {"graze.sweep/1", "states", "stroboscopic states of the attractors against the parameter", draw_states, {}};
+  return {"graze.sweep/1", "states", "stroboscopic states of the attractors against the parameter", draw_states, {}, has_rows};
 }
 
 PictureKind exponents_picture() {
-  return {"graze.sweep/1", "exponents", "Lyapunov exponents against the parameter", draw_exponents, {}};
+  return {"graze.sweep/1", "exponents", "Lyapunov exponents against the parameter", draw_exponents, {}, has_rows};
 }
 
 }  // namespace graze::apps

@@ -3,12 +3,14 @@
 #include <graze/apps/number.hpp>
 #include <graze/apps/pictures/pictures.hpp>
 #include <graze/apps/pictures/range.hpp>
+#include <graze/apps/pictures/skeleton.hpp>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <stdexcept>
 
 namespace graze::apps {
@@ -48,11 +50,15 @@ Picture draw_branches(const Table& table, const std::string& across, const std::
   picture.y_label = up.empty() ? "x at forcing phase 0 (dimensionless)" : up;
   std::map<std::string, std::size_t> colours;  // by branch, in the order in which they come
   std::map<std::string, bool> titled;
+  std::set<std::string> branches;
+  for (const auto& row : table.rows) branches.insert(row[branch]);
+  const bool by_period = branches.size() > most_branch_colours;
   std::string last_branch;
   std::array<double, 3> last{};
   for (const auto& row : table.rows) {
     const std::string& id = row[branch];
-    const std::string colour = colour_of(colours.try_emplace(id, colours.size()).first->second);
+    const std::string colour = by_period ? colour_of_period(parse_count(row[period]).value_or(0))
+                                         : colour_of(colours.try_emplace(id, colours.size()).first->second);
     const std::array<double, 3> here = {number(row, value), number(row, x), 0.0};
     const bool special = !row[label].empty();
     if (special) picture.labels.push_back({here[0], here[1], row[label], 7, colour});
@@ -63,9 +69,10 @@ Picture draw_branches(const Table& table, const std::string& across, const std::
       Curve curve;
       curve.stroke = stroke;
       curve.colour = colour;
-      curve.size = 2.5;
+      curve.size = by_period ? 1.5 : 2.5;
       const char* name = stroke == Stroke::solid ? "stable" : stroke == Stroke::dashed ? "unstable" : "not admissible";
-      const std::string title = fmt::format("branch {}: period {}, {}", id, row[period], name);
+      const std::string title =
+          fmt::format("{}period {}, {}", by_period ? "" : fmt::format("branch {}: ", id), row[period], name);
       if (!titled[title]) curve.title = title;
       titled[title] = true;
       if (goes_on) curve.points.push_back(last);
@@ -78,7 +85,19 @@ Picture draw_branches(const Table& table, const std::string& across, const std::
   return picture;
 }
 
-/// The numbers of several columns; a line ends where another branch, orbit or direction begins.
+/// A table as `graze trajectory --csv` writes it.
+bool is_trajectory(const Table& table) { return table.columns == Columns{"tau", "x", "v"}; }
+
+/// Whether v jumps between a row and the one before, as at a hard impact: it changes by far more than in the steps beside that.
+bool jumps_at(const Table& table, std::size_t row) {
+  const auto change = [&](std::size_t i) {
+    return i >= 1 && i < table.rows.size() ? std::abs(number(table.rows[i], 2) - number(table.rows[i - 1], 2)) : 0.0;
+  };
+  return table.rows.size() > 3 && row >= 1 && change(row) > 5.0 * std::max(change(row - 1), change(row + 1));
+}
+
+/// The numbers of several columns; a line ends where another branch, orbit or direction begins,
+/// and where v of a trajectory jumps.
 Picture draw_columns(const Table& table, const std::string& x, const Columns& y) {
   const auto numeric = [&](std::size_t i) {
     return std::any_of(table.rows.begin(), table.rows.end(), [&](const auto& row) { return std::isfinite(number(row, i)); });
@@ -110,8 +129,10 @@ Picture draw_columns(const Table& table, const std::string& x, const Columns& y)
     curve.title = names[k];
     curve.colour = colour_of(k);
     const std::string* last = nullptr;
-    for (const auto& row : table.rows) {
-      if (part && last && row[*part] != *last) curve.points.push_back({none, none, none});
+    const bool of_v = is_trajectory(table) && (table.columns[across] == "v" || names[k] == "v");
+    for (std::size_t i = 0; i < table.rows.size(); ++i) {
+      const auto& row = table.rows[i];
+      if ((part && last && row[*part] != *last) || (of_v && jumps_at(table, i))) curve.points.push_back({none, none, none});
       if (part) last = &row[*part];
       curve.points.push_back({number(row, across), number(row, chosen[k]), 0.0});
     }

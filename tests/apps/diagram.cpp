@@ -48,7 +48,7 @@ TEST_CASE("diagram refuses what it does not understand") {
   CHECK_THAT(misuse({"--skeleton", "--from", "0.7", "--to", "0.7"}), Contains("--from and --to are both 0.7"));
   CHECK_THAT(misuse({"--skeleton", "--from", "0.7"}), Contains("--to is required"));
   CHECK_THAT(misuse({"--skeleton", "--to", "0.7"}), Contains("--from is required"));
-  CHECK_THAT(misuse({"--skeleton", "--from", "0", "--to", "0.7"}), Contains("eta is 0; allowed is > 0"));
+  CHECK_THAT(misuse({"--skeleton", "--from", "0", "--to", "0.7"}), Contains("eta is 0; allowed is >= 0.0001"));
   CHECK_THAT(misuse({"--skeleton", "--from", "0.7", "--to", "0.8", "--param", "etta"}), Contains("did you mean \"eta\""));
   CHECK_THAT(misuse({"--skeleton", "--from", "0.7", "--to", "0.8", "--max-step", "0"}), Contains("--max-step must be > 0"));
   for (const char* option : {"--max-period", "--max-branches"})

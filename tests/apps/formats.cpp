@@ -134,6 +134,7 @@ TEST_CASE("a file that cannot be written is found out before") {
   CHECK_THROWS_WITH(check_writable(folder.file("")), Contains("it is a folder"));
   const std::string file = folder.write("file", "");
   CHECK_THROWS_WITH(check_writable(file + "/result.json"), Contains("cannot be written"));
+  CHECK_THROWS_WITH(check_writable_folder("/proc"), Contains("/proc: no files can be made in this folder: "));
   CHECK_THROWS_WITH(make_folder(file), Contains("cannot be made as a folder"));
 }
 

@@ -105,6 +105,16 @@ TEST_CASE("lyapunov over too few periods: standard errors are unknown, not infin
   CHECK(exponent_text(std::nan(""), 2) == "unknown");
 }
 
+TEST_CASE("lyapunov that uses up its budget ends with 0 and says so") {
+  const Outcome outcome = call({"lyapunov", problem("newton-elastic"), "--set", "eta=0.711", "--periods", "300", "--json", "-"});
+  CHECK(outcome.code == 0);
+  CHECK_THAT(outcome.err, Contains("the budget of 300 forcing periods is used up") && Contains("--periods gives more"));
+  const Json result = Json::parse(outcome.out);
+  CHECK(result["status"] == "done");
+  CHECK(result["converged"] == false);
+  CHECK_THAT(result["message"].get<std::string>(), Contains("the budget of 300 forcing periods is used up"));
+}
+
 TEST_CASE("lyapunov refuses what it does not understand") {
   const auto misuse = [](std::vector<std::string> more) {
     more.insert(more.begin(), {"lyapunov", problem("hertz-damped")});

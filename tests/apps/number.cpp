@@ -31,6 +31,17 @@ TEST_CASE("what is not a number is not read as one") {
   }
 }
 
+TEST_CASE("a number that no double holds is told from what is no number") {
+  for (const char* text : {"1e400", "-1e400", "1e-400", "2*1e999"}) {
+    INFO(text);
+    CHECK(parse_number(text) == std::nullopt);
+    CHECK(is_beyond_double(text));
+    CHECK(no_number(text).find("not a number") == std::string::npos);
+  }
+  for (const char* text : {"1e308", "5e-324", "x", "", "1e", "1,5"}) CHECK_FALSE(is_beyond_double(text));
+  CHECK(no_number("x").find("\"x\" is not a number") == 0);
+}
+
 TEST_CASE("whole numbers are read and others are not") {
   CHECK(parse_count("1000") == 1000);
   CHECK(parse_count("1e3") == 1000);

@@ -116,7 +116,7 @@ TEST_CASE("a wrong problem file is refused in one sentence") {
     CHECK_THAT(refused(model + "[parameters]\nb = \"five\"\n"), Contains("five") && Contains("a number"));
     CHECK_THAT(refused(model + "[parameters]\nb = [1]\n"), Contains("a number"));
     CHECK_THAT(refused(model + "[parameters]\nb = -0.05\n"), Contains("p.toml:5") && Contains("b is -0.05") && Contains(">= 0"));
-    CHECK_THAT(refused(model + "[parameters]\neta = 0\n"), Contains("eta is 0") && Contains("> 0"));
+    CHECK_THAT(refused(model + "[parameters]\neta = 0\n"), Contains("eta is 0") && Contains("allowed is >= 0.0001"));
     CHECK_THAT(refused(model + "[parameters]\nr = nan\n"), Contains("r is nan") && Contains("any finite number"));
     CHECK_THAT(refused(model + "[parameters]\nr = inf\n"), Contains("r is inf"));
     CHECK_THAT(refused(newton + "[parameters]\nk_r = 1.2\n"), Contains("k_r is 1.2") && Contains("[0, 1]"));

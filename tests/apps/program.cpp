@@ -55,7 +55,7 @@ TEST_CASE("version and help go to stdout with exit 0") {
 TEST_CASE("wrong commands and options are misuse") {
   CHECK_THAT(misuse("obrit " + hertz), Contains("no command \"obrit\"") && Contains("did you mean \"orbit\""));
   CHECK_THAT(misuse("orbit " + hertz + " --perod 2"), Contains("no option --perod") && Contains("did you mean --period"));
-  CHECK_THAT(misuse("orbit"), Contains("graze orbit: PROBLEM is required"));
+  CHECK_THAT(misuse("orbit"), Contains("graze orbit: PROBLEM is required; give a FILE: problem file"));
   CHECK_THAT(misuse("orbit " + hertz + " again"), Contains("\"again\" is one argument too many"));
   CHECK_THAT(misuse("orbit " + hertz + " --set b=0.06 r=2"),
              Contains("\"r=2\" is one argument too many") && Contains("behind a --set of its own: --set r=2"));
@@ -64,9 +64,11 @@ TEST_CASE("wrong commands and options are misuse") {
   CHECK_THAT(misuse("orbit " + hertz + " --settle -5"), Contains("whole number >= 0"));
   CHECK_THAT(misuse("orbit " + hertz + " --settle"), Contains("--settle"));
   CHECK_THAT(misuse("orbit " + hertz + " --start 1"), Contains("--start 1") && Contains("two numbers x,v"));
-  CHECK_THAT(misuse("continue " + hertz), Contains("--to is required"));
+  CHECK_THAT(misuse("orbit " + hertz + " --start nan,0"), Contains("--start nan,0: the state holds a value that is not"));
+  CHECK_THAT(misuse("continue " + hertz), Contains("--to is required; give --to VALUE: where it is to end"));
+  CHECK_THAT(misuse("continue " + hertz + " --to"), Contains("--to lacks its value; give --to VALUE"));
   CHECK_THAT(misuse("continue " + hertz + " --to 0.95"), Contains("eta is 0.95 at the start already"));
-  CHECK_THAT(misuse("continue " + hertz + " --to -1"), Contains("--to -1: parameter eta is -1; allowed is > 0"));
+  CHECK_THAT(misuse("continue " + hertz + " --to -1"), Contains("--to -1: parameter eta is -1; allowed is >= 0.0001"));
   CHECK_THAT(misuse("continue " + hertz + " --from nan --to 0.9"), Contains("--from nan: parameter eta is nan"));
   CHECK_THAT(misuse("continue " + hertz + " --to 0.9 --max-step 0"), Contains("--max-step 0: must be > 0"));
   CHECK_THAT(misuse("locate " + hertz + " --type PD --near 0.9 --reach 0"), Contains("--reach 0: must be > 0"));
@@ -76,9 +78,10 @@ TEST_CASE("wrong commands and options are misuse") {
   CHECK_THAT(misuse("orbit " + hertz + " --settle"), Contains("--settle lacks its value"));
   CHECK_THAT(misuse("orbit " + hertz + " --json ''"), Contains("--json \"\": must be a name, and not empty"));
   CHECK_THAT(misuse("continue " + hertz + " --to 0.9 --param etta"),
-             Contains("no parameter \"etta\"") && Contains("did you mean \"eta\""));
+             Contains("--param etta: there is no parameter \"etta\"") && Contains("did you mean \"eta\""));
   CHECK_THAT(misuse("locate " + hertz + " --near 0.92 --type PB"), Contains("--type PB") && Contains("PD"));
   CHECK_THAT(misuse("locate " + hertz + " --type PD"), Contains("--near is required"));
+  CHECK_THAT(misuse("locate " + hertz + " --type PD --near 1e400"), Contains("--near 1e400: must be 0 or of a magnitude from"));
 }
 
 TEST_CASE("a missing problem file is misuse") {
@@ -93,15 +96,17 @@ TEST_CASE("a problem file with a mistake is misuse") {
   CHECK_THAT(refused("b = false\n"), Contains("b = false") && Contains("must be a number"));
   CHECK_THAT(refused("k_r = 1.2\n"), Contains("k_r is 1.2; allowed is [0, 1]"));
   CHECK_THAT(refused("b = -1\n"), Contains("b is -1; allowed is >= 0"));
-  CHECK_THAT(refused("eta = 0\n"), Contains("eta is 0; allowed is > 0"));
+  CHECK_THAT(refused("eta = 0\n"), Contains("eta is 0; allowed is >= 0.0001"));
   CHECK_THAT(refused("r = nan\n"), Contains("r is nan; allowed is any finite number"));
 }
 
 TEST_CASE("a wrong setting is misuse") {
   CHECK_THAT(misuse("orbit " + newton + " --set k_r=1.2"), Contains("k_r is 1.2; allowed is [0, 1]"));
   CHECK_THAT(misuse("orbit " + newton + " --set b=-0.1"), Contains("b is -0.1; allowed is >= 0"));
-  CHECK_THAT(misuse("orbit " + newton + " --set eta=0"), Contains("eta is 0; allowed is > 0"));
-  CHECK_THAT(misuse("orbit " + newton + " --set eta=1/0"), Contains("eta is inf; allowed is a finite number > 0"));
+  CHECK_THAT(misuse("orbit " + newton + " --set eta=0"), Contains("eta is 0; allowed is >= 0.0001"));
+  CHECK_THAT(misuse("orbit " + newton + " --set eta=1e-5"), Contains("eta is 1e-05; allowed is >= 0.0001"));
+  CHECK_THAT(misuse("orbit " + newton + " --set eta=1e400"), Contains("\"1e400\" is too large") && !Contains("not a number"));
+  CHECK_THAT(misuse("orbit " + newton + " --set eta=1/0"), Contains("eta is inf; allowed is a finite number >= 0.0001"));
   CHECK_THAT(misuse("orbit " + newton + " --set r=nan"), Contains("r is nan; allowed is any finite number"));
   CHECK_THAT(misuse("orbit " + newton + " --set k_H=100"),
              Contains("no parameter \"k_H\"") && Contains("k_r") && Contains("k_H belongs to the hertz contact law"));
@@ -133,7 +138,7 @@ TEST_CASE("the last of several settings of a parameter holds") {
 TEST_CASE("what would take ages or all memory is refused") {
   for (const char* eta : {"1e-7", "1e-9", "1e-320"})
     for (const char* command : {"orbit ", "orbit --search ", "trajectory ", "poincare "})
-      CHECK_THAT(misuse(command + newton + " --set eta=" + eta), Contains("eta is 1e-") && Contains("eta >= 0.0001"));
+      CHECK_THAT(misuse(command + newton + " --set eta=" + eta), Contains("eta is 1e-") && Contains("allowed is >= 0.0001"));
   CHECK(spawn("continue " + hertz + " --to 0.949 --settle 300").code == 0);
   CHECK_THAT(misuse("orbit " + newton + " --period 100000"),
              Contains("--period 100000: must be a whole number >= 1 and <= 1024"));
@@ -253,7 +258,7 @@ TEST_CASE("a stdout that is full is told") {
        {"orbit " + hertz + " --settle 300 --json -", std::string("--help"), std::string("models")}) {
     const Outcome outcome = spawn(arguments + " > /dev/full");
     CHECK(outcome.code == 2);
-    CHECK_THAT(outcome.err, Contains("stdout: cannot be written"));
+    CHECK_THAT(outcome.err, Contains("stdout: cannot be written: No space left on device"));
   }
 }
 

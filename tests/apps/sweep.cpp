@@ -133,5 +133,5 @@ TEST_CASE("sweep refuses what it does not understand") {
   CHECK_THAT(misuse({"--from", "0", "--to", "0.8", "--step", "0.1"}), Contains("--from"));
   CHECK_THAT(misuse({"--from", "0.7", "--to", "0.8", "--step", "0.1", "--direction", "sideways"}), Contains("sideways"));
   const std::vector<std::string> r = {"--param", "r", "--from", "0", "--to", "3", "--step", "0.5", "--start", "1.5,0"};
-  CHECK_THAT(misuse(r), Contains("--start: the state (1.5, 0) lies inside the barrier") && Contains("x <= r = 0"));
+  CHECK_THAT(misuse(r), Contains("--start 1.5,0: the state (1.5, 0) lies inside the barrier") && Contains("x <= r = 0"));
 }
