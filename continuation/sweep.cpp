@@ -139,6 +139,7 @@ class OneWay {
     if (row.attractor.termination != Termination::time || (options_.cancelled && options_.cancelled())) return std::nullopt;
     if (row.attractor.type == AttractorType::periodic)
       average_on_attractor(system_, parameters(row.value), row.attractor, finding_);
+    if (row.attractor.time_average.stop == LyapunovStop::interrupted) return std::nullopt;
     sample(row);
     return row;
   }

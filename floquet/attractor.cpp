@@ -57,6 +57,8 @@ Attractor approach_with_looks(const HybridSystem& system, const Vector& p, const
 /// The same, with a look at where its motions ended.
 void conclude(const HybridSystem& system, const Vector& p, LyapunovSpectrum average, const AttractorOptions& options,
               Attractor& attractor) {
+  // Where it was broken off says nothing: the rest may have come to something else.
+  if (average.stop == LyapunovStop::interrupted) return take_average(std::move(average), options, attractor);
   attractor.time_average = std::move(average);
   attractor.state = attractor.time_average.state;
   std::vector<Vector> ends = attractor.time_average.others;
@@ -66,12 +68,12 @@ void conclude(const HybridSystem& system, const Vector& p, LyapunovSpectrum aver
   for (std::size_t begin = 0; begin < ends.size(); begin += together) {
     std::vector<std::optional<PeriodicOrbit>> orbits(std::min(together, ends.size() - begin));
     in_parallel(orbits.size(), [&](std::size_t i) { orbits[i] = orbit_at_the_end(system, p, ends[begin + i], options); });
-    for (auto& orbit : orbits)  // one that has settled tells that the chaos was transient
-      if (orbit) return settle_on(attractor, std::move(*orbit));
     if (cancelled(options)) {  // not all of them were looked at
       attractor.time_average.stop = LyapunovStop::interrupted;
       break;
     }
+    for (auto& orbit : orbits)  // one that has settled tells that the chaos was transient
+      if (orbit) return settle_on(attractor, std::move(*orbit));
   }
   take_average(std::move(attractor.time_average), options, attractor);
 }
@@ -149,6 +151,9 @@ void average_on_attractor(const HybridSystem& system, const Vector& p, Attractor
       conclude(system, p, lyapunov_spectrum(system, p, attractor.state, averaging), options, attractor);
     look_far_on(system, p, options, attractor);
     const std::optional<Lingering> watch = lingering(system, p, begin, attractor, options);
+    LyapunovStop& stop = attractor.time_average.stop;
+    const bool open = attractor.type != AttractorType::periodic && stop != LyapunovStop::interrupted;
+    if (open && cancelled(options)) stop = LyapunovStop::interrupted;  // it may go on
     if (!watch || !watch->goes_on()) return;
     if (round == most_rounds) {
       if (watch->always()) attractor.type = AttractorType::undecided;

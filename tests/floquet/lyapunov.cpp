@@ -291,6 +291,37 @@ TEST_CASE("an average that is interrupted while its ends are looked at says so, 
   CHECK(attractor.exponents == average.exponents);
 }
 
+TEST_CASE("what an average on the way to an orbit comes to does not depend on when it is interrupted") {
+  // Fixed: where it was broken off its motions were looked at as at its end, and an orbit found there was the attractor.
+  const HybridSystem system = make_oscillator("linear", "newton");
+  const Vector p = parameters(system, {{"eta", 0.7095}, {"r", 2.0}});
+  const auto find = [&](int last, int& asked) {
+    AttractorOptions options;
+    options.lyapunov.max_periods = 20000;
+    options.lyapunov.cancelled = [&asked, last] { return ++asked > last; };
+    Attractor attractor;
+    attractor.termination = Termination::time;
+    attractor.state = vector({1.4292500922535618, 0.8555925090162767});  // in transient chaos
+    average_on_attractor(system, p, attractor, options);
+    return attractor;
+  };
+  int all = 0;
+  const Attractor whole = find(std::numeric_limits<int>::max(), all);
+  REQUIRE(whole.type == AttractorType::periodic);
+  REQUIRE(whole.time_average.periods > 10000);
+  REQUIRE(all > 20);
+  int interrupted = 0;
+  for (int last = 0; last < all; ++last) {
+    int asked = 0;
+    const Attractor part = find(last, asked);
+    const bool broken_off = part.time_average.stop == LyapunovStop::interrupted;
+    interrupted += broken_off ? 1 : 0;
+    CHECK(broken_off == (part.type != AttractorType::periodic));
+    if (!broken_off) CHECK(part.time_average.periods == whole.time_average.periods);
+  }
+  CHECK(interrupted > 15);
+}
+
 TEST_CASE("exponents averaged with a table that was made before") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   const Vector p = [&] {
