@@ -46,6 +46,7 @@ class SideBySide {
     for (const std::size_t i : open) begin.push_back(out_[i].state);
     average(open, options);
     confirm(open, options);
+    if (cancelled(options)) return {};  // where averages were broken off says nothing
     const std::vector<SettlingLook> looks = look(open, std::vector(open.size(), options.max_period));
     std::vector<Lingering> watches;
     std::vector<std::size_t> sets, going_on;
