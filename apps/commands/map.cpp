@@ -4,6 +4,7 @@
 #include <graze/apps/axis.hpp>
 #include <graze/apps/commands/command.hpp>
 #include <graze/apps/find_orbit.hpp>
+#include <graze/apps/interrupt.hpp>
 #include <graze/apps/map_report.hpp>
 #include <graze/apps/map_run.hpp>
 #include <graze/apps/number.hpp>
@@ -151,6 +152,9 @@ int present(const Options& options, const MapPlan& plan, const Json& head, const
   const auto picture = [&](const std::string& file, const std::string& kind) -> std::optional<std::string> {
     try {
       return write_whole(file, draw(picture_of_map(plan, rows, kind, layers), ending(file)));
+    } catch (const Interrupted& error) {
+      code = 130;
+      return fmt::format("{}: {}", file, error.what());
     } catch (const std::exception& error) {
       return fmt::format("{}: {}", file, error.what());
     }
@@ -168,7 +172,8 @@ int present(const Options& options, const MapPlan& plan, const Json& head, const
   if (!options.output.plot.empty())
     if (const auto failure = picture(options.output.plot, options.output.plot_kind)) complain(*failure);
   if (!options.output.out.empty() && run.status == Status::done)
-    for (const std::string& kind : picture_names("graze.map/1")) folder_picture(kind);
+    for (const std::string& kind : picture_names("graze.map/1"))
+      if (code != 130) folder_picture(kind);
   const std::vector<MapCounts> counts = count_map(plan, rows);
   Result result;
   result.json = head;

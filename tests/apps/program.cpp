@@ -352,6 +352,7 @@ TEST_CASE("numbers are written before pictures are drawn") {
 }
 
 TEST_CASE("gnuplot does not outlive the program or its patience") {
+  const bool map = GENERATE(false, true);
   const TemporaryFolder folder;
   const std::string pid_file = folder.file("pid"), path = std::getenv("PATH");
   const std::string table = folder.write("t.csv", "a,b\n1,2\n2,3\n");
@@ -360,7 +361,10 @@ TEST_CASE("gnuplot does not outlive the program or its patience") {
   for (const int signal : {SIGINT, SIGTERM, SIGKILL}) {
     std::filesystem::remove(pid_file);
     ::setenv("PATH", (folder.file("") + ":" + path).c_str(), 1);
-    const Outcome outcome = spawn("plot " + table + " -o " + folder.file("x.png"), signal, 1.0);
+    const Outcome outcome =
+        spawn(map ? "map " + newton + " --quiet --param eta:0.8:0.9:2 --param r:1:2:2 --plot " + folder.file("x.png")
+                  : "plot " + table + " -o " + folder.file("x.png"),
+              signal, 1.0);
     ::setenv("PATH", path.c_str(), 1);
     CHECK(outcome.code == (signal == SIGKILL ? -SIGKILL : 130));
     if (signal != SIGKILL) CHECK_THAT(outcome.err, Contains("drawing was interrupted"));
