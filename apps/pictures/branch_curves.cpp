@@ -7,12 +7,14 @@
 
 namespace graze::apps {
 
-int mark_of(const Json& special_point) {
+int mark_of_type(const std::string& type) {
   static const std::map<std::string, int> marks = {{"PD", 7},  {"LP", 5}, {"BP", 13}, {"NS", 9},
                                                    {"GR", 11}, {"UZ", 6}, {"MX", 2},  {"EP", 1}};
-  const auto found = marks.find(special_point.at("type").get<std::string>());
+  const auto found = marks.find(type);
   return found == marks.end() ? 3 : found->second;
 }
+
+int mark_of(const Json& special_point) { return mark_of_type(special_point.at("type").get<std::string>()); }
 
 bool is_marked(const Json& special_point) { return special_point.at("type") != "EP"; }
 

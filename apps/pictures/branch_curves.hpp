@@ -5,11 +5,13 @@
 #include <graze/apps/json.hpp>
 #include <graze/apps/picture.hpp>
 
+#include <string>
 #include <vector>
 
 namespace graze::apps {
 
 /// gnuplot's point type for the type of a special point, told apart in black and white too.
+int mark_of_type(const std::string& type);
 int mark_of(const Json& special_point);
 
 /// The end of a branch (EP) has a name and no mark.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Pictures of CSV tables: graze's own, known by their header, and any other.
 #include <graze/apps/number.hpp>
+#include <graze/apps/pictures/branch_curves.hpp>
 #include <graze/apps/pictures/pictures.hpp>
 #include <graze/apps/pictures/range.hpp>
 #include <graze/apps/pictures/skeleton.hpp>
@@ -61,7 +62,7 @@ Picture draw_branches(const Table& table, const std::string& across, const std::
                                          : colour_of(colours.try_emplace(id, colours.size()).first->second);
     const std::array<double, 3> here = {number(row, value), number(row, x), 0.0};
     const bool special = !row[label].empty();
-    if (special) picture.labels.push_back({here[0], here[1], row[label], 7, colour});
+    if (special) picture.labels.push_back({here[0], here[1], row[label], mark_of_type(row[label].substr(0, 2)), colour});
     const Stroke stroke = row[admissible] == "no" ? Stroke::dotted : row[stable] == "no" ? Stroke::dashed : Stroke::solid;
     const bool goes_on = id == last_branch && !picture.curves.empty();
     // A special point ends one stroke and begins the next; its own stability is that of neither.
