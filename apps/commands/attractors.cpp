@@ -10,6 +10,7 @@
 #include <graze/apps/number.hpp>
 #include <graze/apps/progress.hpp>
 #include <graze/apps/result.hpp>
+#include <graze/apps/side_by_side_text.hpp>
 #include <graze/apps/stints.hpp>
 
 #include <graze/floquet/basins.hpp>
@@ -185,27 +186,24 @@ Basins earlier_basins(const Json& earlier, const std::string& folder, const Json
   return basins;
 }
 
-Table starts_table(const std::vector<Vector>& starts, const Basins& basins) {
-  Table table{{"x", "v", "attractor", "type", "period", "impacts"}, {}};
-  for (std::size_t k = 0; k < starts.size(); ++k) {
-    const StartOutcome& outcome = basins.outcomes[k];
-    std::vector<std::string> row = {exact(starts[k][0]), exact(starts[k][1])};
-    if (outcome.fate == Fate::reached) {
-      const Attractor& attractor = basins.attractors[outcome.attractor].attractor;
-      const bool periodic = attractor.type == AttractorType::periodic;
-      row.insert(row.end(),
-                 {std::to_string(outcome.attractor + 1), std::string(attractor_type_name(attractor.type)),
-                  periodic ? std::to_string(attractor.period) : "", periodic ? std::to_string(attractor.impacts) : ""});
-    } else {
-      row.insert(row.end(), {"",
-                             outcome.fate == Fate::inadmissible ? "beyond the barrier"
-                             : outcome.fate == Fate::lost       ? "lost"
-                                                                : "not run",
-                             "", ""});
-    }
-    table.rows.push_back(std::move(row));
+std::string starts_csv(const std::vector<Vector>& starts, const Basins& basins, int threads) {
+  std::vector<std::string> ends;  // of lines, by attractor
+  for (std::size_t i = 0; i < basins.attractors.size(); ++i) {
+    const Attractor& attractor = basins.attractors[i].attractor;
+    const bool periodic = attractor.type == AttractorType::periodic;
+    ends.push_back(fmt::format("{},{},{}", i + 1, attractor_type_name(attractor.type),
+                               periodic ? fmt::format("{},{}", attractor.period, attractor.impacts) : ","));
   }
-  return table;
+  std::string text = csv(Table{{"x", "v", "attractor", "type", "period", "impacts"}, {}});
+  append_items(threads, starts.size(), text, [&](std::size_t k, std::string& lines) {
+    const StartOutcome& outcome = basins.outcomes[k];
+    const char* other = outcome.fate == Fate::inadmissible ? ",beyond the barrier,,"
+                        : outcome.fate == Fate::lost       ? ",lost,,"
+                                                           : ",not run,,";
+    fmt::format_to(std::back_inserter(lines), "{},{},{}\n", starts[k][0], starts[k][1],
+                   outcome.fate == Fate::reached ? ends[outcome.attractor].c_str() : other);
+  });
+  return text;
 }
 
 std::string overview(const Basins& basins) {
@@ -310,7 +308,7 @@ int run(const Options& given, const Console& console) {
     message = "no motion could be carried on";
   }
   result.json = with_basins(status, message);
-  if (wants_table(options.output)) result.table = starts_table(starts, basins);
+  result.csv = [&] { return starts_csv(starts, basins, console.thread_count()); };
   result.text = describe(problem) + "\n\n" + (basins.attractors.empty() ? message + "\n" : overview(basins));
   if (status != Status::done) console.err << "graze attractors: " << message << how_to_go_on(status, options.output) << "\n";
   return deliver(result, options.output, "attractors", exit_code(status), console);
