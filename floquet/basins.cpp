@@ -60,7 +60,7 @@ class Search {
   }
 
  private:
-  static std::size_t round_size(std::size_t round) { return std::size_t{16} << (2 * std::min<std::size_t>(round, 4)); }
+  static std::size_t round_size(std::size_t round) { return std::size_t{16} << (2 * std::min<std::size_t>(round, 5)); }
 
   /// False: interrupted. Of the round, only what attractors known before have to say is kept: the rest comes out the same later.
   bool do_round(const std::vector<std::size_t>& todo) {
