@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/input_file.hpp>
+#include <graze/apps/output_file.hpp>
 #include <graze/apps/same_run.hpp>
 
 #include <fmt/format.h>
@@ -50,6 +51,7 @@ Json read_to_resume(const std::string& folder, const std::string& command) {
   }
   if (!result.is_object() || result.value("command", "") != command)
     refuse_to_resume(folder, command, "is not a result of graze " + command);
+  remove_unfinished(folder, command);
   return result;
 }
 

@@ -51,9 +51,12 @@ fs::path resolved(const std::string& file) {
 
 fs::path folder_above(const fs::path& path) { return path.parent_path().empty() ? fs::path(".") : path.parent_path(); }
 
+/// Of temporary files; mkstemp chooses the letters.
+constexpr std::string_view temporary_ending = ".XXXXXX";
+
 /// A temporary file beside `path`; -1 with errno if it cannot be made.
 int open_temporary(const fs::path& path, std::string& name) {
-  name = (path.parent_path() / fmt::format(".{}.XXXXXX", path.filename().string())).string();
+  name = (path.parent_path() / fmt::format(".{}{}", path.filename().string(), temporary_ending)).string();
   const int descriptor = ::mkstemp(name.data());
   if (descriptor < 0) return -1;
   // mkstemp makes files private; a result has the rights of the file it replaces, or those of any new file.
@@ -153,6 +156,16 @@ std::optional<std::string> write_whole(const std::string& file, std::string_view
   if (!error) return std::nullopt;
   if (!special) ::unlink(temporary.c_str());
   return cannot_write(file, error);
+}
+
+void remove_unfinished(const std::string& folder, const std::string& command) {
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    const fs::path name = entry.path().filename(), of = name.stem();
+    const bool of_command = name.string().starts_with("." + command + ".") || name.string().starts_with("." + command + "-");
+    const bool of_result = of.extension() == ".json" || of.extension() == ".csv" || of.extension() == ".png";
+    if (of_command && of_result && name.extension().string().size() == temporary_ending.size()) fs::remove(entry.path(), error);
+  }
 }
 
 std::string folder_of(const std::string& file) { return folder_above(resolved(file)).string(); }

@@ -37,6 +37,9 @@ void check_regular(const std::string& option, const std::string& file);
 /// Writes `content`. nullopt: done; else one sentence why not, and what was there before is still there.
 std::optional<std::string> write_whole(const std::string& file, std::string_view content);
 
+/// Removes what write_whole was writing into a folder for a command (its files are COMMAND.* and COMMAND-*) when it was killed.
+void remove_unfinished(const std::string& folder, const std::string& command);
+
 /// The folder that an output is written into: links are followed.
 std::string folder_of(const std::string& file);
 

@@ -4,9 +4,7 @@
 #include <graze/floquet/scout.hpp>
 #include <graze/floquet/side_by_side.hpp>
 #include <graze/floquet/spread_order.hpp>
-
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
+#include <graze/lib/in_parallel.hpp>
 
 #include <algorithm>
 #include <atomic>
@@ -32,6 +30,7 @@ struct Run {
   Vector state;
   std::unique_ptr<PeriodicOrbit> orbit;  ///< apart: most runs have none
   std::int64_t periods = 0;
+  bool analysed = false;  ///< it had its turn, and others waited
 };
 
 class Search {
@@ -39,7 +38,11 @@ class Search {
   Search(const HybridSystem& system, const Vector& p, const std::vector<Vector>& starts, const BasinOptions& options, Basins out)
       : system_(system), p_(p), starts_(starts), options_(options), scout_(system, p, starts, usual_periods, options.flow),
         out_(std::move(out)) {
-    for (CoexistingAttractor& found : out_.attractors) known_.add(describe(found));
+    for (CoexistingAttractor& found : out_.attractors) {
+      std::vector<Vector> before = found.states;
+      known_.add(describe(found));
+      if (cancelled()) found.states = std::move(before);  // perhaps not all were computed; nothing else will be
+    }
     told_ = static_cast<std::size_t>(std::count_if(out_.outcomes.begin(), out_.outcomes.end(),
                                                    [](const StartOutcome& outcome) { return outcome.fate != Fate::not_run; }));
   }
@@ -60,9 +63,11 @@ class Search {
   }
 
  private:
+  bool cancelled() const { return options_.cancelled && options_.cancelled(); }
   static std::size_t round_size(std::size_t round) { return std::size_t{16} << (2 * std::min<std::size_t>(round, 5)); }
 
-  /// False: interrupted. Of the round, only what attractors known before have to say is kept: the rest comes out the same later.
+  /// False: interrupted. Of the round, only what attractors known before have to say is kept, and not of runs that were analysed
+  /// (that they were the first decides which is the next): the rest comes out the same later.
   bool do_round(const std::vector<std::size_t>& todo) {
     const std::size_t attractors = out_.attractors.size();
     std::vector<Run> runs(todo.size());
@@ -71,7 +76,7 @@ class Search {
     bool first = true;
     while (!open.empty()) {
       const std::size_t groups = (open.size() + side_by_side - 1) / side_by_side;
-      oneapi::tbb::parallel_for(std::size_t{0}, groups, [&](std::size_t group) {
+      in_parallel(groups, [&](std::size_t group) {
         std::vector<Watch> watches;
         for (std::size_t i = group * side_by_side; i < std::min(open.size(), (group + 1) * side_by_side); ++i) {
           Run& run = runs[open[i]];
@@ -98,6 +103,8 @@ class Search {
       if (!whole) {
         out_.attractors.erase(out_.attractors.begin() + static_cast<std::ptrdiff_t>(attractors), out_.attractors.end());
         known_.keep(attractors);
+        for (Run& run : runs)
+          if (run.analysed) run.end = Run::End::cancelled;
         take(todo, runs);
         return false;
       }
@@ -211,16 +218,15 @@ class Search {
 
   /// Carries the motions until none is open, or it is cancelled: in lanes where they know the oscillator.
   void carry_on(std::vector<Watch>& watches) const {
-    const auto cancelled = [&] { return options_.cancelled && options_.cancelled(); };
     if (!ManyMotions::applies(system_, p_, options_.flow)) {
       Propagator propagator(system_, p_, {}, options_.flow);
-      for (Watch& watch : watches) carry_watched(propagator, watch, cancelled);
+      for (Watch& watch : watches) carry_watched(propagator, watch, [this] { return cancelled(); });
       return;
     }
     ManyMotions many(system_, options_.flow);
     const std::size_t set = many.add_parameters(p_);
     if (scout_.table()) many.use(set, *scout_.table());
-    carry_side_by_side(many, std::vector(watches.size(), set), watches, cancelled);
+    carry_side_by_side(many, std::vector(watches.size(), set), watches, [this] { return cancelled(); });
   }
 
   /// Whether a known orbit is so near that it may be the one.
@@ -259,7 +265,7 @@ class Search {
     found.attractor = std::move(attractor);
     std::vector<Vector> states;
     KnownAttractor known = describe(found, &states);
-    if (options_.cancelled && options_.cancelled()) {  // perhaps not all of its states
+    if (cancelled()) {  // perhaps not all of its states
       run.end = Run::End::cancelled;
       return;
     }
@@ -283,6 +289,7 @@ class Search {
 
   /// A motion that was not recognised in the transient: its exponents, and what it is by them.
   void analyse(Run& run) {
+    run.analysed = true;
     AttractorOptions finding;
     finding.transient = 0;
     finding.max_period = options_.max_period;
@@ -296,7 +303,7 @@ class Search {
     Attractor attractor = find_attractor(system_, p_, run.state, finding);
     run.periods += attractor.time_average.periods;
     run.end = Run::End::cancelled;
-    if (options_.cancelled && options_.cancelled()) return;
+    if (cancelled()) return;
     if (attractor.termination != Termination::time || attractor.time_average.stop == LyapunovStop::failed) {
       run.end = attractor.termination == Termination::interrupted ? Run::End::cancelled : Run::End::lost;
       return;

@@ -172,6 +172,7 @@ Basins earlier_basins(const Json& earlier, const std::string& folder, const Json
       found.attractor = attractor_of(json);
       found.attractor.exponents = numbers_of(json.at("exponents"));
       found.attractor.standard_errors = numbers_of(json.at("standard_errors"));
+      for (const Json& state : json.at("states")) found.states.push_back(vector_from(state));
       basins.attractors.push_back(std::move(found));
     }
     for (const Json& row : earlier.at("basins").at("attractor")) {

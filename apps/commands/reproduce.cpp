@@ -169,7 +169,7 @@ int run(const Options& given, const Console& console) {
   result.table.columns.emplace_back("remark");
   for (std::size_t k = 0; k < found.rows.size(); ++k) result.table.rows[k].push_back(found.rows[k].remark);
   result.text = report(found);
-  if (status != Status::done) console.err << "graze reproduce: " << message << "\n";
+  if (status != Status::done) console.err << "graze reproduce: " << message << how_to_go_on(status, options.output) << "\n";
   int code = deliver(result, options.output, "reproduce", exit_code(status), console);
   if (options.output.out.empty() || status != Status::done) return code;
   for (const std::string& failure : write_pictures(published, found, options.output.out, console)) {

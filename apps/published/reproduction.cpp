@@ -58,11 +58,11 @@ class Rows {
     oneapi::tbb::task_arena arena(std::max(1, options_.threads));
     arena.execute([&] {
       const auto one = [&](std::size_t k) {
-        if (options_.cancelled && options_.cancelled()) return;
         if (k < order.size())
           motions_[order[k]] = motion(published_.exponents[order[k]]);
         else
-          points_[k - order.size()] = compare_point(published_, published_.points[k - order.size()], options_.cancelled);
+          points_[k - order.size()] = points(published_.points[k - order.size()]);
+        if (cancelled()) return;
         const std::lock_guard lock(telling);
         progress(static_cast<double>(++done) / static_cast<double>(count));
       };
@@ -77,24 +77,36 @@ class Rows {
   }
 
  private:
+  bool cancelled() const { return options_.cancelled && options_.cancelled(); }
+
   int cost(std::size_t k) const {
     const PublishedExponents& item = published_.exponents[k];
     return (item.beta.value_or(0.0) != 0.0 ? 2 : 0) + (item.attractor.type == "chaotic" ? 1 : 0);
   }
 
+  /// What was interrupted says nothing, and is left out.
+  std::vector<Comparison> points(const PublishedPoint& item) const {
+    if (cancelled()) return {};
+    std::vector<Comparison> rows = compare_point(published_, item, options_.cancelled);
+    return cancelled() ? std::vector<Comparison>() : rows;
+  }
+
+  /// The row of the earlier run, if it has one; else a new one, empty where it was interrupted.
   Comparison motion(const PublishedExponents& item) const {
     for (const Comparison& row : so_far_)
       if (row.quantity == "exponents" && row.system == item.system && row.figure == item.figure &&
           row.published == Json(item.lambda) && row.details.value("beta", 0.0) == item.beta.value_or(0.0) &&
           (!item.eta || row.eta == item.eta))
         return row;
+    if (cancelled()) return {};
     ExponentsOptions asking = options_.exponents;
     asking.cancelled = options_.cancelled;
     std::vector<Start> starts;
     for (const SweptDiagram& swept : diagrams_)
       if (swept.diagram.system == item.system && item.eta && !item.beta)
         for (Start& start : starts_from(swept, *item.eta)) starts.push_back(std::move(start));
-    return compare_exponents(published_, item, starts, asking);
+    Comparison row = compare_exponents(published_, item, starts, asking);
+    return cancelled() ? Comparison() : row;
   }
 
   const Published& published_;

@@ -4,9 +4,11 @@
 
 #include <graze/apps/interrupt.hpp>
 #include <graze/apps/json.hpp>
+#include <graze/apps/published/reproduction.hpp>
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <filesystem>
 
 using namespace graze::apps;
@@ -90,6 +92,33 @@ TEST_CASE("reproduce keeps what an interrupted run has") {
   CHECK(outcome.code == 130);
   CHECK_THAT(outcome.err, Contains("interrupted with 0 of 4 rows"));
   CHECK(Json::parse(read_file(folder.file("out/reproduce.json")))["status"] == "interrupted");
+}
+
+TEST_CASE("the rows that reproduce has where it is interrupted are those of the whole run") {
+  // Fixed: rows that were in work were kept as they were, and taken for finished by --resume.
+  const TemporaryFolder folder;
+  const Published published = load_published(folder.write("few.toml", few));
+  int asked = 0;
+  ReproductionOptions options;
+  options.claims = false;
+  options.cancelled = [&asked] { return ++asked == 0; };  // never
+  const Reproduction whole = reproduce(published, options);
+  REQUIRE(whole.complete);
+  const int all = asked;
+  std::size_t most = 0;
+  for (int part = 1; part <= 12; ++part) {
+    asked = 0;
+    options.cancelled = [&asked, last = all * part / 13] { return ++asked > last; };
+    const Reproduction found = reproduce(published, options);
+    CHECK_FALSE(found.complete);
+    most = std::max(most, found.rows.size());
+    for (const Comparison& row : found.rows)
+      CHECK(std::any_of(whole.rows.begin(), whole.rows.end(), [&](const Comparison& other) {
+        return row.quantity == other.quantity && row.published == other.published && row.computed == other.computed &&
+               row.remark == other.remark && row.details == other.details;
+      }));
+  }
+  CHECK(most > 0);
 }
 
 TEST_CASE("reproduce refuses what it cannot use") {

@@ -89,7 +89,13 @@ TEST_CASE("sweep goes on from what an interrupted run has left, to the last bit"
   part["status"] = "interrupted";
   part["rows"].erase(part["rows"].begin() + 3, part["rows"].end());
   folder.write("run/sweep.json", part.dump());
+  for (const char* unfinished : {".sweep.csv.a1B2c3", ".sweep-states.png.XXXXXX"})  // it was killed while it wrote them
+    folder.write(std::string("run/") + unfinished, "half");
+  folder.write("run/.sweep.backup", "mine");
   const Json resumed = json_of(run(with({"--resume", out, "--json", "-"})));
+  CHECK_FALSE(std::filesystem::exists(folder.file("run/.sweep.csv.a1B2c3")));
+  CHECK_FALSE(std::filesystem::exists(folder.file("run/.sweep-states.png.XXXXXX")));
+  CHECK(std::filesystem::exists(folder.file("run/.sweep.backup")));
   CHECK(resumed["rows"].size() == 6);
   CHECK(resumed == whole);  // what was read back is written again as it was, multipliers included
   const Outcome other = run(with({"--resume", out, "--set", "b=0.06"}));
