@@ -231,9 +231,11 @@ void await_end(Ranks& ranks) {
 
 }  // namespace
 
-MapRun run_map(MapStore& store, const Json& head, Ranks& ranks, int threads, const Console& console) {
+MapRun run_map(MapStore& store, const Json& head, Ranks& ranks, int threads, const Console& console,
+               const std::function<bool()>& write) {
   Master master(store, head, ranks, threads, console);
-  const MapRun run = master.run();
+  MapRun run = master.run();
+  if (run.status == Status::done) run.unwritable = !write();
   // Said before the others are waited for: whoever ends the run may not leave much time.
   if (run.status != Status::done)
     console.err << fmt::format("graze map: {}; {} of {} chunks are finished, {}\n", run.message, store.finished(),

@@ -9,6 +9,7 @@
 #include <graze/apps/map_store.hpp>
 #include <graze/apps/ranks.hpp>
 
+#include <functional>
 #include <string>
 
 namespace graze::apps {
@@ -16,11 +17,13 @@ namespace graze::apps {
 struct MapRun {
   Status status = Status::failed;
   std::string message;      ///< why it ended before its end
-  bool unwritable = false;  ///< the message is that of a chunk that could not be written
+  bool unwritable = false;  ///< the message is that of a chunk that could not be written, or the whole could not be
 };
 
-/// Rank 0's part: computes what is missing in the store. `threads`: of this rank.
-MapRun run_map(MapStore& store, const Json& head, Ranks& ranks, int threads, const Console& console);
+/// Rank 0's part: computes what is missing in the store. `threads`: of this rank. When all is there it is written by `write`
+/// (false: it could not be) before the other ranks are let go: with them mpirun may end the run, if a signal comes late.
+MapRun run_map(MapStore& store, const Json& head, Ranks& ranks, int threads, const Console& console,
+               const std::function<bool()>& write);
 
 /// The part of the other ranks. The exit code.
 int help_with_map(Ranks& ranks, int threads);

@@ -253,17 +253,19 @@ int lead(const Options& given, Ranks& ranks, const Console& console) {
       console.note(counted(static_cast<std::size_t>(store->damaged()), "damaged chunk") + " is computed again");
   }
   const int threads = console.threads > 0 || ranks.count() == 1 ? console.thread_count() : 1;
-  MapRun run = run_map(*store, head, ranks, threads, console);
-  if (run.status != Status::done) {
+  const auto write = [&] {
+    for (const std::string& file : map_files(options))
+      if (const auto failure = write_map_file(file, store->plan(), head, rows_of(*store))) {
+        console.err << fmt::format("graze map: {}; all chunks are finished, {}\n", *failure, store->advice());
+        return false;
+      }
+    return true;
+  };
+  const MapRun run = run_map(*store, head, ranks, threads, console, write);
+  if (run.status != Status::done || run.unwritable) {
     if (wants_part(options)) return present(options, store->plan(), head, rows_of(*store), run, console);
     return run.unwritable ? 2 : exit_code(run.status);
   }
-  for (const std::string& file : map_files(options))
-    if (const auto failure = write_map_file(file, store->plan(), head, rows_of(*store))) {
-      console.err << fmt::format("graze map: {}; all chunks are finished, {}\n", *failure, store->advice());
-      run.unwritable = true;
-      return wants_part(options) ? present(options, store->plan(), head, rows_of(*store), run, console) : 2;
-    }
   if (map_files(options).empty()) return present(options, store->plan(), head, rows_of(*store), run, console);
   MapFile map(map_files(options).front());
   store->remove();
