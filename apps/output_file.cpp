@@ -73,6 +73,16 @@ int open_temporary(const fs::path& path, std::string& name) {
   return descriptor;
 }
 
+/// Makes one and removes it. 0, or errno if it cannot be made.
+int try_temporary(const fs::path& path) {
+  std::string name;
+  const int descriptor = open_temporary(path, name);
+  if (descriptor < 0) return errno;
+  ::close(descriptor);
+  ::unlink(name.c_str());
+  return 0;
+}
+
 }  // namespace
 
 bool is_special(const std::string& file) {
@@ -91,21 +101,13 @@ void check_writable(const std::string& file) {
     throw std::invalid_argument(fmt::format("{}: cannot be written: there is no folder {}", file, folder.string()));
   if (fs::exists(path, error) && ::access(path.c_str(), W_OK) != 0) throw std::invalid_argument(cannot_write(file, errno));
   if (is_special(path)) return;
-  std::string temporary;
-  const int descriptor = open_temporary(path, temporary);
-  if (descriptor < 0) throw std::invalid_argument(cannot_write(file, errno));
-  ::close(descriptor);
-  ::unlink(temporary.c_str());
+  if (const int failure = try_temporary(path)) throw std::invalid_argument(cannot_write(file, failure));
 }
 
 void check_writable_folder(const std::string& folder) {
-  std::string temporary;
-  const int descriptor = open_temporary(resolved(folder) / "probe", temporary);
-  if (descriptor < 0)
+  if (const int failure = try_temporary(resolved(folder) / "probe"))
     throw std::invalid_argument(
-        fmt::format("{}: no files can be made in this folder: {}; give another", folder, std::strerror(errno)));
-  ::close(descriptor);
-  ::unlink(temporary.c_str());
+        fmt::format("{}: no files can be made in this folder: {}; give another", folder, std::strerror(failure)));
 }
 
 void check_distinct(const std::vector<NamedOutput>& outputs, const std::string& input) {
