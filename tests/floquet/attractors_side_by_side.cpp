@@ -25,12 +25,7 @@ AttractorOptions quick() {
 std::vector<AverageStart> points(const HybridSystem& system) {
   std::vector<AverageStart> starts;
   for (const double eta : {0.68, 0.7, 0.711, 0.73, 0.745, 0.78, 0.82, 0.9, 0.93, 0.95})
-    for (const double r : {1.3, 2.0}) {
-      Vector p = default_parameters(system.parameters);
-      p[oscillator_parameter::eta] = eta;
-      p[oscillator_parameter::r] = r;
-      starts.push_back({p, vector({0.0, 0.0})});
-    }
+    for (const double r : {1.3, 2.0}) starts.push_back({parameters(system, {{"eta", eta}, {"r", r}}), vector({0.0, 0.0})});
   return starts;
 }
 
@@ -74,9 +69,7 @@ TEST_CASE("attractors side by side are those of the motions alone") {
 
 TEST_CASE("attractors that the lanes do not know are found one by one") {
   const HybridSystem system = make_oscillator("linear", "newton");
-  Vector p = default_parameters(system.parameters);
-  for (const auto& [name, value] : {std::pair{"b", 1.1}, {"r", 0.4}, {"eta", 0.6}})  // overdamped
-    p[static_cast<Eigen::Index>(parameter_index(system.parameters, name))] = value;
+  const Vector p = parameters(system, {{"b", 1.1}, {"r", 0.4}, {"eta", 0.6}});  // overdamped
   const std::vector<Attractor> each = find_each_attractor(system, {{p, vector({0.0, 0.0})}}, quick());
   REQUIRE(each.size() == 1);
   const Attractor alone = find_attractor(system, p, vector({0.0, 0.0}), quick());

@@ -229,9 +229,7 @@ TEST_CASE("exponents averaged over several motions side by side") {
 
 TEST_CASE("exponents averaged with contacts from a table are those without") {
   const HybridSystem system = make_oscillator("linear", "hertz");
-  Vector p = default_parameters(system.parameters);
-  p[oscillator_parameter::eta] = 0.711;
-  p[static_cast<Eigen::Index>(parameter_index(system.parameters, "b_H"))] = 0.1;
+  const Vector p = parameters(system, {{"eta", 0.711}, {"b_H", 0.1}});
   LyapunovOptions options;
   options.motions = 16;
   options.standard_error = 0.0;
@@ -324,11 +322,7 @@ TEST_CASE("what an average on the way to an orbit comes to does not depend on wh
 
 TEST_CASE("exponents averaged with a table that was made before") {
   const HybridSystem system = make_oscillator("linear", "hertz");
-  const Vector p = [&] {
-    Vector values = default_parameters(system.parameters);
-    values[oscillator_parameter::eta] = 0.711;
-    return values;
-  }();
+  const Vector p = parameters(system, {{"eta", 0.711}});
   const ContactTable contacts(system, p, {0.125, 1.9});
   LyapunovOptions options;
   options.standard_error = 0.0;
