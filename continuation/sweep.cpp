@@ -16,9 +16,10 @@ namespace graze {
 
 namespace {
 
-/// Rows that wait for their time average or for one before them, for each thread that has nothing else to do: enough that it has,
-/// and not too many to lose.
-constexpr std::size_t open_on_a_thread = 4;
+/// Rows whose time averages are taken side by side, where lanes know the oscillator; and groups of them that wait for theirs, or
+/// for one before them, for each thread that has nothing else to do: enough that it has, and not too many to lose.
+constexpr std::size_t rows_side_by_side = 8;
+constexpr std::size_t groups_on_a_thread = 1, rows_on_a_thread = 4;
 
 /// The attractor that a motion comes to. Where it repeats itself to within `repeats` on its way, Newton's method is tried at
 /// once; at its end all returns are.
@@ -52,30 +53,11 @@ class OneWay {
   /// many rows are done, or taken back, and the value of the last. `ways`: how many directions are being followed.
   template <class Tell> void follow(const std::atomic<int>& ways, const Tell& tell) {
     rows_.reserve(values_.size());  // they stay where they are
-    const auto most_open = [&] { return 1 + open_on_a_thread * static_cast<std::size_t>(std::max(0, options_.threads - ways)); };
-    std::deque<Open> open;
+    std::deque<Group> open;
     for (;;) {
-      while (!ended_ && rows_.size() < values_.size() && open.size() < most_open()) {
-        auto row = next();
-        if (!row) {
-          ended_ = true;
-          break;
-        }
-        rows_.push_back(std::move(*row));
-        if (rows_.back().attractor.type == AttractorType::periodic) {
-          tell(1, rows_.back().value);
-          continue;
-        }
-        Open& one = open.emplace_back(rows_.size() - 1);
-        one.average.run([this, &one, &row = rows_.back()] {
-          AttractorOptions averaging = finding_;
-          averaging.lyapunov.cancelled = [&] { return one.dropped || (options_.cancelled && options_.cancelled()); };
-          row.attractor.state = row.end;
-          average_on_attractor(system_, parameters(row.value), row.attractor, averaging);
-        });
-      }
+      while (!at_end() && open.size() < most_open(ways)) go_on(open, tell);
       if (open.empty()) return;
-      open.front().average.wait();
+      open.front().averages.wait();
       settle(open, tell);
     }
   }
@@ -83,39 +65,87 @@ class OneWay {
   std::vector<SweepRow>& rows() { return rows_; }
 
  private:
-  /// A row that waits for its time average.
-  struct Open {
-    explicit Open(std::size_t number) : row(number) {}
-    ~Open() {
+  /// Rows, one behind the other, that wait for their time averages.
+  struct Group {
+    explicit Group(std::size_t number) : first(number) {}
+    ~Group() {
       dropped = true;
       try {
-        average.wait();
-      } catch (...) {  // whoever waits for a row that is kept is told
+        averages.wait();
+      } catch (...) {  // whoever waits for rows that are kept is told
       }
     }
-    std::size_t row;
-    std::atomic<bool> dropped = false;  ///< the average is wanted no more
-    oneapi::tbb::task_group average;
+    std::size_t first, count = 0;
+    std::atomic<bool> dropped = false;  ///< the averages are wanted no more
+    oneapi::tbb::task_group averages;
   };
 
-  /// Keeps the rows up to the first open one if its average was interrupted, or turned out to end on an orbit.
-  template <class Tell> void settle(std::deque<Open>& open, const Tell& tell) {
-    const std::size_t k = open.front().row;
-    SweepRow& row = rows_[k];
-    const bool periodic = row.attractor.type == AttractorType::periodic;
-    const LyapunovStop stop = row.attractor.time_average.stop;
-    const bool broken_off =
-        !periodic && (stop == LyapunovStop::interrupted || stop == LyapunovStop::failed || stop == LyapunovStop::not_run);
+  bool at_end() const { return ended_ || rows_.size() == values_.size(); }
+  bool in_lanes() const {
+    const std::size_t last = std::min(rows_.size(), values_.size() - 1);
+    return ManyMotions::applies(system_, parameters(values_[last]), options_.attractor.lyapunov.flow);
+  }
+  std::size_t most_open(int ways) const {
+    const auto others = static_cast<std::size_t>(std::max(0, options_.threads - ways));
+    return 1 + others * (in_lanes() ? groups_on_a_thread : rows_on_a_thread);
+  }
+
+  /// To the end of the next group of rows that are not periodic.
+  template <class Tell> void go_on(std::deque<Group>& open, const Tell& tell) {
+    const std::size_t together = in_lanes() ? rows_side_by_side : 1;
+    Group* group = nullptr;
+    while (!at_end() && !(group && group->count == together)) {
+      auto row = next();
+      ended_ = !row;
+      if (ended_) break;
+      rows_.push_back(std::move(*row));
+      if (rows_.back().attractor.type == AttractorType::periodic) {
+        tell(1, rows_.back().value);
+        if (group) break;
+      } else {
+        if (!group) group = &open.emplace_back(rows_.size() - 1);
+        ++group->count;
+      }
+    }
+    if (!group) return;
+    group->averages.run([this, group] {
+      AttractorOptions averaging = finding_;
+      averaging.lyapunov.cancelled = [&] { return group->dropped || (options_.cancelled && options_.cancelled()); };
+      std::vector<AttractorAt> which;
+      for (std::size_t k = group->first; k < group->first + group->count; ++k) {
+        rows_[k].attractor.state = rows_[k].end;
+        which.push_back({parameters(rows_[k].value), &rows_[k].attractor});
+      }
+      average_on_each_attractor(system_, which, averaging);
+    });
+  }
+
+  /// Keeps the rows of the first group up to one whose average was interrupted, or turned out to end on an orbit.
+  template <class Tell> void settle(std::deque<Group>& open, const Tell& tell) {
+    const std::size_t end = open.front().first + open.front().count;
+    for (std::size_t k = open.front().first; k < end; ++k) {
+      SweepRow& row = rows_[k];
+      const bool periodic = row.attractor.type == AttractorType::periodic;
+      const LyapunovStop stop = row.attractor.time_average.stop;
+      const bool broken_off =
+          !periodic && (stop == LyapunovStop::interrupted || stop == LyapunovStop::failed || stop == LyapunovStop::not_run);
+      if (!broken_off) tell(1, row.value);
+      if (!broken_off && !periodic) continue;
+      std::size_t untold = end - (k + 1);
+      open.pop_front();
+      for (Group& other : open) {
+        other.dropped = true;
+        untold += other.count;
+      }
+      open.clear();
+      const auto told = static_cast<std::ptrdiff_t>(rows_.size() - (k + 1) - untold);
+      if (!broken_off) sample(row);
+      rows_.resize(broken_off ? k : k + 1);
+      ended_ = broken_off;
+      if (told > 0) tell(-told, values_[k]);
+      return;
+    }
     open.pop_front();
-    if (!broken_off) tell(1, row.value);
-    if (!broken_off && !periodic) return;
-    const auto told = static_cast<std::ptrdiff_t>(rows_.size() - (k + 1) - open.size());
-    for (Open& other : open) other.dropped = true;
-    open.clear();
-    if (!broken_off) sample(row);
-    rows_.resize(broken_off ? k : k + 1);
-    ended_ = broken_off;
-    if (told > 0) tell(-told, values_[k]);
   }
 
   Vector parameters(double value) const {

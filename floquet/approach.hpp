@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Approach: a transient on its way to an attractor, with a look at its returns where AttractorOptions::recurrence asks for it.
+// Approach: a transient on its way to an attractor, with a look for an orbit at its end, and, where AttractorOptions::recurrence
+// asks for it, at its returns.
 #pragma once
 
 #include <graze/floquet/attractor.hpp>
+#include <graze/floquet/side_by_side.hpp>
+
+#include <fmt/format.h>
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
+#include <vector>
 
 namespace graze {
 
@@ -17,11 +23,13 @@ inline double nearness_of(const AttractorOptions& options) {
 
 inline bool cancelled(const AttractorOptions& options) { return options.lyapunov.cancelled && options.lyapunov.cancelled(); }
 
-/// A transient on its way, with a look at its returns.
+/// A transient on its way.
 class Approach {
  public:
   Approach(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options)
       : options_(options), watch_(options.recurrence) {
+    if (options.transient < 0)
+      throw std::invalid_argument(fmt::format("the transient is {} periods; allowed is 0 or more", options.transient));
     initial_mode(system, 0.0, start, p);
     out_.state = start;
     out_.termination = Termination::time;
@@ -62,5 +70,24 @@ class Approach {
   int periods_ = 0, asks_ = 0;
   bool open_ = true;
 };
+
+/// Carries transients side by side to their ends; sets[k] are the parameters of approaches[k] in `many`. `look` is asked for the
+/// orbits of those that ask, given by their indices.
+template <class Look>
+void carry_approaches(ManyMotions& many, const std::vector<std::size_t>& sets, std::vector<Approach>& approaches,
+                      const AttractorOptions& options, const Look& look) {
+  std::vector<std::size_t> asking;
+  for (;;) {
+    if (!carry_side_by_side(many, sets, approaches, [&] { return cancelled(options); }))
+      for (Approach& approach : approaches)
+        if (approach.open()) approach.stop(Termination::interrupted);
+    asking.clear();
+    for (std::size_t k = 0; k < approaches.size(); ++k)
+      if (approaches[k].asks() > 0) asking.push_back(k);
+    if (asking.empty()) return;
+    auto orbits = look(asking);
+    for (std::size_t k = 0; k < asking.size(); ++k) approaches[asking[k]].answer(std::move(orbits[k]));
+  }
+}
 
 }  // namespace graze

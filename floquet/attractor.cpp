@@ -1,93 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/approach.hpp>
 #include <graze/floquet/rounds.hpp>
-#include <graze/floquet/settle.hpp>
 #include <graze/floquet/side_by_side.hpp>
 #include <graze/lib/in_parallel.hpp>
 
 #include <algorithm>
-#include <cmath>
 
 namespace graze {
 
 namespace {
 
-/// Chaos is averaged over so many motions side by side, if the budget leaves each of them the longer part of it after parting.
-constexpr int motions_in_chaos = 16;
-constexpr std::int64_t budget_for_many = 4 * motions_in_chaos * parting;
-
-/// The orbit that is looked for at the end of a transient or an average.
-std::optional<PeriodicOrbit> orbit_at_the_end(const HybridSystem& system, const Vector& p, const Vector& state,
-                                              const AttractorOptions& options) {
-  if (options.recurrence > 0.0)
-    return orbit_of_close_returns(system, p, state, options.max_period, nearness_of(options), options.lyapunov.flow);
-  return settling_orbit(system, p, state, options.max_period, options.lyapunov.flow);
-}
-
-/// Of the motion that was averaged from `begin` on: null where it cannot linger.
-std::optional<Lingering> lingering(const HybridSystem& system, const Vector& p, const Vector& begin, const Attractor& attractor,
-                                   const AttractorOptions& options) {
-  if (attractor.type == AttractorType::periodic || attractor.time_average.stop == LyapunovStop::interrupted ||
-      attractor.time_average.termination != Termination::time)
-    return std::nullopt;
-  const FlowOptions& flow = options.lyapunov.flow;
-  const Returns returns = close_returns(system, p, attractor.state, options.max_period, nearness_of(options), flow);
-  if (returns.periods.empty()) return std::nullopt;
-  Propagator propagator(system, p, {}, flow);
-  Lingering watch = watch_end(attractor, returns.periods.front(), forcing_period(system, p), options);
-  const auto stop = [&] { return cancelled(options); };
-  if (!carry_watched(propagator, watch, stop)) return std::nullopt;
-  watch.look_back(begin, periods_each(attractor.time_average));
-  if (!carry_watched(propagator, watch, stop)) return std::nullopt;
-  return watch;
-}
-
-Attractor approach_with_looks(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options) {
-  Approach approach(system, p, start, options);
-  Propagator propagator(system, p, {}, options.lyapunov.flow);
-  do {
-    if (!carry_watched(propagator, approach, [&] { return cancelled(options); })) approach.stop(Termination::interrupted);
-    if (approach.asks() > 0)
-      approach.answer(
-          orbit_of_close_returns(system, p, approach.state(), approach.asks(), nearness_of(options), options.lyapunov.flow));
-  } while (approach.open());
-  return std::move(approach).result();
-}
-
-/// The same, with a look at where its motions ended.
-void conclude(const HybridSystem& system, const Vector& p, LyapunovSpectrum average, const AttractorOptions& options,
-              Attractor& attractor) {
-  // Where it was broken off says nothing: the rest may have come to something else.
-  if (average.stop == LyapunovStop::interrupted) return take_average(std::move(average), options, attractor);
-  attractor.time_average = std::move(average);
-  attractor.state = attractor.time_average.state;
-  std::vector<Vector> ends = attractor.time_average.others;
-  ends.insert(ends.begin(), attractor.state);
-  if (ends.size() > 1) ends = that_may_settle(system, p, ends, options.lyapunov.flow);
-  const std::size_t together = options.lyapunov.all_threads ? threads_here() : 1;
-  for (std::size_t begin = 0; begin < ends.size(); begin += together) {
-    std::vector<std::optional<PeriodicOrbit>> orbits(std::min(together, ends.size() - begin));
-    in_parallel(orbits.size(), [&](std::size_t i) { orbits[i] = orbit_at_the_end(system, p, ends[begin + i], options); });
-    if (cancelled(options)) {  // not all of them were looked at
-      attractor.time_average.stop = LyapunovStop::interrupted;
-      break;
-    }
-    for (auto& orbit : orbits)  // one that has settled tells that the chaos was transient
-      if (orbit) return settle_on(attractor, std::move(*orbit));
-  }
-  take_average(std::move(attractor.time_average), options, attractor);
-}
-
-/// Motions side by side are short. Where they have not settled, one is followed for as long as one that is averaged alone.
-void look_far_on(const HybridSystem& system, const Vector& p, const AttractorOptions& options, Attractor& attractor) {
-  const LyapunovStop stop = attractor.time_average.stop;
-  if (attractor.type == AttractorType::periodic || attractor.time_average.others.empty()) return;
-  if (stop != LyapunovStop::standard_error && stop != LyapunovStop::budget) return;
-  AttractorOptions far = options;
-  far.transient = 2000;
-  Attractor later = approach_attractor(system, p, attractor.state, far);
-  if (later.termination == Termination::interrupted) attractor.time_average.stop = LyapunovStop::interrupted;
-  if (later.orbit) settle_on(attractor, std::move(*later.orbit));
+bool side_by_side(const HybridSystem& system, const std::vector<AverageStart>& starts, const AttractorOptions& options) {
+  return starts.size() > 1 && std::all_of(starts.begin(), starts.end(), [&](const auto& start) {
+           return ManyMotions::applies(system, start.p, options.lyapunov.flow);
+         });
 }
 
 }  // namespace
@@ -116,55 +42,42 @@ void settle_on(Attractor& attractor, PeriodicOrbit orbit) {
 }
 
 Attractor approach_attractor(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options) {
-  if (options.recurrence > 0.0) return approach_with_looks(system, p, start, options);
-  Attractor out;
-  SettleOptions settling;
-  settling.periods = options.transient;
-  settling.max_period = 0;
-  settling.cancelled = options.lyapunov.cancelled;
-  settling.flow = options.lyapunov.flow;
-  const Settled settled = settle(system, p, start, settling);
-  out.termination = settled.termination;
-  out.state = settled.state;
-  if (out.termination != Termination::time) return out;
-  if (auto orbit = orbit_at_the_end(system, p, out.state, options)) settle_on(out, std::move(*orbit));
-  return out;
+  Approach approach(system, p, start, options);
+  Propagator propagator(system, p, {}, options.lyapunov.flow);
+  do {
+    if (!carry_watched(propagator, approach, [&] { return cancelled(options); })) approach.stop(Termination::interrupted);
+    if (approach.asks() > 0) approach.answer(look_for_orbit(system, p, approach.state(), approach.asks(), options));
+  } while (approach.open());
+  return std::move(approach).result();
 }
 
-void average_on_attractor(const HybridSystem& system, const Vector& p, Attractor& attractor, const AttractorOptions& options) {
-  if (attractor.termination != Termination::time) return;
-  LyapunovOptions averaging = options.lyapunov;
-  if (attractor.type == AttractorType::periodic) {
-    averaging.max_periods = std::min<std::int64_t>(averaging.max_periods, options.periods_on_orbit);
-    if (averaging.max_periods >= averaging.interval)
-      attractor.time_average = lyapunov_spectrum(system, p, attractor.state, averaging);
-    return;
+std::vector<Attractor> approach_each_attractor(const HybridSystem& system, const std::vector<AverageStart>& starts,
+                                               const AttractorOptions& options) {
+  std::vector<Attractor> out;
+  if (!side_by_side(system, starts, options)) {
+    for (const AverageStart& start : starts) out.push_back(approach_attractor(system, start.p, start.state, options));
+    return out;
   }
-  averaging.significance = options.significance;  // long enough to tell chaos, too
-  if (averaging.change == 0.0 && averaging.max_periods >= budget_for_many)
-    averaging.motions = std::max(averaging.motions, motions_in_chaos);
-  AttractorOptions longer = options;
-  for (int round = 0;; ++round) {
-    const Vector begin = attractor.state;
-    conclude(system, p, lyapunov_spectrum(system, p, begin, averaging), options, attractor);
-    if (wants_confirmation(options, attractor))
-      conclude(system, p, lyapunov_spectrum(system, p, attractor.state, averaging), options, attractor);
-    look_far_on(system, p, options, attractor);
-    const std::optional<Lingering> watch = lingering(system, p, begin, attractor, options);
-    LyapunovStop& stop = attractor.time_average.stop;
-    const bool open = attractor.type != AttractorType::periodic && stop != LyapunovStop::interrupted;
-    if (open && cancelled(options)) stop = LyapunovStop::interrupted;  // it may go on
-    if (!watch || !watch->goes_on()) return;
-    if (round == most_rounds) {
-      if (watch->always()) attractor.type = AttractorType::undecided;
-      return;
-    }
-    if (watch->on_an_orbit()) push_off(system, p, round, attractor.state);
-    longer.transient = longer_transient(longer.transient);
-    attractor = approach_attractor(system, p, attractor.state, longer);
-    if (attractor.type == AttractorType::periodic || attractor.termination != Termination::time)
-      return average_on_attractor(system, p, attractor, options);
+  ManyMotions many(system, options.lyapunov.flow);
+  std::vector<std::size_t> sets;
+  std::vector<Approach> approaches;
+  for (const AverageStart& start : starts) {
+    sets.push_back(many.add_parameters(start.p));
+    approaches.emplace_back(system, start.p, start.state, options);
   }
+  carry_approaches(many, sets, approaches, options, [&](const std::vector<std::size_t>& asking) {
+    std::vector<std::optional<PeriodicOrbit>> orbits(asking.size());
+    const std::size_t parts = options.lyapunov.all_threads ? std::min(threads_here(), asking.size()) : 1;
+    in_parallel(parts, [&](std::size_t part) {
+      for (std::size_t k = part; k < asking.size(); k += parts) {
+        const Approach& approach = approaches[asking[k]];
+        orbits[k] = look_for_orbit(system, starts[asking[k]].p, approach.state(), approach.asks(), options);
+      }
+    });
+    return orbits;
+  });
+  for (Approach& approach : approaches) out.push_back(std::move(approach).result());
+  return out;
 }
 
 Attractor find_attractor(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options) {

@@ -52,6 +52,16 @@ Attractor approach_attractor(const HybridSystem& system, const Vector& p, const 
 void average_on_attractor(const HybridSystem& system, const Vector& p, Attractor& attractor,
                           const AttractorOptions& options = {});
 
+/// The same of several, side by side in SIMD lanes where they know the oscillator: each comes out as it does alone.
+std::vector<Attractor> approach_each_attractor(const HybridSystem& system, const std::vector<AverageStart>& starts,
+                                               const AttractorOptions& options = {});
+struct AttractorAt {
+  Vector p;
+  Attractor* attractor = nullptr;
+};
+void average_on_each_attractor(const HybridSystem& system, const std::vector<AttractorAt>& which,
+                               const AttractorOptions& options = {});
+
 /// Makes it the periodic attractor that a stable orbit is.
 void settle_on(Attractor& attractor, PeriodicOrbit orbit);
 

@@ -87,26 +87,18 @@ class SideBySide {
       approaches.emplace_back(system_, starts_[i].p, Vector(out_[i].state), options);
       sets.push_back(sets_[i]);
     }
-    std::vector<std::size_t> asking;
-    do {
-      if (!carry_side_by_side(many_, sets, approaches, [&] { return cancelled(options); }))
-        for (Approach& approach : approaches)
-          if (approach.open()) approach.stop(Termination::interrupted);
+    carry_approaches(many_, sets, approaches, options, [&](const std::vector<std::size_t>& asking) {
       std::vector<int> most;
-      asking.clear();
-      for (std::size_t k = 0; k < which.size(); ++k) {
-        if (approaches[k].asks() == 0) continue;
-        asking.push_back(k);
-        most.push_back(approaches[k].asks());
-      }
       std::vector<std::size_t> who;
       for (const std::size_t k : asking) {
+        most.push_back(approaches[k].asks());
         who.push_back(which[k]);
         out_[which[k]].state = approaches[k].state();
       }
-      std::vector<SettlingLook> looks = look(who, most);
-      for (std::size_t k = 0; k < asking.size(); ++k) approaches[asking[k]].answer(std::move(looks[k].orbit));
-    } while (!asking.empty());
+      std::vector<std::optional<PeriodicOrbit>> orbits;
+      for (SettlingLook& one : look(who, most)) orbits.push_back(std::move(one.orbit));
+      return orbits;
+    });
     for (std::size_t k = 0; k < which.size(); ++k) out_[which[k]] = std::move(approaches[k]).result();
   }
 

@@ -17,22 +17,6 @@ namespace graze {
 
 namespace {
 
-void check(const HybridSystem& system, const LyapunovOptions& options) {
-  if (!system.forcing_frequency)
-    throw std::invalid_argument("the exponents are averaged over forcing periods; this system is autonomous");
-  if (options.interval < 1)
-    throw std::invalid_argument(fmt::format("interval is {}; allowed is a whole number >= 1", options.interval));
-  if (options.motions < 1)
-    throw std::invalid_argument(fmt::format("motions is {}; allowed is a whole number >= 1", options.motions));
-  if (options.aligning < 0)
-    throw std::invalid_argument(fmt::format("aligning is {}; allowed is a whole number >= 0", options.aligning));
-  if (options.max_periods < options.interval)
-    throw std::invalid_argument(
-        fmt::format("max_periods is {}; allowed is at least the interval, {}", options.max_periods, options.interval));
-  if (!(options.standard_error >= 0.0) || !(options.change >= 0.0) || !(options.significance >= 0.0))
-    throw std::invalid_argument("the bounds of standard error, significance and change must be >= 0");
-}
-
 /// Tangent vectors, orthonormalised now and then.
 class Frame {
  public:
@@ -70,6 +54,22 @@ class Frame {
 
 }  // namespace
 
+void validate(const HybridSystem& system, const LyapunovOptions& options) {
+  if (!system.forcing_frequency)
+    throw std::invalid_argument("the exponents are averaged over forcing periods; this system is autonomous");
+  if (options.interval < 1)
+    throw std::invalid_argument(fmt::format("interval is {}; allowed is a whole number >= 1", options.interval));
+  if (options.motions < 1)
+    throw std::invalid_argument(fmt::format("motions is {}; allowed is a whole number >= 1", options.motions));
+  if (options.aligning < 0)
+    throw std::invalid_argument(fmt::format("aligning is {}; allowed is a whole number >= 0", options.aligning));
+  if (options.max_periods < options.interval)
+    throw std::invalid_argument(
+        fmt::format("max_periods is {}; allowed is at least the interval, {}", options.max_periods, options.interval));
+  if (!(options.standard_error >= 0.0) || !(options.change >= 0.0) || !(options.significance >= 0.0))
+    throw std::invalid_argument("the bounds of standard error, significance and change must be >= 0");
+}
+
 std::string_view lyapunov_stop_text(LyapunovStop reason) {
   switch (reason) {
   case LyapunovStop::not_run:
@@ -99,7 +99,7 @@ double kaplan_yorke_dimension(const std::vector<double>& exponents) {
 
 LyapunovSpectrum lyapunov_spectrum(const HybridSystem& system, const Vector& p, const Vector& state,
                                    const LyapunovOptions& options) {
-  check(system, options);
+  validate(system, options);
   if (options.motions > 1 && ManyMotions::applies(system, p, options.flow))
     return std::move(lane_spectra(system, {{p, state}}, options).front());
   initial_mode(system, 0.0, state, p);

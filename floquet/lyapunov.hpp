@@ -48,6 +48,9 @@ struct LyapunovOptions {
   std::function<void(std::int64_t periods)> progress = {};
 };
 
+/// @throws std::invalid_argument for an autonomous system, or options out of range.
+void validate(const HybridSystem& system, const LyapunovOptions& options);
+
 struct LyapunovSpectrum {
   LyapunovStop stop = LyapunovStop::not_run;
   Termination termination = Termination::failed;  ///< of the last period carried out

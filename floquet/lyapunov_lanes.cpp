@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace graze {
 
@@ -46,11 +47,11 @@ class Average {
   }
 
   /// What `periods` more did to its motions, one after the other.
-  void add(const PeriodResult* results, std::size_t periods) {
+  void add(const PeriodResult* results, std::size_t periods, std::size_t threads) {
     for (std::size_t k = 0; k < periods && open_;) {
       const std::size_t n = std::min<std::size_t>(periods - k, static_cast<std::size_t>(until_look()));
       const bool counted = uncounted_ == 0;
-      const std::size_t parts = options_.all_threads && n >= long_for_threads ? std::min(threads_here(), motions_.size()) : 1;
+      const std::size_t parts = n >= long_for_threads ? std::min(threads, motions_.size()) : 1;
       in_parallel(parts, [&](std::size_t part) {
         for (std::size_t i = part * motions_.size() / parts; i < (part + 1) * motions_.size() / parts; ++i)
           motions_[i].add({&results[i * periods + k], n}, counted, options_.interval);
@@ -168,8 +169,10 @@ class Average {
 
 std::vector<LyapunovSpectrum> lane_spectra(const HybridSystem& system, const std::vector<AverageStart>& starts,
                                            const LyapunovOptions& options) {
+  validate(system, options);
   ManyMotions many(system, options.flow);
   if (options.all_threads) many.use_all_threads();
+  const std::size_t threads = options.all_threads ? threads_here() : 1;
   std::vector<Average> averages;
   averages.reserve(starts.size());
   for (const AverageStart& start : starts) {
@@ -180,6 +183,7 @@ std::vector<LyapunovSpectrum> lane_spectra(const HybridSystem& system, const std
   }
   std::vector<MotionStart> motions;
   std::vector<PeriodResult> results;
+  std::vector<std::pair<Average*, const PeriodResult*>> open;
   std::int64_t told = 0;
   std::size_t carried = 0;
   for (;;) {
@@ -199,11 +203,16 @@ std::vector<LyapunovSpectrum> lane_spectra(const HybridSystem& system, const std
     many.carry(motions, stretch, true, results);
     carried += stretch;
     const PeriodResult* next = results.data();
+    open.clear();
     for (Average& average : averages) {
       if (!average.open()) continue;
-      average.add(next, stretch);
+      open.emplace_back(&average, next);
       next += average.motions().size() * stretch;
     }
+    const std::size_t parts = std::min(open.size(), threads);
+    in_parallel(parts, [&](std::size_t part) {
+      for (std::size_t i = part; i < open.size(); i += parts) open[i].first->add(open[i].second, stretch, threads / parts);
+    });
   }
   std::vector<LyapunovSpectrum> spectra;
   for (Average& average : averages) spectra.push_back(std::move(average).result());

@@ -13,6 +13,13 @@ int longer_transient(int transient) {
   return 3 * std::max(transient, shortest);
 }
 
+std::optional<PeriodicOrbit> look_for_orbit(const HybridSystem& system, const Vector& p, const Vector& state, int max_period,
+                                            const AttractorOptions& options) {
+  if (options.recurrence > 0.0)
+    return orbit_of_close_returns(system, p, state, max_period, nearness_of(options), options.lyapunov.flow);
+  return settling_orbit(system, p, state, max_period, options.lyapunov.flow);
+}
+
 void push_off(const HybridSystem& system, const Vector& p, int round, Vector& state) {
   const double far = 1e-4 * std::pow(10.0, round) * (1.0 + state.lpNorm<Eigen::Infinity>());
   for (const double way : {-far, far}) {

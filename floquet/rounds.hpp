@@ -14,6 +14,10 @@ int longer_transient(int transient);
 /// So is, where averages are short, one that they leave undecided: it may be on a long transient.
 inline constexpr int rounds_for_undecided = 2;
 
+/// The orbit of up to max_period periods that a motion is settling on, looked for in a transient or at the end of an average.
+std::optional<PeriodicOrbit> look_for_orbit(const HybridSystem& system, const Vector& p, const Vector& state, int max_period,
+                                            const AttractorOptions& options);
+
 /// Off an unstable orbit that it is on, farther each time; not into a barrier.
 void push_off(const HybridSystem& system, const Vector& p, int round, Vector& state);
 

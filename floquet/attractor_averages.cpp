@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Time averages on attractors, of one motion or of several side by side, and what they say.
+#include <graze/floquet/approach.hpp>
+#include <graze/floquet/rounds.hpp>
+#include <graze/lib/in_parallel.hpp>
+
+#include <algorithm>
+#include <iterator>
+
+namespace graze {
+
+namespace {
+
+/// Chaos is averaged over so many motions side by side, if the budget leaves each of them the longer part of it after parting.
+constexpr int motions_in_chaos = 16;
+constexpr std::int64_t budget_for_many = 4 * motions_in_chaos * parting;
+
+void average_on_orbit(const HybridSystem& system, const AttractorAt& at, const AttractorOptions& options) {
+  LyapunovOptions averaging = options.lyapunov;
+  averaging.max_periods = std::min<std::int64_t>(averaging.max_periods, options.periods_on_orbit);
+  if (averaging.max_periods >= averaging.interval)
+    at.attractor->time_average = lyapunov_spectrum(system, at.p, at.attractor->state, averaging);
+}
+
+std::vector<LyapunovSpectrum> spectra(const HybridSystem& system, const std::vector<AttractorAt>& which,
+                                      const LyapunovOptions& averaging) {
+  std::vector<AverageStart> starts;
+  for (const AttractorAt& at : which) starts.push_back({at.p, at.attractor->state});
+  const bool side_by_side =
+      averaging.motions > 1 && which.size() > 1 &&
+      std::all_of(which.begin(), which.end(), [&](const auto& at) { return ManyMotions::applies(system, at.p, averaging.flow); });
+  if (side_by_side) return lane_spectra(system, starts, averaging);
+  std::vector<LyapunovSpectrum> out;
+  for (const AverageStart& start : starts) out.push_back(lyapunov_spectrum(system, start.p, start.state, averaging));
+  return out;
+}
+
+/// What an average says, with a look at where its motions ended: so many at a time.
+void conclude(const HybridSystem& system, const AttractorAt& at, LyapunovSpectrum average, const AttractorOptions& options,
+              std::size_t together) {
+  Attractor& attractor = *at.attractor;
+  // Where it was broken off says nothing: the rest may have come to something else.
+  if (average.stop == LyapunovStop::interrupted) return take_average(std::move(average), options, attractor);
+  attractor.time_average = std::move(average);
+  attractor.state = attractor.time_average.state;
+  std::vector<Vector> ends = attractor.time_average.others;
+  ends.insert(ends.begin(), attractor.state);
+  if (ends.size() > 1) ends = that_may_settle(system, at.p, ends, options.lyapunov.flow);
+  for (std::size_t begin = 0; begin < ends.size(); begin += together) {
+    std::vector<std::optional<PeriodicOrbit>> orbits(std::min(together, ends.size() - begin));
+    in_parallel(orbits.size(),
+                [&](std::size_t i) { orbits[i] = look_for_orbit(system, at.p, ends[begin + i], options.max_period, options); });
+    if (cancelled(options)) {  // not all of them were looked at
+      attractor.time_average.stop = LyapunovStop::interrupted;
+      break;
+    }
+    for (auto& orbit : orbits)  // one that has settled tells that the chaos was transient
+      if (orbit) return settle_on(attractor, std::move(*orbit));
+  }
+  take_average(std::move(attractor.time_average), options, attractor);
+}
+
+void average(const HybridSystem& system, const std::vector<AttractorAt>& which, const LyapunovOptions& averaging,
+             const AttractorOptions& options) {
+  std::vector<LyapunovSpectrum> averages = spectra(system, which, averaging);
+  const std::size_t threads = options.lyapunov.all_threads ? threads_here() : 1;
+  if (which.size() == 1) return conclude(system, which[0], std::move(averages[0]), options, threads);
+  const auto one = [&](std::size_t i) { conclude(system, which[i], std::move(averages[i]), options, 1); };
+  if (threads > 1) return in_parallel(which.size(), one);
+  for (std::size_t i = 0; i < which.size(); ++i) one(i);
+}
+
+/// Motions side by side are short. Where they have not settled, one is followed for as long as one that is averaged alone.
+void look_far_on(const HybridSystem& system, const std::vector<AttractorAt>& which, const AttractorOptions& options) {
+  AttractorOptions far = options;
+  far.transient = 2000;
+  std::vector<Attractor*> looked_at;
+  std::vector<AverageStart> starts;
+  for (const AttractorAt& at : which) {
+    const LyapunovStop stop = at.attractor->time_average.stop;
+    if (at.attractor->type == AttractorType::periodic || at.attractor->time_average.others.empty()) continue;
+    if (stop != LyapunovStop::standard_error && stop != LyapunovStop::budget) continue;
+    looked_at.push_back(at.attractor);
+    starts.push_back({at.p, at.attractor->state});
+  }
+  std::vector<Attractor> later = approach_each_attractor(system, starts, far);
+  for (std::size_t i = 0; i < later.size(); ++i) {
+    if (later[i].termination == Termination::interrupted) looked_at[i]->time_average.stop = LyapunovStop::interrupted;
+    if (later[i].orbit) settle_on(*looked_at[i], std::move(*later[i].orbit));
+  }
+}
+
+/// Of the motion that was averaged from `begin` on: null where it cannot linger.
+std::optional<Lingering> lingering(const HybridSystem& system, const Vector& p, const Vector& begin, const Attractor& attractor,
+                                   const AttractorOptions& options) {
+  if (attractor.type == AttractorType::periodic || attractor.time_average.stop == LyapunovStop::interrupted ||
+      attractor.time_average.termination != Termination::time)
+    return std::nullopt;
+  const FlowOptions& flow = options.lyapunov.flow;
+  const Returns returns = close_returns(system, p, attractor.state, options.max_period, nearness_of(options), flow);
+  if (returns.periods.empty()) return std::nullopt;
+  Propagator propagator(system, p, {}, flow);
+  Lingering watch = watch_end(attractor, returns.periods.front(), forcing_period(system, p), options);
+  const auto stop = [&] { return cancelled(options); };
+  if (!carry_watched(propagator, watch, stop)) return std::nullopt;
+  watch.look_back(begin, periods_each(attractor.time_average));
+  if (!carry_watched(propagator, watch, stop)) return std::nullopt;
+  return watch;
+}
+
+/// Whether the motion that was averaged from `begin` on has to be followed on.
+bool goes_on(const HybridSystem& system, const AttractorAt& at, const Vector& begin, int round, const AttractorOptions& options) {
+  Attractor& attractor = *at.attractor;
+  const std::optional<Lingering> watch = lingering(system, at.p, begin, attractor, options);
+  LyapunovStop& stop = attractor.time_average.stop;
+  const bool open = attractor.type != AttractorType::periodic && stop != LyapunovStop::interrupted;
+  if (open && cancelled(options)) stop = LyapunovStop::interrupted;  // it may go on
+  if (!watch || !watch->goes_on()) return false;
+  if (round == most_rounds) {
+    if (watch->always()) attractor.type = AttractorType::undecided;
+    return false;
+  }
+  if (watch->on_an_orbit()) push_off(system, at.p, round, attractor.state);
+  return true;
+}
+
+}  // namespace
+
+void average_on_each_attractor(const HybridSystem& system, const std::vector<AttractorAt>& which,
+                               const AttractorOptions& options) {
+  std::vector<AttractorAt> open;
+  for (const AttractorAt& at : which) {
+    if (at.attractor->termination != Termination::time) continue;
+    if (at.attractor->type == AttractorType::periodic)
+      average_on_orbit(system, at, options);
+    else
+      open.push_back(at);
+  }
+  LyapunovOptions averaging = options.lyapunov;
+  averaging.significance = options.significance;  // long enough to tell chaos, too
+  if (averaging.change == 0.0 && averaging.max_periods >= budget_for_many)
+    averaging.motions = std::max(averaging.motions, motions_in_chaos);
+  AttractorOptions longer = options;
+  for (int round = 0; !open.empty(); ++round) {
+    std::vector<Vector> begin;
+    for (const AttractorAt& at : open) begin.push_back(at.attractor->state);
+    average(system, open, averaging, options);
+    std::vector<AttractorAt> unsure;
+    std::copy_if(open.begin(), open.end(), std::back_inserter(unsure),
+                 [&](const AttractorAt& at) { return wants_confirmation(options, *at.attractor); });
+    average(system, unsure, averaging, options);
+    look_far_on(system, open, options);
+    longer.transient = longer_transient(longer.transient);
+    std::vector<AttractorAt> going_on;
+    for (std::size_t i = 0; i < open.size(); ++i) {
+      if (!goes_on(system, open[i], begin[i], round, options)) continue;
+      Attractor& attractor = *open[i].attractor;
+      attractor = approach_attractor(system, open[i].p, attractor.state, longer);
+      if (attractor.type == AttractorType::periodic)
+        average_on_orbit(system, open[i], options);
+      else if (attractor.termination == Termination::time)
+        going_on.push_back(open[i]);
+    }
+    open = std::move(going_on);
+  }
+}
+
+void average_on_attractor(const HybridSystem& system, const Vector& p, Attractor& attractor, const AttractorOptions& options) {
+  average_on_each_attractor(system, {{p, &attractor}}, options);
+}
+
+}  // namespace graze
