@@ -164,14 +164,21 @@ template <class Real, bool Tangent> void fly(Memory<Real>& m) {
     m.set(spiral_s, moves, dot(by.turn_c, F, by.turn_s, E));
   }
   m.set(flown, moves, Real(m[flown] + h));
-  m.set(ahead, moves, Real(left - h));
+  // Above the ceiling no march gets away from a point of the grid: the step to the next one follows at once.
+  const Real length = m[cell], here = m[next_point];
+  const Mask<Real> on_grid = moves & (h >= left), ends = on_grid & (here == m[cells]);
+  const Mask<Real> follows = on_grid & (!ends) & (x1 >= m[ceiling]);
+  m.set(next_point, follows, Real(here + 1.0));
+  m.set(ahead, moves, select(follows, length, Real(left - h)));
   // Longer steps again where this one was not the result of a search.
-  m.set(trial, moves, least(Real(select(m[tried] > Real(0.5), h, Real(2.0 * h))), Real(left - h)));
+  const Real longer = least(Real(select(m[tried] > Real(0.5), h, Real(2.0 * h))), Real(left - h));
+  m.set(trial, moves, select(follows, length, longer));
   m.set(trial, stays, Real(0.5 * h));
   m.set(tried, select(stays, Real(1.0), Real(0.0)));
-  m.assign(moves & (h >= left), Task::marching);
+  m.assign(on_grid & !follows, Task::marching);
+  m.assign(ends, Task::period_end);
   m.assign(crosses, Task::crossing);
-  m.assign((flying & close) | (stays & (h < shortest_step * m[cell])), Task::given_up);
+  m.assign((flying & close) | (stays & (h < shortest_step * length)), Task::given_up);
 }
 
 }  // namespace GRAZE_ARITHMETIC

@@ -6,6 +6,8 @@
 #include <graze/lib/lanes/real.hpp>
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
 
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
@@ -58,9 +60,10 @@ enum Field : std::size_t {
 
 template <class Real> struct Memory {
   static constexpr std::size_t W = width<Real>;
+  static_assert(W <= 8, "a byte for each task");
   alignas(64) double coefficient[coefficients][W];
   alignas(64) double field[fields][W];
-  alignas(64) double task[W];
+  std::uint64_t tasks = 0;  ///< byte t: which lanes are at Task t, bit by bit
   std::size_t motion[W], period[W];
   const Coefficients* coefficients_of[W];  ///< those that `coefficient` has
   const Grid* grid[W];
@@ -87,12 +90,17 @@ template <class Real> struct Memory {
   template <class Mask> void set(Field f, const Mask& mask, const Real& value) {
     put(field[f], Real(select(mask, value, take<Real>(field[f]))));
   }
-  auto is(Task t) const { return take<Real>(task) == Real(static_cast<double>(t)); }
-  bool is(std::size_t lane, Task t) const { return task[lane] == static_cast<double>(t); }
-  template <class Mask> void assign(const Mask& mask, Task t) {
-    put(task, Real(select(mask, Real(static_cast<double>(t)), take<Real>(task))));
+  /// The lanes at a task: bit by bit, how many, as a mask.
+  unsigned at(Task t) const { return static_cast<unsigned>(tasks >> 8 * static_cast<unsigned>(t)) & 0xffU; }
+  int count(Task t) const { return std::popcount(at(t)); }
+  auto is(Task t) const { return mask_of<Real>(at(t)); }
+  bool is(std::size_t lane, Task t) const { return (at(t) >> lane & 1U) != 0; }
+  void assign_bits(unsigned lanes, Task t) {
+    constexpr std::uint64_t each_byte = 0x0101010101010101U;
+    tasks = (tasks & ~(lanes * each_byte)) | std::uint64_t{lanes} << 8 * static_cast<unsigned>(t);
   }
-  void assign(std::size_t lane, Task t) { task[lane] = static_cast<double>(t); }
+  template <class Mask> void assign(const Mask& mask, Task t) { assign_bits(bits(mask), t); }
+  void assign(std::size_t lane, Task t) { assign_bits(1U << lane, t); }
   /// Nothing of the period has been: the tangent is the identity.
   template <class Mask> void begin_tangent(const Mask& where) {
     for (const Field one : {phi_00, phi_11, det}) set(one, where, Real(1.0));

@@ -54,13 +54,18 @@ template <class Real> Mask<Real> mask_of(unsigned bits) {
   else if constexpr (width<Real> == 8)
     return Mask<Real>(static_cast<__mmask8>(bits));
 #endif
+#if XSIMD_WITH_AVX2
+  else if constexpr (width<Real> == 4) {
+    const __m256i each = _mm256_setr_epi64x(1, 2, 4, 8);
+    return Mask<Real>(_mm256_castsi256_pd(_mm256_cmpeq_epi64(_mm256_and_si256(_mm256_set1_epi64x(bits), each), each)));
+  }
+#endif
   else {
     alignas(64) double one[width<Real>];
     for (std::size_t i = 0; i < width<Real>; ++i) one[i] = static_cast<double>(bits >> i & 1U);
     return Real::load_aligned(one) > Real(0.5);
   }
 }
-template <class Mask> int count(const Mask& mask) { return std::popcount(bits(mask)); }
 template <class Mask, class Function> void for_each(const Mask& mask, const Function& function) {
   for (unsigned lanes = bits(mask); lanes != 0; lanes &= lanes - 1) function(static_cast<std::size_t>(std::countr_zero(lanes)));
 }

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Carrier: what the lanes of a register do, step by step: what most of them are at, be it a march far from the barrier, a step of
+// flight near it, the end of a flight or of a period, a step of contact. One that is through takes the next motion. Lanes do not
+// wait for each other at the end of a period, only at these.
+#pragma once
+
+#include <graze/lib/lanes/cubic_flight.hpp>
+#include <graze/lib/lanes/passage.hpp>
+#include <graze/lib/lanes/whole_contact.hpp>
+
+#include <cmath>
+
+namespace graze::lanes {
+inline namespace GRAZE_ARITHMETIC {
+
+template <class Flight> class Carrier {
+  using Real = typename Flight::Real;
+  static constexpr bool Tangent = Flight::tangent;
+
+ public:
+  /// `taken`: how many of the job's motions are in a lane already, of this or of another Carrier.
+  Carrier(const Job& job, std::size_t& taken) : job_(job), taken_(taken) {
+    if (job.law == Law::hertz) ratio_ = std::pow(job.tolerance, 1.0 / static_cast<double>(detail::hertz_order));
+    for (std::size_t i = 0; i < job.count; ++i) {
+      tables_ = tables_ || job.motions[i].table;
+      met_ = met_ || job.motions[i].met;
+    }
+    Starts starts;
+    for (std::size_t lane = 0; lane < W; ++lane) next_motion(lane, starts);
+    begin_periods(starts);
+  }
+
+  /// One step of the lanes. False: there is nothing left to do.
+  bool step() {
+    // What takes longest waits until it is worth it: a step of contact (with a table they are rare, and few lanes wait for them)
+    // and the end of a flight at the barrier. A step of flight by series takes nearly as long.
+    const int most = static_cast<int>(tables_ ? (W + 3) / 4 : Flight::cubic ? (5 * W + 7) / 8 : (3 * W + 3) / 4);
+    constexpr int many = static_cast<int>(Flight::cubic ? (W + 3) / 4 : (5 * W + 7) / 8);
+    const int contacts = memory_.count(Task::contact), crossings = memory_.count(Task::crossing),
+              flights = memory_.count(Task::flight), ends = memory_.count(Task::period_end),
+              marching = memory_.count(Task::marching);
+    const int others = marching + flights + ends;
+    if (contacts >= most || (contacts > 0 && crossings + others == 0)) {
+      const Surfacing<Real> up = press<Flight>(memory_, job_, ratio_);
+      if (any(up.at_barrier)) Flight::leave_barrier(memory_, up.at_barrier, up.v, up.c, up.s);
+      if (any(up.at_end)) end_periods(up.at_end, Real(memory_[barrier] + up.y * up.y), up.v, up.y);
+    } else if (crossings >= many || (crossings > 0 && others == 0)) {
+      const Landing<Real> landing = Flight::land(memory_);
+      if (any(landing.where)) hit(landing);
+    } else if (marching > 0 && marching >= flights && marching >= ends) {
+      Flight::march(memory_);
+    } else if (flights > 0 && flights >= ends) {
+      Flight::fly(memory_, job_);
+    } else if (ends > 0) {
+      end_in_flight();
+    }
+    if (memory_.count(Task::given_up) > 0) give_up();
+    return memory_.count(Task::idle) < static_cast<int>(W);
+  }
+
+ private:
+  static constexpr std::size_t W = width<Real>;
+
+  /// Where the next periods of lanes begin; depth < 0: not in contact.
+  struct Starts {
+    alignas(64) double x[W] = {}, v[W] = {}, depth[W] = {};
+    unsigned there = 0;  // bit by bit
+  };
+
+  void hit(Landing<Real> landing) {
+    landing.where = memory_.count_impacts(landing.where);
+    if (job_.law == Law::restitution) return rebound<Flight>(memory_, landing);
+    if (job_.law == Law::linear_elastic) return change_sides<Flight>(memory_, landing, job_.motions);
+    Mask<Real> touching = landing.where;
+    if constexpr (!Flight::cubic) {  // there are no tables of others
+      if (met_) note_speeds(memory_, landing);
+      if (tables_) touching = touching & !pass_known(landing);
+    }
+    if (any(touching)) touch(memory_, touching, Real(0.0), landing.v, landing.c, landing.s);
+  }
+
+  /// Contacts that the table knows.
+  Mask<Real> pass_known(const Landing<Real>& landing) {
+    const KnownContact<Real> contact = known_contact<Real, Tangent>(memory_, landing);
+    if (any(contact.ends)) leave_known<Real, Tangent>(memory_, contact);
+    if (any(contact.spans)) {
+      const Real before = memory_[rest];
+      begin_spanning<Real, Tangent>(memory_, contact);
+      const Mask<Real> goes_on = end_periods(contact.spans, Real(memory_[barrier] + contact.y * contact.y), contact.v, contact.y);
+      if (any(goes_on)) end_spanning<Real, Tangent>(memory_, goes_on, contact, before);
+    }
+    return contact.ends | contact.spans;
+  }
+
+  void end_in_flight() {
+    const Mask<Real> where = memory_.is(Task::period_end);
+    const auto [x, v] = Flight::end(memory_, where);
+    end_periods(where, x, v, Real(-1.0));
+  }
+
+  /// Writes down what the periods did, and begins the next. Says which motions go on.
+  Mask<Real> end_periods(const Mask<Real>& where, const Real& x, const Real& v, const Real& depth) {
+    Starts starts;
+    unsigned goes_on = 0;
+    put(starts.x, x);
+    put(starts.v, v);
+    put(starts.depth, depth);
+    for_each(where, [&](std::size_t lane) {
+      const Motion& motion = job_.motions[memory_.motion[lane]];
+      Period& result = motion.results[memory_.period[lane]];
+      const int impacts = memory_.impacts[lane];
+      result.x = starts.x[lane];
+      result.v = starts.v[lane];
+      if constexpr (Tangent) {
+        for (std::size_t i = 0; i < 4; ++i) result.Phi[i] = memory_.field[phi_00 + i][lane];
+        result.det = memory_.field[det][lane];
+        const double of_impacts = impacts > 0 ? impacts * memory_.coefficient[rebound_volume][lane] : 0.0;
+        result.liouville = memory_.field[divergence][lane] + of_impacts;
+      }
+      result.impacts = impacts;
+      result.termination = Termination::time;
+      result.by_propagator = false;
+      memory_.impacts[lane] = 0;
+      if (++memory_.period[lane] < motion.periods)
+        goes_on |= 1U << lane;
+      else
+        end_motion(lane, starts);
+    });
+    starts.there |= goes_on;
+    begin_periods(starts);
+    return mask_of<Real>(goes_on);
+  }
+
+  void begin_periods(const Starts& starts) {
+    const Mask<Real> where = mask_of<Real>(starts.there);
+    const Real x = take<Real>(starts.x), v = take<Real>(starts.v), y = take<Real>(starts.depth);
+    memory_.set(rest, where, memory_[period]);
+    memory_.begin_tangent(where);
+    const Mask<Real> pressed = where & (y >= Real(0.0));
+    if (any(pressed)) touch(memory_, pressed, y, v, Real(1.0), Real(0.0));
+    Flight::begin_period(memory_, where & !pressed, x, v);
+  }
+
+  /// Puts the next motion, if there is one, in a lane.
+  void next_motion(std::size_t lane, Starts& starts) {
+    if (taken_ == job_.count) return memory_.assign(lane, Task::idle);
+    const Motion& motion = job_.motions[taken_];
+    memory_.motion[lane] = taken_++;
+    memory_.period[lane] = 0;
+    memory_.table[lane] = motion.table;
+    memory_.met[lane] = motion.met;
+    place(lane, motion, motion.x, motion.v, starts);
+  }
+
+  /// Lets the motion of a lane begin a period at (x, v).
+  void place(std::size_t lane, const Motion& motion, double x, double v, Starts& starts) {
+    memory_.impacts[lane] = 0;
+    const double into = x - (*motion.coefficients)[barrier];
+    memory_.load(lane, motion, job_.law == Law::linear_elastic && into > 0.0);
+    if (job_.law == Law::restitution && into > 0.0) return memory_.assign(lane, Task::given_up);
+    starts.x[lane] = x;
+    starts.v[lane] = v;
+    starts.depth[lane] = job_.law == Law::hertz && into > 0.0 ? std::sqrt(into) : -1.0;
+    starts.there |= 1U << lane;
+  }
+
+  void end_motion(std::size_t lane, Starts& starts) {
+    job_.carried[memory_.motion[lane]] = memory_.period[lane];
+    next_motion(lane, starts);
+  }
+
+  void give_up() {
+    Starts starts;
+    for_each(memory_.is(Task::given_up), [&](std::size_t lane) {
+      const Motion& motion = job_.motions[memory_.motion[lane]];
+      const std::size_t period = memory_.period[lane];
+      const bool done = job_.do_given_up && job_.do_given_up(job_.whom, job_, motion, period);
+      if (!done || ++memory_.period[lane] == motion.periods) return end_motion(lane, starts);
+      place(lane, motion, motion.results[period].x, motion.results[period].v, starts);
+    });
+    begin_periods(starts);
+  }
+
+  const Job& job_;
+  std::size_t& taken_;
+  double ratio_ = 1.0;
+  bool tables_ = false, met_ = false;
+  Memory<Real> memory_;
+};
+
+}  // namespace GRAZE_ARITHMETIC
+}  // namespace graze::lanes
