@@ -30,11 +30,14 @@ template <class Flight> class Carrier {
     begin_periods(starts);
   }
 
-  /// One step of the lanes. False: there is nothing left to do.
+  /// Whether there is anything left to do.
+  bool busy() const { return memory_.count(Task::idle) < static_cast<int>(W); }
+
+  /// One step of the lanes; busy() after it.
   bool step() {
     // What takes longest waits until it is worth it: a step of contact (with a table they are rare, and few lanes wait for them)
     // and the end of a flight at the barrier. A step of flight by series takes nearly as long.
-    const int most = static_cast<int>(tables_ ? (W + 3) / 4 : Flight::cubic ? (5 * W + 7) / 8 : (3 * W + 3) / 4);
+    const int most = tables_ ? static_cast<int>(W + 3) / 4 : static_cast<int>(Flight::cubic ? (5 * W + 7) / 8 : (3 * W + 3) / 4);
     constexpr int many = static_cast<int>(Flight::cubic ? (W + 3) / 4 : (5 * W + 7) / 8);
     const int contacts = memory_.count(Task::contact), crossings = memory_.count(Task::crossing),
               flights = memory_.count(Task::flight), ends = memory_.count(Task::period_end),
@@ -55,7 +58,7 @@ template <class Flight> class Carrier {
       end_in_flight();
     }
     if (memory_.count(Task::given_up) > 0) give_up();
-    return memory_.count(Task::idle) < static_cast<int>(W);
+    return busy();
   }
 
  private:
