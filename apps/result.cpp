@@ -80,6 +80,8 @@ bool writes_files(const OutputOptions& options) {
   return !options.json.empty() || !options.csv.empty() || !options.plot.empty() || !options.out.empty();
 }
 
+bool wants_json(const OutputOptions& options) { return !options.json.empty() || !options.plot.empty() || !options.out.empty(); }
+
 bool wants_table(const OutputOptions& options) { return !options.csv.empty() || !options.out.empty(); }
 
 void check_outputs(const OutputOptions& options, const std::string& input) {

@@ -43,7 +43,8 @@ void check_outputs(const OutputOptions& options, const std::string& input = {});
 /// Whether the result goes anywhere but, as a text, to stdout.
 bool writes_files(const OutputOptions& options);
 
-/// Whether its table goes anywhere.
+/// Whether all of its JSON goes anywhere, or into a picture; whether its table goes anywhere.
+bool wants_json(const OutputOptions& options);
 bool wants_table(const OutputOptions& options);
 
 /// How long a stint (stints.hpp) is in seconds, after which keep() has something to do; nullopt: it never has.

@@ -25,11 +25,12 @@ template <class Work> void on_threads(int threads, std::size_t n, const Work& wo
 
 /// Appends to `text` what write(0, text) ... write(n - 1, text) append.
 template <class Write> void append_items(int threads, std::size_t n, std::string& text, const Write& write) {
-  constexpr std::size_t together = 16;
-  if (threads <= 1 || n <= together) {
+  constexpr std::size_t fewest = 16, blocks_of_a_thread = 64;
+  if (threads <= 1 || n <= fewest) {
     for (std::size_t k = 0; k < n; ++k) write(k, text);
     return;
   }
+  const std::size_t together = std::max(fewest, n / (blocks_of_a_thread * static_cast<std::size_t>(threads)));
   std::vector<std::string> blocks((n + together - 1) / together);
   on_threads(threads, blocks.size(), [&](std::size_t i) {
     for (std::size_t k = i * together; k < std::min(n, (i + 1) * together); ++k) write(k, blocks[i]);

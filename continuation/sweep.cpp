@@ -19,7 +19,7 @@ namespace {
 /// Rows whose time averages are taken side by side, where lanes know the oscillator; and groups of them that wait for theirs, or
 /// for one before them, for each thread that has nothing else to do: enough that it has, and not too many to lose.
 constexpr std::size_t rows_side_by_side = 8;
-constexpr std::size_t groups_on_a_thread = 1, rows_on_a_thread = 4;
+constexpr std::size_t groups_on_a_thread = 3, rows_on_a_thread = 4;
 
 /// The attractor that a motion comes to. Where it repeats itself to within `repeats` on its way, Newton's method is tried at
 /// once; at its end all returns are.

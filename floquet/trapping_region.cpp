@@ -66,10 +66,16 @@ double norm_in(const Matrix& H, const Vector& d) { return std::sqrt(std::max(0.0
 
 bool TrappingRegion::holds(const Vector& x) const {
   if (!(size > 0.0)) return false;
+  const Eigen::Index n = x.size();
   for (std::size_t k = 0; k < centres.size(); ++k) {
-    if (!((x - centres[k]).lpNorm<Eigen::Infinity>() <= size)) continue;
-    const Vector d = x - centres[k];
-    if (d.dot(metrics[k] * d) <= size * size) return true;
+    const Vector& c = centres[k];
+    bool near = true;  // entry by entry: mostly the first is too far away
+    for (Eigen::Index i = 0; near && i < n; ++i) near = std::abs(x[i] - c[i]) <= size;
+    if (!near) continue;
+    double V = 0.0;
+    for (Eigen::Index i = 0; i < n; ++i)
+      for (Eigen::Index j = 0; j < n; ++j) V += (x[i] - c[i]) * metrics[k](i, j) * (x[j] - c[j]);
+    if (V <= size * size) return true;
   }
   return false;
 }

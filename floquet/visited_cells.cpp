@@ -93,6 +93,7 @@ bool Strand::add(const VisitedCells& cells, const Vector& x) {
     met_.clear();
     return false;
   }
+  if (met_.empty()) met_.reserve(VisitedCells::window);
   met_.push_back(number);
   if (met_.size() < VisitedCells::window) return false;
   const bool enough = 2 * distinct(met_.begin(), met_.end()) >= cells.least_in_window();

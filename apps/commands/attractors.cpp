@@ -68,13 +68,18 @@ std::array<Axis, 2> axes_of(const Options& options, const Problem& problem) {
 
 /// In the order of the picture: row by row, x fastest. Random ones are drawn from the bits of the generator, which are the same
 /// everywhere.
-std::vector<Vector> starts_of(const Options& options, const std::array<Axis, 2>& axes) {
-  std::vector<Vector> starts;
+std::vector<Vector> starts_of(const Options& options, const std::array<Axis, 2>& axes, int threads) {
   if (!options.random) {
-    for (int j = 0; j < axes[1].count; ++j)
-      for (int i = 0; i < axes[0].count; ++i) starts.push_back(Vector{{axes[0].at(i), axes[1].at(j)}});
+    const auto across = static_cast<std::size_t>(axes[0].count), rows = static_cast<std::size_t>(axes[1].count);
+    std::vector<Vector> starts(across * rows);
+    on_threads(threads, rows, [&](std::size_t j) {
+      for (std::size_t i = 0; i < across; ++i)
+        starts[j * across + i] = Vector{{axes[0].at(static_cast<int>(i)), axes[1].at(static_cast<int>(j))}};
+    });
     return starts;
   }
+  std::vector<Vector> starts;
+  starts.reserve(static_cast<std::size_t>(*options.random));
   std::mt19937_64 generator(static_cast<unsigned>(options.seed.value_or(1)));
   const auto draw = [&](const Axis& axis) {
     return axis.from + (axis.to - axis.from) * (static_cast<double>(generator() >> 11) * 0x1p-53);
@@ -123,17 +128,22 @@ StartOutcome outcome_of(const Json& code) {
 Json basins_json(const Options& options, const std::array<Axis, 2>& axes, const std::vector<Vector>& starts,
                  const std::vector<StartOutcome>& outcomes) {
   Json json;
+  const auto codes = [&](std::size_t begin, std::size_t end) {
+    Json::array_t list;
+    list.reserve(end - begin);
+    for (std::size_t k = begin; k < end; ++k) list.push_back(code_of(outcomes[k]));
+    return list;
+  };
   if (options.random) {
     for (const Vector& start : starts) json["starts"].push_back(to_json(start));
-    for (const StartOutcome& outcome : outcomes) json["attractor"].push_back(code_of(outcome));
+    json["attractor"] = codes(0, outcomes.size());
     return json;
   }
   for (int i = 0; i < axes[0].count; ++i) json["x"].push_back(axes[0].at(i));
   for (int j = 0; j < axes[1].count; ++j) json["v"].push_back(axes[1].at(j));
-  for (std::size_t k = 0; k < outcomes.size(); ++k) {
-    if (k % json["x"].size() == 0) json["attractor"].push_back(Json::array());
-    json["attractor"].back().push_back(code_of(outcomes[k]));
-  }
+  const auto across = static_cast<std::size_t>(axes[0].count);
+  Json& rows = json["attractor"] = Json::array();
+  for (std::size_t k = 0; k < outcomes.size(); k += across) rows.push_back(codes(k, std::min(k + across, outcomes.size())));
   return json;
 }
 
@@ -271,7 +281,7 @@ int run(const Options& given, const Console& console) {
   check_outputs(options.output, options.start.file);
   const Problem problem = open_problem(options.start, console);
   const std::array<Axis, 2> axes = axes_of(options, problem);
-  const std::vector<Vector> starts = starts_of(options, axes);
+  const std::vector<Vector> starts = starts_of(options, axes, console.thread_count());
   check_starts(problem, starts);
   Result result;
   result.json = result_head("attractors/1", "attractors", problem, described(options, axes));
@@ -284,7 +294,7 @@ int run(const Options& given, const Console& console) {
     set_status(json, status, message);
     put_basins(json, basins);
     // Of many starts these are large.
-    if (writes_files(options.output)) json["basins"] = basins_json(options, axes, starts, basins.outcomes);
+    if (wants_json(options.output)) json["basins"] = basins_json(options, axes, starts, basins.outcomes);
     return json;
   };
   {
