@@ -46,7 +46,7 @@ Attractor approach_attractor(const HybridSystem& system, const Vector& p, const 
   Propagator propagator(system, p, {}, options.lyapunov.flow);
   do {
     if (!carry_watched(propagator, approach, [&] { return cancelled(options); })) approach.stop(Termination::interrupted);
-    if (approach.asks() > 0) approach.answer(look_for_orbit(system, p, approach.state(), approach.asks(), options));
+    if (approach.asks() > 0) approach.answer(look_for_orbit(propagator, approach.state(), approach.asks(), options));
   } while (approach.open());
   return std::move(approach).result();
 }
@@ -71,7 +71,8 @@ std::vector<Attractor> approach_each_attractor(const HybridSystem& system, const
     in_parallel(parts, [&](std::size_t part) {
       for (std::size_t k = part; k < asking.size(); k += parts) {
         const Approach& approach = approaches[asking[k]];
-        orbits[k] = look_for_orbit(system, starts[asking[k]].p, approach.state(), approach.asks(), options);
+        Propagator propagator(system, starts[asking[k]].p, {}, options.lyapunov.flow);
+        orbits[k] = look_for_orbit(propagator, approach.state(), approach.asks(), options);
       }
     });
     return orbits;

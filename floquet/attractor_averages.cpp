@@ -48,8 +48,10 @@ void conclude(const HybridSystem& system, const AttractorAt& at, LyapunovSpectru
   if (ends.size() > 1) ends = that_may_settle(system, at.p, ends, options.lyapunov.flow);
   for (std::size_t begin = 0; begin < ends.size(); begin += together) {
     std::vector<std::optional<PeriodicOrbit>> orbits(std::min(together, ends.size() - begin));
-    in_parallel(orbits.size(),
-                [&](std::size_t i) { orbits[i] = look_for_orbit(system, at.p, ends[begin + i], options.max_period, options); });
+    in_parallel(orbits.size(), [&](std::size_t i) {
+      Propagator propagator(system, at.p, {}, options.lyapunov.flow);
+      orbits[i] = look_for_orbit(propagator, ends[begin + i], options.max_period, options);
+    });
     if (cancelled(options)) {  // not all of them were looked at
       attractor.time_average.stop = LyapunovStop::interrupted;
       break;
@@ -96,10 +98,9 @@ std::optional<Lingering> lingering(const HybridSystem& system, const Vector& p, 
   if (attractor.type == AttractorType::periodic || attractor.time_average.stop == LyapunovStop::interrupted ||
       attractor.time_average.termination != Termination::time)
     return std::nullopt;
-  const FlowOptions& flow = options.lyapunov.flow;
-  const Returns returns = close_returns(system, p, attractor.state, options.max_period, nearness_of(options), flow);
+  Propagator propagator(system, p, {}, options.lyapunov.flow);
+  const Returns returns = close_returns(propagator, attractor.state, options.max_period, nearness_of(options));
   if (returns.periods.empty()) return std::nullopt;
-  Propagator propagator(system, p, {}, flow);
   Lingering watch = watch_end(attractor, returns.periods.front(), forcing_period(system, p), options);
   const auto stop = [&] { return cancelled(options); };
   if (!carry_watched(propagator, watch, stop)) return std::nullopt;

@@ -13,11 +13,10 @@ int longer_transient(int transient) {
   return 3 * std::max(transient, shortest);
 }
 
-std::optional<PeriodicOrbit> look_for_orbit(const HybridSystem& system, const Vector& p, const Vector& state, int max_period,
+std::optional<PeriodicOrbit> look_for_orbit(Propagator& propagator, const Vector& state, int max_period,
                                             const AttractorOptions& options) {
-  if (options.recurrence > 0.0)
-    return orbit_of_close_returns(system, p, state, max_period, nearness_of(options), options.lyapunov.flow);
-  return settling_orbit(system, p, state, max_period, options.lyapunov.flow);
+  if (options.recurrence > 0.0) return orbit_of_close_returns(propagator, state, max_period, nearness_of(options));
+  return settling_orbit(propagator, state, max_period);
 }
 
 void push_off(const HybridSystem& system, const Vector& p, int round, Vector& state) {

@@ -15,7 +15,7 @@ int longer_transient(int transient);
 inline constexpr int rounds_for_undecided = 2;
 
 /// The orbit of up to max_period periods that a motion is settling on, looked for in a transient or at the end of an average.
-std::optional<PeriodicOrbit> look_for_orbit(const HybridSystem& system, const Vector& p, const Vector& state, int max_period,
+std::optional<PeriodicOrbit> look_for_orbit(Propagator& propagator, const Vector& state, int max_period,
                                             const AttractorOptions& options);
 
 /// Off an unstable orbit that it is on, farther each time; not into a barrier.

@@ -27,7 +27,10 @@ Scout::Scout(const HybridSystem& system, const Vector& p, const std::vector<Vect
 }
 
 std::vector<Vector> Scout::states(const Vector& start, std::size_t count) const {
-  if (!table_) return stroboscopic_states(system_, p_, start, count, flow_);
+  if (!table_) {
+    Propagator propagator(system_, p_, {}, flow_);
+    return stroboscopic_states(propagator, start, count);
+  }
   std::vector<PeriodResult> results;
   many_->carry({{0, start[0], start[1]}}, std::max<std::size_t>(count, 1) - 1, false, results);
   std::vector<Vector> states{start};

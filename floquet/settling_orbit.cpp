@@ -75,9 +75,7 @@ template <class Orbit> class NearOrbit {
 const auto never = [] { return false; };
 
 /// True if the motion from x comes closer to the orbit.
-bool approaches(const HybridSystem& system, const Vector& p, const PeriodicOrbit& orbit, const Vector& x,
-                const FlowOptions& flow) {
-  Propagator propagator(system, p, {}, flow);
+bool approaches(Propagator& propagator, const PeriodicOrbit& orbit, const Vector& x) {
   NearOrbit motion(orbit, x, std::abs(orbit.multipliers.values.front()), static_cast<std::size_t>(orbit.period));
   carry_watched(propagator, motion, never);
   return motion.comes_closer();
@@ -90,11 +88,10 @@ double spectral_radius(const Matrix& A) {
 }
 
 /// The stable orbit of period n (or a divisor) that these states are near to.
-std::optional<PeriodicOrbit> stable_orbit_of(const HybridSystem& system, const Vector& p, const std::vector<Vector>& states,
-                                             int n, const FlowOptions& flow) {
+std::optional<PeriodicOrbit> stable_orbit_of(const Propagator& propagator, const std::vector<Vector>& states, int n) {
   ShootingOptions shooting;
-  shooting.flow = flow;
-  PeriodicOrbit orbit = shoot(system, p, states, n, shooting);
+  shooting.flow = propagator.options();
+  PeriodicOrbit orbit = shoot(propagator.system(), propagator.parameters(), states, n, shooting);
   const double scale = 1.0 + size(states.front());
   const bool near = orbit.converged() && distance(orbit, states.front()) < 2.0 * worth_trying * scale;
   if (near && orbit.stable() && orbit.admissible == Admissibility::admissible) return orbit;
@@ -102,10 +99,9 @@ std::optional<PeriodicOrbit> stable_orbit_of(const HybridSystem& system, const V
 }
 
 /// That, if the motion through them comes closer to it.
-std::optional<PeriodicOrbit> stable_orbit_near(const HybridSystem& system, const Vector& p, const std::vector<Vector>& states,
-                                               int n, const FlowOptions& flow) {
-  auto orbit = stable_orbit_of(system, p, states, n, flow);
-  if (orbit && approaches(system, p, *orbit, states.front(), flow)) return orbit;
+std::optional<PeriodicOrbit> stable_orbit_near(Propagator& propagator, const std::vector<Vector>& states, int n) {
+  auto orbit = stable_orbit_of(propagator, states, n);
+  if (orbit && approaches(propagator, *orbit, states.front())) return orbit;
   return std::nullopt;
 }
 
@@ -138,19 +134,18 @@ std::vector<int> worth_a_try(const std::vector<int>& periods) {
 
 }  // namespace
 
-Returns close_returns(const HybridSystem& system, const Vector& p, const Vector& state, int max_period, double nearness,
-                      const FlowOptions& flow) {
-  Returns out{stroboscopic_states(system, p, state, static_cast<std::size_t>(std::max(0, max_period)) + 1, flow), {}};
+Returns close_returns(Propagator& propagator, const Vector& state, int max_period, double nearness) {
+  Returns out{stroboscopic_states(propagator, state, static_cast<std::size_t>(std::max(0, max_period)) + 1), {}};
   out.periods = returns_of(out.states, nearness, max_period);
   return out;
 }
 
-std::optional<PeriodicOrbit> orbit_of_close_returns(const HybridSystem& system, const Vector& p, const Vector& state,
-                                                    int max_period, double nearness, const FlowOptions& flow) {
-  const Returns returns = close_returns(system, p, state, max_period, nearness, flow);
+std::optional<PeriodicOrbit> orbit_of_close_returns(Propagator& propagator, const Vector& state, int max_period,
+                                                    double nearness) {
+  const Returns returns = close_returns(propagator, state, max_period, nearness);
   for (const int n : worth_a_try(returns.periods)) {
     const std::vector<Vector> states(returns.states.begin(), returns.states.begin() + n);
-    if (auto orbit = stable_orbit_near(system, p, states, n, flow)) return orbit;
+    if (auto orbit = stable_orbit_near(propagator, states, n)) return orbit;
   }
   return std::nullopt;
 }
@@ -260,7 +255,8 @@ std::vector<SettlingLook> look_for_orbits(const HybridSystem& system, ManyMotion
         const int n = tries[of[k]][round];
         std::vector<Vector> around;
         std::transform(states[of[k]].begin(), states[of[k]].begin() + n, std::back_inserter(around), vector_of);
-        out[of[k]].orbit = stable_orbit_near(system, motion.p, around, n, flow);
+        Propagator propagator(system, motion.p, {}, flow);
+        out[of[k]].orbit = stable_orbit_near(propagator, around, n);
       } else if (says == Verdict::yes) {
         sets_of_good.push_back(motion.parameters);
         states_of_good.push_back(motion.state);
@@ -309,6 +305,13 @@ bool closer_than_divisors(const std::vector<double>& distances) {
 std::optional<PeriodicOrbit> settling_orbit(const HybridSystem& system, const Vector& p, const Vector& state, int max_period,
                                             const FlowOptions& flow) {
   Propagator propagator(system, p, {}, flow);
+  return settling_orbit(propagator, state, max_period);
+}
+
+std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector& state, int max_period) {
+  const HybridSystem& system = propagator.system();
+  const Vector& p = propagator.parameters();
+  const FlowOptions& flow = propagator.options();
   const double T = forcing_period(system, p), scale = 1.0 + state.lpNorm<Eigen::Infinity>();
   std::vector<Vector> states{state};
   std::vector<int> worth;       // periods of returns not looked at yet
@@ -336,9 +339,9 @@ std::optional<PeriodicOrbit> settling_orbit(const HybridSystem& system, const Ve
     };
     for (std::size_t i = 0; i < worth.size(); ++i) {
       if (!orbits.empty() && (verdict(orbits[i], state) == Verdict::no || is_refused(orbits[i]))) continue;
-      auto orbit = stable_orbit_of(system, p, {states.begin(), states.begin() + worth[i]}, worth[i], flow);
+      auto orbit = stable_orbit_of(propagator, {states.begin(), states.begin() + worth[i]}, worth[i]);
       if (!orbit || is_refused(*orbit)) continue;
-      if (approaches(system, p, *orbit, state, flow)) return orbit;
+      if (approaches(propagator, *orbit, state)) return orbit;
       refused.push_back(orbit->state);
     }
     worth.clear();

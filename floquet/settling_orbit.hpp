@@ -11,6 +11,7 @@
 namespace graze {
 
 /// The stable orbit that a motion at `state` is settling on, if it is periodic with period up to max_period.
+std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector& state, int max_period);
 std::optional<PeriodicOrbit> settling_orbit(const HybridSystem& system, const Vector& p, const Vector& state, int max_period,
                                             const FlowOptions& flow = {});
 
@@ -21,12 +22,10 @@ struct Returns {
 };
 
 /// Those of up to max_period periods; `nearness` is relative to 1 + |x|.
-Returns close_returns(const HybridSystem& system, const Vector& p, const Vector& state, int max_period, double nearness,
-                      const FlowOptions& flow = {});
+Returns close_returns(Propagator& propagator, const Vector& state, int max_period, double nearness);
 
 /// settling_orbit where time matters: the few closest returns are tried, and only returns within `nearness`.
-std::optional<PeriodicOrbit> orbit_of_close_returns(const HybridSystem& system, const Vector& p, const Vector& state,
-                                                    int max_period, double nearness, const FlowOptions& flow = {});
+std::optional<PeriodicOrbit> orbit_of_close_returns(Propagator& propagator, const Vector& state, int max_period, double nearness);
 
 /// A motion that may be settling on an orbit, among others.
 struct SettlingMotion {

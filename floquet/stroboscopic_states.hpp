@@ -9,10 +9,8 @@
 namespace graze {
 
 /// `count` of them from `start` on, or fewer where the motion cannot be carried on.
-inline std::vector<Vector> stroboscopic_states(const HybridSystem& system, const Vector& p, const Vector& start,
-                                               std::size_t count, const FlowOptions& flow) {
-  Propagator propagator(system, p, {}, flow);
-  const double T = forcing_period(system, p);
+inline std::vector<Vector> stroboscopic_states(Propagator& propagator, const Vector& start, std::size_t count) {
+  const double T = forcing_period(propagator.system(), propagator.parameters());
   Transition transition;
   std::vector<Vector> states{start};
   while (states.size() < count) {
