@@ -11,9 +11,9 @@ namespace graze {
 namespace {
 
 bool side_by_side(const HybridSystem& system, const std::vector<AverageStart>& starts, const AttractorOptions& options) {
-  return starts.size() > 1 && std::all_of(starts.begin(), starts.end(), [&](const auto& start) {
-           return ManyMotions::applies(system, start.p, options.lyapunov.flow);
-         });
+  return !starts.empty() && std::all_of(starts.begin(), starts.end(), [&](const auto& start) {
+    return ManyMotions::applies(system, start.p, options.lyapunov.flow);
+  });
 }
 
 }  // namespace

@@ -90,3 +90,48 @@ TEST_CASE("attractors side by side can be cancelled, and refuse a start inside t
   CHECK_THROWS_AS(find_each_attractor(system, starts, quick()), std::invalid_argument);
   CHECK(find_each_attractor(system, {}, quick()).empty());
 }
+
+TEST_CASE("what an average says does not depend on those beside it") {
+  const char* law = GENERATE("newton", "hertz");
+  const HybridSystem system = make_oscillator("linear", law);
+  AttractorOptions options;
+  options.transient = 50;
+  options.lyapunov.standard_error = 3e-3;
+  options.lyapunov.max_periods = 20000;
+  // Chaos, transients that end on orbits, and orbits.
+  std::vector<AverageStart> starts;
+  for (const double eta : {0.7, 0.7095, 0.711, 0.73, 0.7396, 0.745, 0.75, 0.78, 0.95})
+    starts.push_back({parameters(system, {{"eta", eta}, {"r", 2.0}}), vector({1.4292500922535618, 0.8555925090162767})});
+  std::vector<Attractor> together = approach_each_attractor(system, starts, options);
+  std::vector<AttractorAt> which;
+  for (std::size_t i = 0; i < starts.size(); ++i) which.push_back({starts[i].p, &together[i]});
+  average_on_each_attractor(system, which, options);
+  int chaotic = 0, periodic = 0;
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    INFO(law << ", eta = " << starts[i].p[oscillator_parameter::eta]);
+    Attractor alone = approach_each_attractor(system, {starts[i]}, options).front();
+    average_on_attractor(system, starts[i].p, alone, options);
+    CHECK(together[i].type == alone.type);
+    CHECK(together[i].period == alone.period);
+    CHECK(together[i].state == alone.state);
+    CHECK(together[i].exponents == alone.exponents);
+    CHECK(together[i].time_average.periods == alone.time_average.periods);
+    CHECK(together[i].time_average.others == alone.time_average.others);
+    chaotic += alone.type == AttractorType::chaotic ? 1 : 0;
+    periodic += alone.type == AttractorType::periodic ? 1 : 0;
+  }
+  CHECK(chaotic > 1);
+  CHECK(periodic > 1);
+}
+
+TEST_CASE("a transient has a length that is no less than zero") {
+  const HybridSystem system = make_oscillator("linear", "newton");
+  const Vector p = parameters(system, {{"eta", 0.9}, {"r", 2.0}});
+  AttractorOptions options;
+  options.transient = -1;
+  CHECK_THROWS_WITH(approach_attractor(system, p, vector({0.0, 0.0}), options), Catch::Contains("the transient is -1 periods"));
+  options.transient = 0;
+  const Attractor at_once = approach_attractor(system, p, vector({0.0, 0.0}), options);
+  CHECK(at_once.termination == Termination::time);
+  CHECK(at_once.state == vector({0.0, 0.0}));
+}

@@ -246,7 +246,7 @@ TEST_CASE("a few motions take fewer lanes, to the same result") {
   const auto [law, periods] = GENERATE(table<const char*, std::size_t>({{"newton", 40}, {"hertz", 20}}));
   const HybridSystem system = oscillator(law);
   const Vector p = parameters(system, {{"r", 1.5}, {"eta", 0.8}});
-  for (const std::size_t count : {1, 2, 3, 4, 5, 9}) {
+  for (const std::size_t count : {1, 2, 3, 4, 5, 8, 9, 15, 16, 17}) {  // in one register or two
     ManyMotions as_wide_as_useful(system), one(system, {}, LaneWidth::one);
     as_wide_as_useful.add_parameters(p);
     one.add_parameters(p);
