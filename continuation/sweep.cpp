@@ -120,32 +120,36 @@ class OneWay {
     });
   }
 
-  /// Keeps the rows of the first group up to one whose average was interrupted, or turned out to end on an orbit.
+  /// Keeps the rows of the first group up to one whose average was broken off, or turned out to end on an orbit.
   template <class Tell> void settle(std::deque<Group>& open, const Tell& tell) {
-    const std::size_t end = open.front().first + open.front().count;
-    for (std::size_t k = open.front().first; k < end; ++k) {
-      SweepRow& row = rows_[k];
-      const bool periodic = row.attractor.type == AttractorType::periodic;
-      const LyapunovStop stop = row.attractor.time_average.stop;
+    const std::size_t begin = open.front().first, end = begin + open.front().count;
+    open.pop_front();
+    for (std::size_t k = begin; k < end; ++k) {
+      const Attractor& attractor = rows_[k].attractor;
+      const LyapunovStop stop = attractor.time_average.stop;
+      const bool periodic = attractor.type == AttractorType::periodic;
       const bool broken_off =
           !periodic && (stop == LyapunovStop::interrupted || stop == LyapunovStop::failed || stop == LyapunovStop::not_run);
-      if (!broken_off) tell(1, row.value);
-      if (!broken_off && !periodic) continue;
-      std::size_t untold = end - (k + 1);
-      open.pop_front();
-      for (Group& other : open) {
-        other.dropped = true;
-        untold += other.count;
-      }
-      open.clear();
-      const auto told = static_cast<std::ptrdiff_t>(rows_.size() - (k + 1) - untold);
-      if (!broken_off) sample(row);
-      rows_.resize(broken_off ? k : k + 1);
+      if (!broken_off) tell(1, rows_[k].value);
+      if (!periodic && !broken_off) continue;
+      take_back(open, k, end - (k + 1), tell);
+      if (periodic) sample(rows_[k]);
+      if (broken_off) rows_.pop_back();
       ended_ = broken_off;
-      if (told > 0) tell(-told, values_[k]);
       return;
     }
-    open.pop_front();
+  }
+
+  /// Gives up the rows behind row k, of which so many and those of the open groups have not been told of.
+  template <class Tell> void take_back(std::deque<Group>& open, std::size_t k, std::size_t untold, const Tell& tell) {
+    for (Group& other : open) {
+      other.dropped = true;
+      untold += other.count;
+    }
+    open.clear();
+    const auto told = static_cast<std::ptrdiff_t>(rows_.size() - (k + 1) - untold);
+    rows_.resize(k + 1);
+    if (told > 0) tell(-told, rows_[k].value);
   }
 
   Vector parameters(double value) const {

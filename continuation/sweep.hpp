@@ -2,9 +2,10 @@
 // Sweep: the attractor followed from one value of a parameter to the next, up, down or both ways: what a laboratory sees, with
 // its hysteresis. Each value starts from the state in which the one before ended.
 //
-// Where the motion is not periodic, its time average (which takes long) and the values behind it are computed side by side: the
-// next value starts from the state after transient and samples. Should the average end on a stable orbit after all, the values
-// behind it are computed again, from that orbit. So the result is that of one value after the other, on any number of threads.
+// Where the motion is not periodic, the time averages (which take long) of several values and the values behind them are computed
+// side by side: the next value starts from the state after transient and samples. Should an average end on a stable orbit after
+// all, the values behind it are computed again, from that orbit. So the result is that of one value after the other, on any number
+// of threads.
 #pragma once
 
 #include <graze/floquet/attractor.hpp>
