@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <deque>
 #include <mutex>
@@ -16,9 +17,12 @@ namespace graze {
 
 namespace {
 
-/// Rows whose time averages are taken side by side, where lanes know the oscillator; and groups of them that wait for theirs, or
-/// for one before them, for each thread that has nothing else to do: enough that it has, and not too many to lose.
+/// Rows whose time averages are taken side by side, where lanes know the oscillator: so many at the most, and fewer where they
+/// take longer than this, since a group is kept as a whole.
 constexpr std::size_t rows_side_by_side = 8;
+constexpr std::chrono::milliseconds quick_group{250};
+/// Groups that wait for their averages, or for one before them, for each thread that has nothing else to do: enough that it has,
+/// and not too many to lose.
 constexpr std::size_t groups_on_a_thread = 3, rows_on_a_thread = 4;
 
 /// The attractor that a motion comes to. Where it repeats itself to within `repeats` on its way, Newton's method is tried at
@@ -77,6 +81,7 @@ class OneWay {
     }
     std::size_t first, count = 0;
     std::atomic<bool> dropped = false;  ///< the averages are wanted no more
+    std::chrono::steady_clock::duration taken{};
     oneapi::tbb::task_group averages;
   };
 
@@ -92,7 +97,7 @@ class OneWay {
 
   /// To the end of the next group of rows that are not periodic.
   template <class Tell> void go_on(std::deque<Group>& open, const Tell& tell) {
-    const std::size_t together = in_lanes() ? rows_side_by_side : 1;
+    const std::size_t together = in_lanes() ? together_ : 1;
     Group* group = nullptr;
     while (!at_end() && !(group && group->count == together)) {
       auto row = next();
@@ -109,6 +114,7 @@ class OneWay {
     }
     if (!group) return;
     group->averages.run([this, group] {
+      const auto begin = std::chrono::steady_clock::now();
       AttractorOptions averaging = finding_;
       averaging.lyapunov.cancelled = [&] { return group->dropped || (options_.cancelled && options_.cancelled()); };
       std::vector<AttractorAt> which;
@@ -117,12 +123,15 @@ class OneWay {
         which.push_back({parameters(rows_[k].value), &rows_[k].attractor});
       }
       average_on_each_attractor(system_, which, averaging);
+      group->taken = std::chrono::steady_clock::now() - begin;
     });
   }
 
   /// Keeps the rows of the first group up to one whose average was broken off, or turned out to end on an orbit.
   template <class Tell> void settle(std::deque<Group>& open, const Tell& tell) {
     const std::size_t begin = open.front().first, end = begin + open.front().count;
+    together_ =
+        open.front().taken < quick_group ? std::min(2 * together_, rows_side_by_side) : std::max<std::size_t>(together_ / 2, 1);
     open.pop_front();
     for (std::size_t k = begin; k < end; ++k) {
       const Attractor& attractor = rows_[k].attractor;
@@ -207,6 +216,7 @@ class OneWay {
   std::vector<double> values_;
   std::vector<SweepRow> rows_;
   bool ended_ = false;
+  std::size_t together_ = 1;  ///< rows of the next group
 };
 
 }  // namespace
