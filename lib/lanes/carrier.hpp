@@ -30,10 +30,7 @@ template <class Flight> class Carrier {
     begin_periods(starts);
   }
 
-  /// Whether there is anything left to do.
-  bool busy() const { return memory_.count(Task::idle) < static_cast<int>(W); }
-
-  /// One step of the lanes; busy() after it.
+  /// One step of the lanes. Whether there is anything left to do.
   bool step() {
     // What takes longest waits until it is worth it: a step of contact (with a table they are rare, and few lanes wait for them)
     // and the end of a flight at the barrier. A step of flight by series takes nearly as long.
@@ -58,7 +55,7 @@ template <class Flight> class Carrier {
       end_in_flight();
     }
     if (memory_.count(Task::given_up) > 0) give_up();
-    return busy();
+    return memory_.count(Task::idle) < static_cast<int>(W);
   }
 
  private:

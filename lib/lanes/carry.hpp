@@ -10,11 +10,16 @@ inline namespace GRAZE_ARITHMETIC {
 
 template <class Flight> void carry_with(const Job& job) {
   std::size_t taken = 0;
-  Carrier<Flight> carriers[] = {Carrier<Flight>(job, taken), Carrier<Flight>(job, taken)};
-  const std::size_t busy = carriers[1].busy() ? 2 : 1;
+  Carrier<Flight> first(job, taken);
+  if (taken == job.count) {  // all are in its lanes
+    while (first.step()) {
+    }
+    return;
+  }
+  Carrier<Flight> second(job, taken);
   for (bool goes_on = true; goes_on;) {
-    goes_on = false;
-    for (std::size_t i = 0; i < busy; ++i) goes_on = carriers[i].step() || goes_on;
+    goes_on = first.step();
+    goes_on = second.step() || goes_on;
   }
 }
 
