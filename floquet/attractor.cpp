@@ -4,19 +4,7 @@
 #include <graze/floquet/side_by_side.hpp>
 #include <graze/lib/in_parallel.hpp>
 
-#include <algorithm>
-
 namespace graze {
-
-namespace {
-
-bool side_by_side(const HybridSystem& system, const std::vector<AverageStart>& starts, const AttractorOptions& options) {
-  return !starts.empty() && std::all_of(starts.begin(), starts.end(), [&](const auto& start) {
-    return ManyMotions::applies(system, start.p, options.lyapunov.flow);
-  });
-}
-
-}  // namespace
 
 std::string_view attractor_type_name(AttractorType type) {
   switch (type) {
@@ -54,7 +42,7 @@ Attractor approach_attractor(const HybridSystem& system, const Vector& p, const 
 std::vector<Attractor> approach_each_attractor(const HybridSystem& system, const std::vector<AverageStart>& starts,
                                                const AttractorOptions& options) {
   std::vector<Attractor> out;
-  if (!side_by_side(system, starts, options)) {
+  if (!lanes_know_each(system, starts, options.lyapunov.flow)) {
     for (const AverageStart& start : starts) out.push_back(approach_attractor(system, start.p, start.state, options));
     return out;
   }
@@ -67,13 +55,10 @@ std::vector<Attractor> approach_each_attractor(const HybridSystem& system, const
   }
   carry_approaches(many, sets, approaches, options, [&](const std::vector<std::size_t>& asking) {
     std::vector<std::optional<PeriodicOrbit>> orbits(asking.size());
-    const std::size_t parts = options.lyapunov.all_threads ? std::min(threads_here(), asking.size()) : 1;
-    in_parallel(parts, [&](std::size_t part) {
-      for (std::size_t k = part; k < asking.size(); k += parts) {
-        const Approach& approach = approaches[asking[k]];
-        Propagator propagator(system, starts[asking[k]].p, {}, options.lyapunov.flow);
-        orbits[k] = look_for_orbit(propagator, approach.state(), approach.asks(), options);
-      }
+    for_each_index(options.lyapunov.all_threads, asking.size(), [&](std::size_t k) {
+      const Approach& approach = approaches[asking[k]];
+      Propagator propagator(system, starts[asking[k]].p, {}, options.lyapunov.flow);
+      orbits[k] = look_for_orbit(propagator, approach.state(), approach.asks(), options);
     });
     return orbits;
   });

@@ -26,10 +26,7 @@ std::vector<LyapunovSpectrum> spectra(const HybridSystem& system, const std::vec
                                       const LyapunovOptions& averaging) {
   std::vector<AverageStart> starts;
   for (const AttractorAt& at : which) starts.push_back({at.p, at.attractor->state});
-  const bool side_by_side =
-      averaging.motions > 1 && which.size() > 1 &&
-      std::all_of(which.begin(), which.end(), [&](const auto& at) { return ManyMotions::applies(system, at.p, averaging.flow); });
-  if (side_by_side) return lane_spectra(system, starts, averaging);
+  if (averaging.motions > 1 && lanes_know_each(system, starts, averaging.flow)) return lane_spectra(system, starts, averaging);
   std::vector<LyapunovSpectrum> out;
   for (const AverageStart& start : starts) out.push_back(lyapunov_spectrum(system, start.p, start.state, averaging));
   return out;
@@ -65,11 +62,10 @@ void conclude(const HybridSystem& system, const AttractorAt& at, LyapunovSpectru
 void average(const HybridSystem& system, const std::vector<AttractorAt>& which, const LyapunovOptions& averaging,
              const AttractorOptions& options) {
   std::vector<LyapunovSpectrum> averages = spectra(system, which, averaging);
-  const std::size_t threads = options.lyapunov.all_threads ? threads_here() : 1;
-  if (which.size() == 1) return conclude(system, which[0], std::move(averages[0]), options, threads);
-  const auto one = [&](std::size_t i) { conclude(system, which[i], std::move(averages[i]), options, 1); };
-  if (threads > 1) return in_parallel(which.size(), one);
-  for (std::size_t i = 0; i < which.size(); ++i) one(i);
+  const bool all_threads = options.lyapunov.all_threads;
+  const std::size_t together = all_threads && which.size() == 1 ? threads_here() : 1;
+  for_each_index(all_threads, which.size(),
+                 [&](std::size_t i) { conclude(system, which[i], std::move(averages[i]), options, together); });
 }
 
 /// Motions side by side are short. Where they have not settled, one is followed for as long as one that is averaged alone.

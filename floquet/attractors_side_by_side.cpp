@@ -136,10 +136,8 @@ class SideBySide {
 
 std::vector<Attractor> find_each_attractor(const HybridSystem& system, const std::vector<AverageStart>& starts,
                                            const AttractorOptions& options) {
-  const bool side_by_side = options.recurrence > 0.0 && options.periods_on_orbit == 0 &&
-                            std::all_of(starts.begin(), starts.end(), [&](const auto& start) {
-                              return ManyMotions::applies(system, start.p, options.lyapunov.flow);
-                            });
+  const bool side_by_side =
+      options.recurrence > 0.0 && options.periods_on_orbit == 0 && lanes_know_each(system, starts, options.lyapunov.flow);
   if (side_by_side) return SideBySide(system, starts, options).find();
   std::vector<Attractor> out;
   for (const AverageStart& start : starts) out.push_back(find_attractor(system, start.p, start.state, options));

@@ -167,6 +167,11 @@ class Average {
 
 }  // namespace
 
+bool lanes_know_each(const HybridSystem& system, const std::vector<AverageStart>& starts, const FlowOptions& flow) {
+  return !starts.empty() && std::all_of(starts.begin(), starts.end(),
+                                        [&](const AverageStart& start) { return ManyMotions::applies(system, start.p, flow); });
+}
+
 std::vector<LyapunovSpectrum> lane_spectra(const HybridSystem& system, const std::vector<AverageStart>& starts,
                                            const LyapunovOptions& options) {
   validate(system, options);
@@ -209,10 +214,9 @@ std::vector<LyapunovSpectrum> lane_spectra(const HybridSystem& system, const std
       open.emplace_back(&average, next);
       next += average.motions().size() * stretch;
     }
-    const std::size_t parts = std::min(open.size(), threads);
-    in_parallel(parts, [&](std::size_t part) {
-      for (std::size_t i = part; i < open.size(); i += parts) open[i].first->add(open[i].second, stretch, threads / parts);
-    });
+    const std::size_t threads_of_one = threads / std::min(open.size(), threads);
+    for_each_index(options.all_threads, open.size(),
+                   [&](std::size_t i) { open[i].first->add(open[i].second, stretch, threads_of_one); });
   }
   std::vector<LyapunovSpectrum> spectra;
   for (Average& average : averages) spectra.push_back(std::move(average).result());

@@ -16,6 +16,9 @@ struct AverageStart {
   Vector state;  ///< at forcing phase 0
 };
 
+/// Whether the lanes know the oscillator at all of these, of which there must be one.
+bool lanes_know_each(const HybridSystem& system, const std::vector<AverageStart>& starts, const FlowOptions& flow);
+
 /// LyapunovOptions::motions of each start, carried side by side until each has met the options' rule. Those beyond the first of
 /// a start begin next to it (1e-7 (1 + |x|) further from the barrier each) and are carried for `parting` periods, not counted,
 /// in which chaos parts them. @throws std::invalid_argument as lyapunov_spectrum does, and where ManyMotions does not apply.

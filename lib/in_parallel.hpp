@@ -22,4 +22,10 @@ template <class Body> void in_parallel(std::size_t n, const Body& body) {
   oneapi::tbb::this_task_arena::isolate([&] { oneapi::tbb::parallel_for(std::size_t{0}, n, body); });
 }
 
+/// The same on all threads or, one after the other, on this one.
+template <class Body> void for_each_index(bool all_threads, std::size_t n, const Body& body) {
+  if (all_threads) return in_parallel(n, body);
+  for (std::size_t i = 0; i < n; ++i) body(i);
+}
+
 }  // namespace graze
