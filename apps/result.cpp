@@ -76,11 +76,9 @@ void add_output_options(CLI::App& app, OutputOptions& options, const std::string
            options.pictures ? "folder that gets JSON, table and all pictures" : "folder that gets JSON and table");
 }
 
-bool writes_files(const OutputOptions& options) {
-  return !options.json.empty() || !options.csv.empty() || !options.plot.empty() || !options.out.empty();
-}
-
 bool wants_json(const OutputOptions& options) { return !options.json.empty() || !options.plot.empty() || !options.out.empty(); }
+
+bool writes_files(const OutputOptions& options) { return wants_json(options) || !options.csv.empty(); }
 
 bool wants_table(const OutputOptions& options) { return !options.csv.empty() || !options.out.empty(); }
 

@@ -23,7 +23,7 @@ constexpr std::size_t rows_side_by_side = 8;
 constexpr std::chrono::milliseconds quick_group{250};
 /// Groups that wait for their averages, or for one before them, for each thread that has nothing else to do: enough that it has,
 /// and not too many to lose.
-constexpr std::size_t groups_on_a_thread = 3, rows_on_a_thread = 4;
+constexpr std::size_t groups_on_a_thread = 4;
 
 /// The attractor that a motion comes to. Where it repeats itself to within `repeats` on its way, Newton's method is tried at
 /// once; at its end all returns are.
@@ -86,18 +86,15 @@ class OneWay {
   };
 
   bool at_end() const { return ended_ || rows_.size() == values_.size(); }
-  bool in_lanes() const {
-    const std::size_t last = std::min(rows_.size(), values_.size() - 1);
-    return ManyMotions::applies(system_, parameters(values_[last]), options_.attractor.lyapunov.flow);
-  }
   std::size_t most_open(int ways) const {
     const auto others = static_cast<std::size_t>(std::max(0, options_.threads - ways));
-    return 1 + others * (in_lanes() ? groups_on_a_thread : rows_on_a_thread);
+    return 1 + others * groups_on_a_thread;
   }
 
   /// To the end of the next group of rows that are not periodic.
   template <class Tell> void go_on(std::deque<Group>& open, const Tell& tell) {
-    const std::size_t together = in_lanes() ? together_ : 1;
+    const Vector p = parameters(values_[rows_.size()]);
+    const std::size_t together = ManyMotions::applies(system_, p, finding_.lyapunov.flow) ? together_ : 1;
     Group* group = nullptr;
     while (!at_end() && !(group && group->count == together)) {
       auto row = next();

@@ -54,7 +54,7 @@ TEST_CASE("motions that stay together at a stable orbit are not sixteen witnesse
   CHECK(attractor.type == AttractorType::periodic);
   CHECK(attractor.period == 2);
   CHECK(attractor.impacts == 2);
-  CHECK(attractor.exponents[0] == Approx(-2.7256e-5).epsilon(1e-4));
+  CHECK(attractor.exponents[0] == Approx(-2.7256e-5).epsilon(1e-4));  // given with five digits
 }
 
 TEST_CASE("Kaplan and Yorke's dimension") {
