@@ -58,6 +58,19 @@ template <class Flight> class Carrier {
     return memory_.count(Task::idle) < static_cast<int>(W);
   }
 
+  /// Lets contacts come together in one of two registers: a step of contact, or of flight by series, takes as long for few lanes as
+  /// for all.
+  void gather_contacts(Carrier& other) {
+    if (job_.law != Law::hertz) return;
+    Memory<Real>&few = memory_.count(Task::contact) < other.memory_.count(Task::contact) ? memory_ : other.memory_,
+                &many = &few == &memory_ ? other.memory_ : memory_;
+    for (;;) {
+      const unsigned come = few.at(Task::contact), go = ~many.at(Task::contact) & ((1U << W) - 1);
+      if (come == 0 || go == 0) return;
+      few.exchange(static_cast<std::size_t>(std::countr_zero(come)), many, static_cast<std::size_t>(std::countr_zero(go)));
+    }
+  }
+
  private:
   static constexpr std::size_t W = width<Real>;
 

@@ -20,6 +20,7 @@ template <class Flight> void carry_with(const Job& job) {
   for (bool goes_on = true; goes_on;) {
     goes_on = first.step();
     goes_on = second.step() || goes_on;
+    first.gather_contacts(second);
   }
 }
 

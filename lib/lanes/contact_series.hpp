@@ -1,10 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// ContactSeries: the Taylor series of a Hertz contact and its 2x2 tangent in lanes: the equations of detail/hertz_series.hpp, one
-// loop an order for all products, which suits registers that hold the same number of many contacts.
+// ContactSeries: the Taylor series of a Hertz contact and its 2x2 tangent in lanes: the equations of detail/hertz_recurrence.hpp,
+// one loop an order for all products, which suits registers that hold the same number of many contacts.
+//
+// The tangent goes in Hill's form, which takes two products a column in place of three: with the damping of the contact
+// c = 2 b + k_H b_H y^3, the divergence so far D = -integral of c dt, and a column (dx, dv) at fixed time,
+//     z = e^(-D/2) dx,   p = e^(-D/2) (dv + (c/2) dx):   dz/ds = y p,   dp/ds = -f z,
+//     f = y + 3 beta y x^2 + (3/2) k_H y^2 + (k_H b_H/2) d(y^3)/ds - y c^2/4,
+// whose determinant is 1.
 #pragma once
 
 #include <graze/lib/detail/hertz_step.hpp>
-#include <graze/lib/lanes/real.hpp>
+#include <graze/lib/lanes/contact_law.hpp>
+#include <graze/lib/lanes/two_orders.hpp>
 
 #include <array>
 #include <utility>
@@ -12,187 +19,207 @@
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
-/// A contact at an instant, as in HertzState.
-template <class Real> struct ContactState { Real y, v, c, s, time, divergence, dx_0, dx_1, q_0, q_1; };
-
-template <class Real> struct ContactLaw {
-  Real b2, w, xi, r, k_H, loss;  ///< 2 b, eta, xi, r, k_H, k_H b_H
-  Real beta;
-};
-
 /// Cubic: with beta x^3; without, ContactLaw::beta does not count.
 template <class Real, bool Tangent, bool Cubic> class ContactSeries {
  public:
   static constexpr std::size_t order = detail::hertz_order;
 
-  ContactSeries(const ContactLaw<Real>& law, const ContactState<Real>& z) {
+  ContactSeries(const ContactLaw<Real>& law, const ContactState<Real>& z) : b2_(law.b2), loss_(law.loss), start_(z) {
     const Real y0 = z.y, u0 = y0 * y0, w0 = u0 * u0;
     y_[0] = y0;
     v_[0] = z.v;
     c_[0] = z.c;
     s_[0] = z.s;
-    time_[0] = z.time;
-    divergence_[0] = z.divergence;
     u_[0] = u0;
     y3_[0] = y0 * u0;
     y4_[0] = w0;
     y5_[0] = y0 * w0;
-    if constexpr (Cubic) y7_[0] = y3_[0] * w0;
+    if constexpr (with_y7) y7_[0] = y3_[0] * w0;
     if constexpr (Tangent) {
-      dx_[0] = z.dx_0;
-      dx_1_[0] = z.dx_1;
-      q_[0] = z.q_0;
-      q_1_[0] = z.q_1;
+      z_0_[0] = z.z_0;
+      z_1_[0] = z.z_1;
+      p_0_[0] = z.p_0;
+      p_1_[0] = z.p_1;
     }
-    expand(law, std::make_index_sequence<order>());
+    expand(Terms(law, Cubic), std::make_index_sequence<order / 2>());
   }
   Real depth(const Real& h) const { return sum(y_, h); }
   Real speed(const Real& h) const { return sum(v_, h); }
-  Real time(const Real& h) const { return sum(time_, h); }
+  Real time(const Real& h) const { return madd(h, without_first(time_, h), start_.time); }
   ContactState<Real> at(const Real& h) const {
-    ContactState<Real> z{sum(y_, h),          sum(v_, h), sum(c_, h), sum(s_, h), sum(time_, h),
-                         sum(divergence_, h), Real(0.0),  Real(0.0),  Real(0.0),  Real(0.0)};
+    const Real dt = h * without_first(time_, h), pressed = h * without_first(integral_, h);
+    ContactState<Real> z{
+        sum(y_, h), sum(v_, h), sum(c_, h), sum(s_, h), start_.time + dt, start_.divergence - dot(b2_, dt, loss_, pressed),
+        Real(0.0),  Real(0.0),  Real(0.0),  Real(0.0)};
     if constexpr (Tangent) {
-      z.dx_0 = sum(dx_, h);
-      z.dx_1 = sum(dx_1_, h);
-      z.q_0 = sum(q_, h);
-      z.q_1 = sum(q_1_, h);
+      z.z_0 = sum(z_0_, h);
+      z.z_1 = sum(z_1_, h);
+      z.p_0 = sum(p_0_, h);
+      z.p_1 = sum(p_1_, h);
     }
     return z;
   }
 
-  /// Largest coefficient of order k, each relative to 1 + |what it belongs to|.
-  Real size(std::size_t k) const {
-    Real all = largest(relative(y_, k), relative(v_, k)) + largest(relative(c_, k), relative(s_, k)) + abs(time_[k]);
-    if constexpr (Tangent)
-      all = largest(all, largest(largest(relative(dx_, k), relative(dx_1_, k)), largest(relative(q_, k), relative(q_1_, k))));
-    return all;
+  /// Largest coefficients of the last order and of the one before, each relative to 1 + |what it belongs to|; of the tangent, to
+  /// 1 + its largest entry.
+  void size(Real& last, Real& before) const {
+    const Real of_y = 1.0 / (1.0 + abs(y_[0])), of_v = 1.0 / (1.0 + abs(v_[0]));
+    const auto state = [&](std::size_t k) {
+      return Real(largest(Real(of_y * abs(y_[k])), Real(of_v * abs(v_[k]))) + largest(abs(c_[k]), abs(s_[k])) + abs(time_[k]));
+    };
+    last = state(order);
+    before = state(order - 1);
+    if constexpr (Tangent) {
+      const auto tangent = [&](std::size_t k) {
+        return largest(largest(abs(z_0_[k]), abs(z_1_[k])), largest(abs(p_0_[k]), abs(p_1_[k])));
+      };
+      const Real of_tangent = 1.0 / (1.0 + tangent(0));
+      last = largest(last, Real(of_tangent * tangent(order)));
+      before = largest(before, Real(of_tangent * tangent(order - 1)));
+    }
   }
 
  private:
-  template <std::size_t... k> [[gnu::always_inline]] void expand(const ContactLaw<Real>& law, std::index_sequence<k...>) {
-    (next<k>(law), ...);
+  static constexpr bool with_y7 = Tangent || Cubic;
+  using Terms = ContactTerms<Real>;
+
+  template <std::size_t... i> [[gnu::always_inline]] void expand(const Terms& q, std::index_sequence<i...>) {
+    (next_two<2 * i>(q), ...);
   }
 
-  /// Sums of products of two series.
+  /// Sums of products, of order k those with c and s, of order k + 1 without their first and last terms the others; of yy and uu,
+  /// half of it.
   struct Products {
     Real yc = Real(0.0), ys = yc, yy = yc, yu = yc, uu = yc, yw = yc, y3w = yc;
-    Real yq_0 = yc, yq_1 = yc, g_0 = yc, g_1 = yc, f_0 = yc, f_1 = yc;
-
-    /// Coefficient i with itself (of yc, ys and the tangent's with the one before).
-    [[gnu::always_inline]] void add_middle(const ContactSeries& z, std::size_t i) {
-      const Real y = z.y_[i], u = z.u_[i];
-      yc = y * z.c_[i - 1];
-      ys = y * z.s_[i - 1];
-      yy = y * y;
-      yu = y * u;
-      uu = u * u;
-      yw = y * z.y4_[i];
-      if constexpr (Cubic) y3w = z.y3_[i] * z.y4_[i];
-      if constexpr (Tangent) {
-        yq_0 = y * z.q_[i - 1];
-        yq_1 = y * z.q_1_[i - 1];
-        g_0 = z.g_[i] * z.dx_[i - 1];
-        g_1 = z.g_[i] * z.dx_1_[i - 1];
-        f_0 = z.f_[i] * z.dx_[i - 1];
-        f_1 = z.f_[i] * z.dx_1_[i - 1];
-      }
-    }
-    /// Coefficients i and j of one series with j and i of the other (likewise).
-    [[gnu::always_inline]] void add_pair(const ContactSeries& z, std::size_t i, std::size_t j) {
-      const Real y = z.y_[i], y_j = z.y_[j], u = z.u_[i], u_j = z.u_[j], twice_y = y + y, twice_u = u + u;
-      yc = madd(y_j, z.c_[i - 1], madd(y, z.c_[j - 1], yc));
-      ys = madd(y_j, z.s_[i - 1], madd(y, z.s_[j - 1], ys));
-      yy = madd(twice_y, y_j, yy);
-      yu = madd(y_j, u, madd(y, u_j, yu));
-      uu = madd(twice_u, u_j, uu);
-      yw = madd(y_j, z.y4_[i], madd(y, z.y4_[j], yw));
-      if constexpr (Cubic) y3w = madd(z.y3_[j], z.y4_[i], madd(z.y3_[i], z.y4_[j], y3w));
-      if constexpr (Tangent) {
-        yq_0 = madd(y_j, z.q_[i - 1], madd(y, z.q_[j - 1], yq_0));
-        yq_1 = madd(y_j, z.q_1_[i - 1], madd(y, z.q_1_[j - 1], yq_1));
-      }
-    }
-    /// The products with dx. (Apart from the others: for all of it together there are too few registers.)
-    [[gnu::always_inline]] void add_pair_of_tangent(const ContactSeries& z, std::size_t i, std::size_t j) {
-      const Real dx_0 = z.dx_[j - 1], dx_1 = z.dx_1_[j - 1], dx_0_j = z.dx_[i - 1], dx_1_j = z.dx_1_[i - 1];
-      const Real g = z.g_[i], g_j = z.g_[j], f = z.f_[i], f_j = z.f_[j];
-      g_0 = madd(g_j, dx_0_j, madd(g, dx_0, g_0));
-      g_1 = madd(g_j, dx_1_j, madd(g, dx_1, g_1));
-      f_0 = madd(f_j, dx_0_j, madd(f, dx_0, f_0));
-      f_1 = madd(f_j, dx_1_j, madd(f, dx_1, f_1));
-    }
+  };
+  /// Of order k.
+  struct TangentProducts {
+    Real yp_0, yp_1, fz_0, fz_1;
   };
 
-  /// Coefficients k + 1 of everything from those up to k.
-  template <std::size_t k> [[gnu::always_inline]] void next(const ContactLaw<Real>& law) {
+  /// Coefficients k + 1 and k + 2 of everything from those up to k.
+  template <std::size_t k> [[gnu::always_inline]] void next_two(const Terms& q) {
+    static_assert(k % 2 == 0);
+    Products first, second;
+    if constexpr (k > 0) {
+      const Real *const y = y_.data() + 1, *const u = u_.data() + 1, *const w = y4_.data() + 1;
+      {
+        const TwoOrders<Real, k - 1, 2, false> sums(y, c_.data(), s_.data());
+        first.yc = sums.first[0];
+        first.ys = sums.first[1];
+        second.yc = sums.second[0];
+        second.ys = sums.second[1];
+      }
+      {
+        const TwoOrders<Real, k - 1, 1, true> sums(y, w);
+        first.yw = sums.first[0];
+        first.yy = sums.first_square;
+        second.yw = sums.second[0];
+        second.yy = sums.second_square;
+      }
+      {
+        const TwoOrders<Real, k - 1, 1, true> sums(u, y);
+        first.yu = sums.first[0];
+        first.uu = sums.first_square;
+        second.yu = sums.second[0];
+        second.uu = sums.second_square;
+      }
+      if constexpr (with_y7) {
+        const TwoOrders<Real, k - 1, 1, false> sums(w, y3_.data() + 1);
+        first.y3w = sums.first[0];
+        second.y3w = sums.second[0];
+      }
+    }
+    close_state<k>(q, first);
+    TangentProducts next{};
+    if constexpr (Tangent) {
+      const TwoOrders<Real, k, 2, false> yp(y_.data(), p_0_.data(), p_1_.data()), fz(f_.data(), z_0_.data(), z_1_.data());
+      close_tangent<k>({yp.first[0], yp.first[1], fz.first[0], fz.first[1]});
+      next = {yp.second[0], yp.second[1], fz.second[0], fz.second[1]};
+    }
+    if constexpr (k == 0) {
+      second.yc = y_[1] * c_[0];
+      second.ys = y_[1] * s_[0];
+      second.yu = y_[1] * u_[1];
+      second.yw = y_[1] * y4_[1];
+      second.yy = (0.5 * y_[1]) * y_[1];
+      second.uu = (0.5 * u_[1]) * u_[1];
+      if constexpr (with_y7) second.y3w = y3_[1] * y4_[1];
+    } else {
+      second.yc = madd(y_[k + 1], c_[0], madd(y_[1], c_[k], second.yc));
+      second.ys = madd(y_[k + 1], s_[0], madd(y_[1], s_[k], second.ys));
+      second.yu = madd(y_[k + 1], u_[1], madd(y_[1], u_[k + 1], second.yu));
+      second.yw = madd(y_[k + 1], y4_[1], madd(y_[1], y4_[k + 1], second.yw));
+      second.yy = madd(y_[1], y_[k + 1], second.yy);
+      second.uu = madd(u_[1], u_[k + 1], second.uu);
+      if constexpr (with_y7) second.y3w = madd(y3_[k + 1], y4_[1], madd(y3_[1], y4_[k + 1], second.y3w));
+    }
+    close_state<k + 1>(q, second);
+    if constexpr (Tangent) {
+      next.yp_0 = madd(y_[k + 1], p_0_[0], madd(y_[0], p_0_[k + 1], next.yp_0));
+      next.yp_1 = madd(y_[k + 1], p_1_[0], madd(y_[0], p_1_[k + 1], next.yp_1));
+      next.fz_0 = madd(f_[k + 1], z_0_[0], madd(f_[0], z_0_[k + 1], next.fz_0));
+      next.fz_1 = madd(f_[k + 1], z_1_[0], madd(f_[0], z_1_[k + 1], next.fz_1));
+      close_tangent<k + 1>(next);
+    }
+  }
+
+  /// Coefficients k + 1 of all but the tangent, and k of f, from sums of products of order k and of order k + 1 without their
+  /// first and last terms.
+  template <std::size_t k> [[gnu::always_inline]] void close_state(const Terms& q, const Products& sums) {
     constexpr double inverse = 1.0 / static_cast<double>(k + 1);
     const Real y0 = y_[0], u0 = u_[0], w0 = y4_[0];
-    g_[k] = law.b2 * y_[k] + law.loss * y4_[k];
+    const Real turn = inverse * q.w, c = -turn * madd(y0, s_[k], sums.ys), s = turn * madd(y0, c_[k], sums.yc);
+    const Real y = (0.5 * inverse) * v_[k], u = 2.0 * madd(y0, y, sums.yy), w = 2.0 * madd(u0, u, sums.uu),
+               y3 = madd(y0, u, madd(u0, y, sums.yu)), y5 = madd(y0, w, madd(w0, y, sums.yw));
+    Real pull = madd(q.pull_y, y_[k], madd(q.pull_y3, y3_[k], q.pull_y4 * y4_[k]));
+    if constexpr (Cubic) pull = madd(q.pull_y5, y5_[k], madd(q.pull_y7, y7_[k], pull));
+    const Real v = madd(q.drag_y5, y5, madd(q.drag_u, u, madd(q.drive, s, inverse * pull)));
     if constexpr (Tangent) {
-      f_[k] = y_[k] + 1.5 * law.k_H * u_[k];
-      if constexpr (Cubic)
-        f_[k] = f_[k] + 3.0 * law.beta * (law.r * madd(law.r, y_[k], Real(2.0 * y3_[k])) + y5_[k]);  // of y x^2, x = r + y^2
+      Real f = madd(q.f_y, y_[k], q.f_u * u_[k]), g = madd(q.f_y4, y4_[k], q.f_y7 * y7_[k]);
+      if constexpr (Cubic) {
+        f = madd(q.f_y3, y3_[k], f);
+        g = madd(q.f_y5, y5_[k], g);
+      }
+      f_[k] = madd(static_cast<double>(k + 1) * q.f_slope, y3, f + g);
     }
-    // Products of order k; and of order k + 1 without their first and last terms. From the middle on: what was computed last
-    // comes last, and need not be waited for.
-    Products sums;
-    if constexpr (k % 2 == 1) sums.add_middle(*this, (k + 1) / 2);
-#pragma GCC unroll 1
-    for (std::size_t i = k / 2, j = k + 1 - i; i > 0; --i, ++j) sums.add_pair(*this, i, j);
-    if constexpr (Tangent) {
-#pragma GCC unroll 1
-      for (std::size_t i = k / 2, j = k + 1 - i; i > 0; --i, ++j) sums.add_pair_of_tangent(*this, i, j);
-    }
-    sums.yc = madd(y0, c_[k], sums.yc);
-    sums.ys = madd(y0, s_[k], sums.ys);
-    if constexpr (Tangent) {
-      sums.yq_0 = madd(y0, q_[k], sums.yq_0);
-      sums.yq_1 = madd(y0, q_1_[k], sums.yq_1);
-      sums.g_0 = madd(g_[0], dx_[k], sums.g_0);
-      sums.g_1 = madd(g_[0], dx_1_[k], sums.g_1);
-      sums.f_0 = madd(f_[0], dx_[k], sums.f_0);
-      sums.f_1 = madd(f_[0], dx_1_[k], sums.f_1);
-    }
-    const Real y = 0.5 * inverse * v_[k], u = sums.yy + 2.0 * y0 * y, w = sums.uu + 2.0 * u0 * u,
-               y5 = sums.yw + (y0 * w + w0 * y);
+    time_[k + 1] = inverse * y_[k];
+    integral_[k + 1] = inverse * y4_[k];
     y_[k + 1] = y;
+    v_[k + 1] = v;
+    c_[k + 1] = c;
+    s_[k + 1] = s;
     u_[k + 1] = u;
-    y3_[k + 1] = sums.yu + (y0 * u + u0 * y);
+    y3_[k + 1] = y3;
     y4_[k + 1] = w;
     y5_[k + 1] = y5;
-    if constexpr (Cubic) y7_[k + 1] = sums.y3w + (y3_[0] * w + w0 * y3_[k + 1]);
-    Real pull = law.r * y_[k] + law.k_H * y4_[k] + y3_[k];
-    if constexpr (Cubic)  // y x^3
-      pull = pull + law.beta * (law.r * madd(law.r, madd(law.r, y_[k], Real(3.0 * y3_[k])), Real(3.0 * y5_[k])) + y7_[k]);
-    v_[k + 1] = inverse * (law.xi * sums.yc - pull) - (law.b2 * u + (0.4 * law.loss) * y5);
-    c_[k + 1] = -inverse * law.w * sums.ys;
-    s_[k + 1] = inverse * law.w * sums.yc;
-    time_[k + 1] = inverse * y_[k];
-    divergence_[k + 1] = -inverse * g_[k];
-    if constexpr (Tangent) {
-      dx_[k + 1] = inverse * (sums.yq_0 - sums.g_0);
-      dx_1_[k + 1] = inverse * (sums.yq_1 - sums.g_1);
-      q_[k + 1] = -inverse * sums.f_0;
-      q_1_[k + 1] = -inverse * sums.f_1;
-    }
+    if constexpr (with_y7) y7_[k + 1] = madd(y3_[0], w, madd(w0, y3, sums.y3w));
+  }
+  template <std::size_t k> [[gnu::always_inline]] void close_tangent(const TangentProducts& sums) {
+    constexpr double inverse = 1.0 / static_cast<double>(k + 1);
+    z_0_[k + 1] = inverse * sums.yp_0;
+    z_1_[k + 1] = inverse * sums.yp_1;
+    p_0_[k + 1] = -inverse * sums.fz_0;
+    p_1_[k + 1] = -inverse * sums.fz_1;
   }
 
   using Coefficients = std::array<Real, order + 1>;
-  /// Even and odd powers apart: half as long a chain.
-  static Real sum(const Coefficients& a, const Real& h) {
+  /// (sum - a[0])/h. Even and odd powers apart: half as long a chain.
+  static Real without_first(const Coefficients& a, const Real& h) {
     const Real square = h * h;
-    Real even = a[order], odd = a[order - 1];
-    for (std::size_t k = order; k > 2; k -= 2) {
-      even = madd(square, even, a[k - 2]);
-      odd = madd(square, odd, a[k - 3]);
+    Real odd = a[order - 1], even = a[order];
+    for (std::size_t k = order - 1; k > 2; k -= 2) {
+      odd = madd(square, odd, a[k - 2]);
+      even = madd(square, even, a[k - 1]);
     }
-    return madd(h, odd, madd(square, even, a[0]));
+    return madd(h, even, odd);
   }
-  static Real relative(const Coefficients& a, std::size_t k) { return abs(a[k]) / (1.0 + abs(a[0])); }
+  static Real sum(const Coefficients& a, const Real& h) { return madd(h, without_first(a, h), a[0]); }
 
-  // Powers of the depth's root: u = y^2, y3, y4, y5, y7; what multiplies dx in dq/ds and in d(dx)/ds: -f, -g.
-  Coefficients y_, v_, c_, s_, time_, divergence_, u_, y3_, y4_, y5_, y7_, f_, g_, dx_, dx_1_, q_, q_1_;
+  Real b2_, loss_;
+  ContactState<Real> start_;
+  // Powers of the depth's root: u = y^2, y3, y4, y5, y7; time and the integral of y^4, but for the first.
+  Coefficients y_, v_, c_, s_, time_, integral_, u_, y3_, y4_, y5_, y7_, f_, z_0_, z_1_, p_0_, p_1_;
 };
 
 }  // namespace GRAZE_ARITHMETIC

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <utility>
 
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
@@ -39,14 +40,14 @@ enum Field : std::size_t {
   flight_01,
   flight_10,
   flight_11,
-  contact_time,  ///< a contact: as HertzState
+  contact_time,  ///< a contact: as ContactState
   contact_divergence,
   depth,
   speed,
-  dx_0,
-  dx_1,
-  q_0,
-  q_1,
+  z_0,
+  z_1,
+  p_0,
+  p_1,
   step,
   steps,   ///< how many there were
   phi_00,  ///< the period's tangent so far, before the present flight or contact
@@ -125,6 +126,28 @@ template <class Real> struct Memory {
     if (coefficients_of[lane] == of_side) return;
     coefficients_of[lane] = of_side;
     for (std::size_t i = 0; i < coefficients; ++i) coefficient[i][lane] = (*of_side)[i];
+  }
+  /// Exchanges the motion in a lane with that in a lane of another register.
+  void exchange(std::size_t lane, Memory& other, std::size_t of_other) {
+    if (coefficients_of[lane] != other.coefficients_of[of_other])
+      for (std::size_t i = 0; i < coefficients; ++i) std::swap(coefficient[i][lane], other.coefficient[i][of_other]);
+    for (std::size_t i = 0; i < fields; ++i) std::swap(field[i][lane], other.field[i][of_other]);
+    const auto task = [](const Memory& m, std::size_t at) {
+      unsigned t = 0;
+      while (!m.is(at, static_cast<Task>(t))) ++t;
+      return static_cast<Task>(t);
+    };
+    const Task here = task(*this, lane), there = task(other, of_other);
+    assign(lane, there);
+    other.assign(of_other, here);
+    const auto swap = [&](auto& one, auto& another) { std::swap(one[lane], another[of_other]); };
+    swap(motion, other.motion);
+    swap(period, other.period);
+    swap(coefficients_of, other.coefficients_of);
+    swap(grid, other.grid);
+    swap(table, other.table);
+    swap(met, other.met);
+    swap(impacts, other.impacts);
   }
 };
 

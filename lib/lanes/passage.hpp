@@ -7,6 +7,7 @@
 #include <graze/lib/lanes/crossing.hpp>
 #include <graze/lib/lanes/root_in_step.hpp>
 
+#include <cmath>
 #include <utility>
 
 namespace graze::lanes {
@@ -32,6 +33,11 @@ template <class Flight, class Real> void change_sides(Memory<Real>& m, const Lan
   Flight::leave_barrier(m, landing.where, Real(-landing.v), landing.c, landing.s);
 }
 
+template <class Real> ContactLaw<Real> contact_law(const Memory<Real>& m) {
+  const Real k_H = m[contact_stiffness];
+  return {2.0 * m[damping], m[frequency], m[amplitude], m[barrier], k_H, k_H * m[contact_damping], m[lanes::cubic]};
+}
+
 /// A contact begins at depth y^2 and speed v.
 template <class Real>
 void touch(Memory<Real>& m, const Mask<Real>& where, const Real& y, const Real& v, const Real& c, const Real& s) {
@@ -41,10 +47,10 @@ void touch(Memory<Real>& m, const Mask<Real>& where, const Real& y, const Real& 
   m.set(phase_s, where, s);
   m.set(contact_time, where, Real(0.0));
   m.set(contact_divergence, where, Real(0.0));
-  m.set(dx_0, where, Real(1.0));
-  m.set(dx_1, where, Real(0.0));
-  m.set(q_0, where, Real(2.0 * m[damping] + m[contact_stiffness] * m[contact_damping] * y * y * y));
-  m.set(q_1, where, Real(1.0));
+  m.set(z_0, where, Real(1.0));
+  m.set(z_1, where, Real(0.0));
+  m.set(p_0, where, contact_law(m).half_damping(y));
+  m.set(p_1, where, Real(1.0));
   m.set(step, where, Real(0.0));
   m.set(steps, where, Real(0.0));
   m.assign(where, Task::contact);
@@ -60,29 +66,31 @@ template <class Real> struct Surfacing {
 template <class Flight, class Real, class Job> Surfacing<Real> press(Memory<Real>& m, const Job& job, double ratio) {
   using Series = ContactSeries<Real, Flight::tangent, Flight::cubic>;
   const Mask<Real> pressed = m.is(Task::contact);
-  const Real b = m[damping], k_H = m[contact_stiffness], b_H = m[contact_damping];
-  const ContactLaw<Real> law{2.0 * b, m[frequency], m[amplitude], m[barrier], k_H, k_H * b_H, m[lanes::cubic]};
+  const ContactLaw<Real> law = contact_law(m);
   const ContactState<Real> z{m[depth], m[speed], m[phase_c], m[phase_s], m[contact_time], m[contact_divergence],
-                             m[dx_0],  m[dx_1],  m[q_0],     m[q_1]};
+                             m[z_0],   m[z_1],   m[p_0],     m[p_1]};
   const Series series(law, z);
   const Real spring = Flight::spring_at_barrier(m);
-  const auto longest_step = [&](const Real& v, const Real& dt) {
-    const Real a = abs(Real(law.xi * z.c - spring)) + law.b2 * abs(v) + abs(law.xi) * law.w * dt;
-    return Real(detail::hertz_longest_step * sqrt(Real(2.0 / largest(a, Real(1e-12)))));
+  // Twice the square of the longest step, over the acceleration that there may be.
+  constexpr double longest = 2.0 * detail::hertz_longest_step * detail::hertz_longest_step;
+  const auto acceleration = [&](const Real& v, const Real& dt) {
+    return largest(Real(abs(Real(law.xi * z.c - spring)) + law.b2 * abs(v) + abs(law.xi) * law.w * dt), Real(1e-12));
   };
-  const Real v = abs(z.v), longest_here = longest_step(v, Real(0.0));
+  const Real v = abs(z.v), longest_here = sqrt(Real(longest / acceleration(v, Real(0.0))));
   Real h = m[step];
   h = select(h > Real(0.0), h, longest_here);
-  const Real size = largest(series.size(Series::order), Real(series.size(Series::order - 1) * (ratio / h)));
+  Real last, before;
+  series.size(last, before);
+  const Real size = largest(last, Real(before * (ratio / h)));
   alignas(64) double trusted[width<Real>];
   put(trusted, size);
   for (double& one : trusted) one = detail::rough_root(detail::hertz_last_term * job.tolerance, one);
   h = least(longest_here, take<Real>(trusted));
   ContactState<Real> next = series.at(h);
-  const Real checked = longest_step(largest(v, Real(abs(next.v))), Real(abs(Real(next.time - z.time))));
-  const Mask<Real> shorter = h > checked;
+  const Real meanwhile = acceleration(largest(v, Real(abs(next.v))), Real(abs(Real(next.time - z.time))));
+  const Mask<Real> shorter = h * h * meanwhile > Real(longest);
   if (any(pressed & shorter)) {
-    h = select(shorter, checked, h);
+    h = select(shorter, sqrt(Real(longest / meanwhile)), h);
     next = series.at(h);
   }
   const Real duration = m[rest];
@@ -111,12 +119,18 @@ template <class Flight, class Real, class Job> Surfacing<Real> press(Memory<Real
   const Mask<Real> ended = surfaced | late;
   const Real y = select(surfaced, Real(0.0), next.y);
   if constexpr (Flight::tangent) {
-    m.set(dx_0, pressed, next.dx_0);
-    m.set(dx_1, pressed, next.dx_1);
-    m.set(q_0, pressed, next.q_0);
-    m.set(q_1, pressed, next.q_1);
-    const Real q_of_dx = law.b2 + law.loss * y * y * y;
-    compose(m, ended, next.dx_0, next.dx_1, Real(next.q_0 - q_of_dx * next.dx_0), Real(next.q_1 - q_of_dx * next.dx_1));
+    m.set(z_0, pressed, next.z_0);
+    m.set(z_1, pressed, next.z_1);
+    m.set(p_0, pressed, next.p_0);
+    m.set(p_1, pressed, next.p_1);
+    if (any(ended)) {
+      alignas(64) double shrunk[width<Real>] = {};
+      put(shrunk, next.divergence);
+      for_each(ended, [&](std::size_t lane) { shrunk[lane] = std::exp(0.5 * shrunk[lane]); });
+      const Real scale = take<Real>(shrunk), p_of_z = law.half_damping(y);
+      compose(m, ended, Real(scale * next.z_0), Real(scale * next.z_1), Real(scale * (next.p_0 - p_of_z * next.z_0)),
+              Real(scale * (next.p_1 - p_of_z * next.z_1)));
+    }
   }
   m.set(divergence, ended, Real(m[divergence] + next.divergence));
   m.set(rest, surfaced, Real(duration - next.time));
