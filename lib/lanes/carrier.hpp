@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Carrier: what the lanes of a register do, step by step: what most of them are at, be it a march far from the barrier, a step of
-// flight near it, the end of a flight or of a period, a step of contact. One that is through takes the next motion. Lanes do not
-// wait for each other at the end of a period, only at these.
+// Carrier: what the lanes of a register do, step by step: a march far from the barrier, a step of flight near it, the end of a
+// flight or of a period, a step of contact, whichever most of them are at (choice.hpp). A lane that is through takes the next
+// motion. Lanes do not wait for each other at the end of a period, only at these.
 #pragma once
 
+#include <graze/lib/lanes/choice.hpp>
 #include <graze/lib/lanes/cubic_flight.hpp>
 #include <graze/lib/lanes/passage.hpp>
 #include <graze/lib/lanes/whole_contact.hpp>
@@ -30,46 +31,31 @@ template <class Flight> class Carrier {
     begin_periods(starts);
   }
 
-  /// One step of the lanes. Whether there is anything left to do.
-  bool step() {
-    // What takes longest waits until it is worth it: a step of contact (with a table they are rare, and few lanes wait for them)
-    // and the end of a flight at the barrier. A step of flight by series takes nearly as long.
-    const int most = tables_ ? static_cast<int>(W + 3) / 4 : static_cast<int>(Flight::cubic ? (5 * W + 7) / 8 : (3 * W + 3) / 4);
-    constexpr int many = static_cast<int>(Flight::cubic ? (W + 3) / 4 : (5 * W + 7) / 8);
-    const int contacts = memory_.count(Task::contact), crossings = memory_.count(Task::crossing),
-              flights = memory_.count(Task::flight), ends = memory_.count(Task::period_end),
-              marching = memory_.count(Task::marching);
-    const int others = marching + flights + ends;
-    if (contacts >= most || (contacts > 0 && crossings + others == 0)) {
+  Choice choice() const { return choose<Flight::cubic>(memory_, tables_); }
+  static bool waits(const Choice& choice) { return lanes::waits<Flight::cubic, Real>(choice); }
+
+  /// One step of the lanes that are at a task.
+  void step(Task task) {
+    if (task == Task::contact) {
       const Surfacing<Real> up = press<Flight>(memory_, job_, ratio_);
       if (any(up.at_barrier)) Flight::leave_barrier(memory_, up.at_barrier, up.v, up.c, up.s);
       if (any(up.at_end)) end_periods(up.at_end, Real(memory_[barrier] + up.y * up.y), up.v, up.y);
-    } else if (crossings >= many || (crossings > 0 && others == 0)) {
+    } else if (task == Task::crossing) {
       const Landing<Real> landing = Flight::land(memory_);
       if (any(landing.where)) hit(landing);
-    } else if (marching > 0 && marching >= flights && marching >= ends) {
+    } else if (task == Task::marching) {
       Flight::march(memory_);
-    } else if (flights > 0 && flights >= ends) {
+    } else if (task == Task::flight) {
       Flight::fly(memory_, job_);
-    } else if (ends > 0) {
+    } else if (task == Task::period_end) {
       end_in_flight();
     }
     if (memory_.count(Task::given_up) > 0) give_up();
-    return memory_.count(Task::idle) < static_cast<int>(W);
   }
 
-  /// Lets contacts come together in one of two registers: a step of contact, or of flight by series, takes as long for few lanes as
-  /// for all.
-  void gather_contacts(Carrier& other) {
-    if (job_.law != Law::hertz) return;
-    Memory<Real>&few = memory_.count(Task::contact) < other.memory_.count(Task::contact) ? memory_ : other.memory_,
-                &many = &few == &memory_ ? other.memory_ : memory_;
-    for (;;) {
-      const unsigned come = few.at(Task::contact), go = ~many.at(Task::contact) & ((1U << W) - 1);
-      if (come == 0 || go == 0) return;
-      few.exchange(static_cast<std::size_t>(std::countr_zero(come)), many, static_cast<std::size_t>(std::countr_zero(go)));
-    }
-  }
+  /// Whether contacts are carried in steps, most of them: so that one takes as long as all the rest of a period.
+  bool steps_contacts() const { return job_.law == Law::hertz && !tables_; }
+  void gather_contacts(Carrier& other) { lanes::gather_contacts(memory_, other.memory_); }
 
  private:
   static constexpr std::size_t W = width<Real>;

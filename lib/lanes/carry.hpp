@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A job in lanes. Those of two registers take turns where there are motions for them: each step waits for what the one before
-// decided, and the processor has the other's to do meanwhile.
+// decided, and the processor has the other's to do meanwhile. Where contacts are carried in steps, which take long, be it for few
+// lanes or for all, the motions in contact come together in one of the registers, and one with few lanes to do waits for the
+// other.
 #pragma once
 
 #include <graze/lib/lanes/carrier.hpp>
@@ -8,20 +10,40 @@
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
+template <class Flight> void take_turns(Carrier<Flight>& first, Carrier<Flight>& second) {
+  for (bool goes_on = true; goes_on;) {
+    const Task one = first.choice().task;
+    first.step(one);
+    const Task two = second.choice().task;
+    second.step(two);
+    goes_on = one != Task::idle || two != Task::idle;
+  }
+}
+
+template <class Flight> void sort_contacts(Carrier<Flight>& first, Carrier<Flight>& second) {
+  for (;;) {
+    const Choice one = first.choice(), two = second.choice();
+    if (one.task == Task::idle && two.task == Task::idle) return;
+    const bool first_waits = first.waits(one), second_waits = second.waits(two);
+    const bool both_wait = first_waits && second_waits;  // then the fuller one goes
+    if (!first_waits || (both_wait && one.lanes >= two.lanes)) first.step(one.task);
+    if (!second_waits || (both_wait && one.lanes < two.lanes)) second.step(two.task);
+    first.gather_contacts(second);
+  }
+}
+
 template <class Flight> void carry_with(const Job& job) {
   std::size_t taken = 0;
   Carrier<Flight> first(job, taken);
   if (taken == job.count) {  // all are in its lanes
-    while (first.step()) {
-    }
+    for (Task task = first.choice().task; task != Task::idle; task = first.choice().task) first.step(task);
     return;
   }
   Carrier<Flight> second(job, taken);
-  for (bool goes_on = true; goes_on;) {
-    goes_on = first.step();
-    goes_on = second.step() || goes_on;
-    first.gather_contacts(second);
-  }
+  if (first.steps_contacts())
+    sort_contacts(first, second);
+  else
+    take_turns(first, second);
 }
 
 template <class Real> void carry(const Job& job) {

@@ -87,10 +87,10 @@ template <class Real, bool Tangent, bool Cubic> class ContactSeries {
     (next_two<2 * i>(q), ...);
   }
 
-  /// Sums of products, of order k those with c and s, of order k + 1 without their first and last terms the others; of yy and uu,
-  /// half of it.
+  /// Sums of products, of order k those with c and s, of order k + 1 without their first and last terms the others; of yy and uu
+  /// one half.
   struct Products {
-    Real yc = Real(0.0), ys = yc, yy = yc, yu = yc, uu = yc, yw = yc, y3w = yc;
+    Real yc, ys, yy, yu, uu, yw, y3w;
   };
   /// Of order k.
   struct TangentProducts {
@@ -99,74 +99,23 @@ template <class Real, bool Tangent, bool Cubic> class ContactSeries {
 
   /// Coefficients k + 1 and k + 2 of everything from those up to k.
   template <std::size_t k> [[gnu::always_inline]] void next_two(const Terms& q) {
-    static_assert(k % 2 == 0);
-    Products first, second;
-    if constexpr (k > 0) {
-      const Real *const y = y_.data() + 1, *const u = u_.data() + 1, *const w = y4_.data() + 1;
-      {
-        const TwoOrders<Real, k - 1, 2, false> sums(y, c_.data(), s_.data());
-        first.yc = sums.first[0];
-        first.ys = sums.first[1];
-        second.yc = sums.second[0];
-        second.ys = sums.second[1];
-      }
-      {
-        const TwoOrders<Real, k - 1, 1, true> sums(y, w);
-        first.yw = sums.first[0];
-        first.yy = sums.first_square;
-        second.yw = sums.second[0];
-        second.yy = sums.second_square;
-      }
-      {
-        const TwoOrders<Real, k - 1, 1, true> sums(u, y);
-        first.yu = sums.first[0];
-        first.uu = sums.first_square;
-        second.yu = sums.second[0];
-        second.uu = sums.second_square;
-      }
-      if constexpr (with_y7) {
-        const TwoOrders<Real, k - 1, 1, false> sums(w, y3_.data() + 1);
-        first.y3w = sums.first[0];
-        second.y3w = sums.second[0];
-      }
-    }
-    close_state<k>(q, first);
-    TangentProducts next{};
-    if constexpr (Tangent) {
-      const TwoOrders<Real, k, 2, false> yp(y_.data(), p_0_.data(), p_1_.data()), fz(f_.data(), z_0_.data(), z_1_.data());
-      close_tangent<k>({yp.first[0], yp.first[1], fz.first[0], fz.first[1]});
-      next = {yp.second[0], yp.second[1], fz.second[0], fz.second[1]};
-    }
-    if constexpr (k == 0) {
-      second.yc = y_[1] * c_[0];
-      second.ys = y_[1] * s_[0];
-      second.yu = y_[1] * u_[1];
-      second.yw = y_[1] * y4_[1];
-      second.yy = (0.5 * y_[1]) * y_[1];
-      second.uu = (0.5 * u_[1]) * u_[1];
-      if constexpr (with_y7) second.y3w = y3_[1] * y4_[1];
-    } else {
-      second.yc = madd(y_[k + 1], c_[0], madd(y_[1], c_[k], second.yc));
-      second.ys = madd(y_[k + 1], s_[0], madd(y_[1], s_[k], second.ys));
-      second.yu = madd(y_[k + 1], u_[1], madd(y_[1], u_[k + 1], second.yu));
-      second.yw = madd(y_[k + 1], y4_[1], madd(y_[1], y4_[k + 1], second.yw));
-      second.yy = madd(y_[1], y_[k + 1], second.yy);
-      second.uu = madd(u_[1], u_[k + 1], second.uu);
-      if constexpr (with_y7) second.y3w = madd(y3_[k + 1], y4_[1], madd(y3_[1], y4_[k + 1], second.y3w));
-    }
-    close_state<k + 1>(q, second);
-    if constexpr (Tangent) {
-      next.yp_0 = madd(y_[k + 1], p_0_[0], madd(y_[0], p_0_[k + 1], next.yp_0));
-      next.yp_1 = madd(y_[k + 1], p_1_[0], madd(y_[0], p_1_[k + 1], next.yp_1));
-      next.fz_0 = madd(f_[k + 1], z_0_[0], madd(f_[0], z_0_[k + 1], next.fz_0));
-      next.fz_1 = madd(f_[k + 1], z_1_[0], madd(f_[0], z_1_[k + 1], next.fz_1));
-      close_tangent<k + 1>(next);
-    }
+    const Real *const y = y_.data() + 1, *const u = u_.data() + 1, *const w = y4_.data() + 1;
+    const TwoOrders<Real, k, 2, false> forced(y, c_.data(), s_.data());
+    const TwoOrders<Real, k, 1, true> fifth(y, w), third(u, y);
+    const TwoOrders<Real, with_y7 ? k : 0, 1, false> seventh(w, y3_.data() + 1);
+    close<k>(q, {forced.first(0), forced.first(1), fifth.first_square(), third.first(), third.first_square(), fifth.first(),
+                 seventh.first()});
+    constexpr std::size_t known = Tangent ? k + 1 : 0;
+    const TwoOrders<Real, known, 2, false> yp(y_.data(), p_0_.data(), p_1_.data()), fz(f_.data(), z_0_.data(), z_1_.data());
+    if constexpr (Tangent) close_tangent<k>({yp.first(0), yp.first(1), fz.first(0), fz.first(1)});
+    close<k + 1>(q, {forced.second(0), forced.second(1), fifth.second_square(), third.second(), third.second_square(),
+                     fifth.second(), seventh.second()});
+    if constexpr (Tangent) close_tangent<k + 1>({yp.second(0), yp.second(1), fz.second(0), fz.second(1)});
   }
 
   /// Coefficients k + 1 of all but the tangent, and k of f, from sums of products of order k and of order k + 1 without their
   /// first and last terms.
-  template <std::size_t k> [[gnu::always_inline]] void close_state(const Terms& q, const Products& sums) {
+  template <std::size_t k> [[gnu::always_inline]] void close(const Terms& q, const Products& sums) {
     constexpr double inverse = 1.0 / static_cast<double>(k + 1);
     const Real y0 = y_[0], u0 = u_[0], w0 = y4_[0];
     const Real turn = inverse * q.w, c = -turn * madd(y0, s_[k], sums.ys), s = turn * madd(y0, c_[k], sums.yc);

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
-#include <utility>
 
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
@@ -79,9 +78,12 @@ template <class Real> struct Memory {
     for (auto& row : field) std::fill_n(row, W, 0.0);
     for (std::size_t lane = 0; lane < W; ++lane) {
       assign(lane, Task::idle);
+      motion[lane] = period[lane] = 0;
       coefficients_of[lane] = nullptr;
+      grid[lane] = nullptr;
       table[lane] = nullptr;
       met[lane] = nullptr;
+      impacts[lane] = 0;
     }
   }
 
@@ -96,6 +98,10 @@ template <class Real> struct Memory {
   int count(Task t) const { return std::popcount(at(t)); }
   auto is(Task t) const { return mask_of<Real>(at(t)); }
   bool is(std::size_t lane, Task t) const { return (at(t) >> lane & 1U) != 0; }
+  Task task(std::size_t lane) const {
+    constexpr std::uint64_t each_byte = 0x0101010101010101U;
+    return static_cast<Task>(std::countr_zero(tasks >> lane & each_byte) / 8);
+  }
   void assign_bits(unsigned lanes, Task t) {
     constexpr std::uint64_t each_byte = 0x0101010101010101U;
     tasks = (tasks & ~(lanes * each_byte)) | std::uint64_t{lanes} << 8 * static_cast<unsigned>(t);
@@ -126,28 +132,6 @@ template <class Real> struct Memory {
     if (coefficients_of[lane] == of_side) return;
     coefficients_of[lane] = of_side;
     for (std::size_t i = 0; i < coefficients; ++i) coefficient[i][lane] = (*of_side)[i];
-  }
-  /// Exchanges the motion in a lane with that in a lane of another register.
-  void exchange(std::size_t lane, Memory& other, std::size_t of_other) {
-    if (coefficients_of[lane] != other.coefficients_of[of_other])
-      for (std::size_t i = 0; i < coefficients; ++i) std::swap(coefficient[i][lane], other.coefficient[i][of_other]);
-    for (std::size_t i = 0; i < fields; ++i) std::swap(field[i][lane], other.field[i][of_other]);
-    const auto task = [](const Memory& m, std::size_t at) {
-      unsigned t = 0;
-      while (!m.is(at, static_cast<Task>(t))) ++t;
-      return static_cast<Task>(t);
-    };
-    const Task here = task(*this, lane), there = task(other, of_other);
-    assign(lane, there);
-    other.assign(of_other, here);
-    const auto swap = [&](auto& one, auto& another) { std::swap(one[lane], another[of_other]); };
-    swap(motion, other.motion);
-    swap(period, other.period);
-    swap(coefficients_of, other.coefficients_of);
-    swap(grid, other.grid);
-    swap(table, other.table);
-    swap(met, other.met);
-    swap(impacts, other.impacts);
   }
 };
 

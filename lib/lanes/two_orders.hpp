@@ -1,63 +1,79 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// TwoOrders: two successive coefficients of products of power series at once. Each coefficient that is loaded serves both, which
-// halves the loads; they, not the arithmetic, are what sums of products in wide registers wait for.
+// TwoOrders: two successive coefficients of products of power series at once. Each number that is loaded serves both, which
+// halves the loads: they, not the arithmetic, are what sums of products in wide registers wait for.
 #pragma once
 
 #include <graze/lib/lanes/real.hpp>
 
+#include <array>
 #include <cstddef>
 
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
-/// Of the products of a series a with N others, and of its square if Squared, a and they being known up to coefficient K:
-///     first  = sum of a_i b_j over i + j = K,
-///     second = the same over i + j = K + 1 but for i = 0 and j = 0 (which wait for coefficient K + 1);
-/// of the square one half of either.
-template <class Real, std::size_t K, std::size_t N, bool Squared> struct TwoOrders {
-  Real first[N], second[N], first_square, second_square;
-
-  template <class... Series>
-  [[gnu::always_inline]] explicit TwoOrders(const Real* a, const Series*... series) : first_square(0.0), second_square(0.0) {
+/// Products of a series a with N others, and one half of its square if Squared, so many coefficients of all of them being known:
+/// the sums of a_i b_j over i + j = Known - 1, and over i + j = Known once the next coefficients are known, too.
+template <class Real, std::size_t Known, std::size_t N, bool Squared> class TwoOrders {
+ public:
+  template <class... Series> [[gnu::always_inline]] explicit TwoOrders(const Real* a, const Series*... b) : a_(a), b_{b...} {
     static_assert(sizeof...(Series) == N);
-    const Real* const b[N] = {series...};
-    for (std::size_t n = 0; n < N; ++n) first[n] = second[n] = Real(0.0);
-    // From the middle on: what was computed last comes last, and need not be waited for.
-    constexpr std::size_t middle = (K + 1) / 2;
-    Real a_low = a[middle], b_low[N];
-    for (std::size_t n = 0; n < N; ++n) b_low[n] = b[n][middle];
-    if constexpr (K % 2 == 0) {
-      for (std::size_t n = 0; n < N; ++n) first[n] = a_low * b_low[n];
-      if constexpr (Squared) first_square = (0.5 * a_low) * a_low;
+    if constexpr (Known > 0) add_up();
+  }
+  Real first(std::size_t n = 0) const { return first_[n]; }
+  Real first_square() const { return first_[N]; }
+  [[gnu::always_inline]] Real second(std::size_t n = 0) const {
+    if constexpr (Known == 0) return a_[0] * b_[n][0];
+    return madd(a_[Known], b_[n][0], madd(a_[0], b_[n][Known], second_[n]));
+  }
+  [[gnu::always_inline]] Real second_square() const {
+    if constexpr (Known == 0) return (0.5 * a_[0]) * a_[0];
+    return madd(a_[0], a_[Known], second_[N]);
+  }
+
+ private:
+  /// From the middle on: what was computed last comes last, and need not be waited for.
+  [[gnu::always_inline]] void add_up() {
+    constexpr std::size_t middle = Known / 2;
+    Real a_low = a_[middle], b_low[N];
+    for (std::size_t n = 0; n < N; ++n) b_low[n] = b_[n][middle];
+    if constexpr (Known % 2 == 1) {
+      for (std::size_t n = 0; n < N; ++n) first_[n] = a_low * b_low[n];
+      if constexpr (Squared) first_[N] = (0.5 * a_low) * a_low;
     } else {
       const Real a_high = a_low;
-      a_low = a[middle - 1];
+      a_low = a_[middle - 1];
       for (std::size_t n = 0; n < N; ++n) {
-        second[n] = a_high * b_low[n];
-        first[n] = a_low * b_low[n];
-        b_low[n] = b[n][middle - 1];
-        first[n] = madd(a_high, b_low[n], first[n]);
+        second_[n] = a_high * b_low[n];
+        first_[n] = a_low * b_low[n];
+        b_low[n] = b_[n][middle - 1];
+        first_[n] = madd(a_high, b_low[n], first_[n]);
       }
       if constexpr (Squared) {
-        second_square = (0.5 * a_high) * a_high;
-        first_square = a_low * a_high;
+        second_[N] = (0.5 * a_high) * a_high;
+        first_[N] = a_low * a_high;
       }
     }
 #pragma GCC unroll 1
-    for (std::size_t j = middle + 1; j <= K; ++j) {
-      const Real a_high = a[j];
-      if constexpr (Squared) second_square = madd(a_low, a_high, second_square);
-      const Real a_before = a_low;
-      a_low = a[K - j];
-      if constexpr (Squared) first_square = madd(a_low, a_high, first_square);
+    for (std::size_t j = middle + 1; j < Known; ++j) {
+      const Real a_high = a_[j], a_before = a_low;
+      a_low = a_[Known - 1 - j];
+      if constexpr (Squared) {
+        second_[N] = madd(a_before, a_high, second_[N]);
+        first_[N] = madd(a_low, a_high, first_[N]);
+      }
       for (std::size_t n = 0; n < N; ++n) {
-        const Real b_high = b[n][j];
-        second[n] = madd(a_high, b_low[n], madd(a_before, b_high, second[n]));
-        b_low[n] = b[n][K - j];
-        first[n] = madd(a_high, b_low[n], madd(a_low, b_high, first[n]));
+        const Real b_high = b_[n][j];
+        second_[n] = madd(a_high, b_low[n], madd(a_before, b_high, second_[n]));
+        b_low[n] = b_[n][Known - 1 - j];
+        first_[n] = madd(a_high, b_low[n], madd(a_low, b_high, first_[n]));
       }
     }
   }
+
+  const Real* a_;
+  const Real* b_[N];
+  /// The last: of the square. The second without its ends.
+  std::array<Real, N + 1> first_{}, second_{};
 };
 
 }  // namespace GRAZE_ARITHMETIC

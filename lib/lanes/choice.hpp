@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Choice: what the lanes of a register do next. And how motions change places, that the lanes of one are at the same.
+#pragma once
+
+#include <graze/lib/lanes/memory.hpp>
+
+#include <bit>
+#include <utility>
+
+namespace graze::lanes {
+inline namespace GRAZE_ARITHMETIC {
+
+/// A task, and how many lanes are at it.
+struct Choice {
+  Task task;
+  int lanes;
+};
+
+/// What most lanes are at, but for what takes longest, which waits until it is worth it: a step of contact (with a table of
+/// contacts they are rare, and few lanes wait for them) and the end of a flight at the barrier. A step of flight by series
+/// (Cubic) takes nearly as long.
+template <bool Cubic, class Real> Choice choose(const Memory<Real>& m, bool with_table) {
+  constexpr std::size_t W = width<Real>;
+  const int most = static_cast<int>(with_table ? (W + 3) / 4 : (7 * W + 7) / 8);
+  constexpr int many = static_cast<int>(Cubic ? (W + 3) / 4 : (5 * W + 7) / 8);
+  const int contacts = m.count(Task::contact), crossings = m.count(Task::crossing), flights = m.count(Task::flight),
+            ends = m.count(Task::period_end), marching = m.count(Task::marching);
+  const int others = marching + flights + ends;
+  if (contacts >= most || (contacts > 0 && crossings + others == 0)) return {Task::contact, contacts};
+  if (crossings >= many || (crossings > 0 && others == 0)) return {Task::crossing, crossings};
+  if (marching > 0 && marching >= flights && marching >= ends) return {Task::marching, marching};
+  if (flights > 0 && flights >= ends) return {Task::flight, flights};
+  if (ends > 0) return {Task::period_end, ends};
+  const int given_up = m.count(Task::given_up);  // from the start: after a step there are none
+  return {given_up > 0 ? Task::given_up : Task::idle, given_up};
+}
+
+/// Whether a register better lets another one go first: a step of contact, or of flight by series, takes as long for few lanes as
+/// for all.
+template <bool Cubic, class Real> bool waits(const Choice& choice) {
+  constexpr int enough = static_cast<int>((6 * width<Real> + 7) / 8);
+  const bool takes_long = choice.task == Task::contact || (Cubic && choice.task == Task::flight);
+  return choice.task == Task::idle || (takes_long && choice.lanes < enough);
+}
+
+/// The motions in these lanes of two registers change places.
+template <class Real> void exchange(Memory<Real>& a, std::size_t i, Memory<Real>& b, std::size_t j) {
+  if (a.coefficients_of[i] != b.coefficients_of[j])
+    for (std::size_t k = 0; k < coefficients; ++k) std::swap(a.coefficient[k][i], b.coefficient[k][j]);
+  for (std::size_t k = 0; k < fields; ++k) std::swap(a.field[k][i], b.field[k][j]);
+  const Task of_a = a.task(i), of_b = b.task(j);
+  a.assign(i, of_b);
+  b.assign(j, of_a);
+  std::swap(a.motion[i], b.motion[j]);
+  std::swap(a.period[i], b.period[j]);
+  std::swap(a.coefficients_of[i], b.coefficients_of[j]);
+  std::swap(a.grid[i], b.grid[j]);
+  std::swap(a.table[i], b.table[j]);
+  std::swap(a.met[i], b.met[j]);
+  std::swap(a.impacts[i], b.impacts[j]);
+}
+
+/// Lets the motions in contact come together in one of two registers.
+template <class Real> void gather_contacts(Memory<Real>& a, Memory<Real>& b) {
+  const bool more_in_a = a.count(Task::contact) >= b.count(Task::contact);
+  Memory<Real>&many = more_in_a ? a : b, &few = more_in_a ? b : a;
+  constexpr unsigned all = (1U << width<Real>)-1;
+  for (;;) {
+    const unsigned come = few.at(Task::contact), go = all & ~many.at(Task::contact);
+    if (come == 0 || go == 0) return;
+    exchange(many, static_cast<std::size_t>(std::countr_zero(go)), few, static_cast<std::size_t>(std::countr_zero(come)));
+  }
+}
+
+}  // namespace GRAZE_ARITHMETIC
+}  // namespace graze::lanes
