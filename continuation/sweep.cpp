@@ -19,7 +19,7 @@ namespace {
 
 /// Rows whose time averages are taken side by side, where lanes know the oscillator: so many at the most, and fewer where they
 /// take longer than this, since a group is kept as a whole.
-constexpr std::size_t rows_side_by_side = 8;
+constexpr std::size_t rows_side_by_side = 16;
 constexpr std::chrono::milliseconds quick_group{250};
 /// Groups that wait for their averages, or for one before them, for each thread that has nothing else to do: enough that it has,
 /// and not too many to lose.

@@ -31,7 +31,7 @@ template <class Flight> class Carrier {
     begin_periods(starts);
   }
 
-  Choice choice() const { return choose<Flight::cubic>(memory_, tables_); }
+  Choice choice(bool alone = false) const { return choose<Flight::cubic>(memory_, tables_, alone); }
   static bool waits(const Choice& choice) { return lanes::waits<Flight::cubic, Real>(choice); }
 
   /// One step of the lanes that are at a task.

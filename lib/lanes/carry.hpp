@@ -36,7 +36,7 @@ template <class Flight> void carry_with(const Job& job) {
   std::size_t taken = 0;
   Carrier<Flight> first(job, taken);
   if (taken == job.count) {  // all are in its lanes
-    for (Task task = first.choice().task; task != Task::idle; task = first.choice().task) first.step(task);
+    for (Task task = first.choice(true).task; task != Task::idle; task = first.choice(true).task) first.step(task);
     return;
   }
   Carrier<Flight> second(job, taken);
