@@ -38,6 +38,17 @@ Attractor followed(const HybridSystem& system, const Vector& p, const Vector& st
   return attractor;
 }
 
+/// Keeps of a row's orbit what it is, and not how it was found: there may be a million rows.
+void describe_briefly(SweepRow& row) {
+  if (!row.attractor.orbit) return;
+  PeriodicOrbit& orbit = *row.attractor.orbit;
+  orbit.nodes = {};
+  orbit.signature = {};
+  orbit.newton.residual_history = {};
+  orbit.events = {};
+  orbit.monodromy = {};
+}
+
 /// The rows of one direction.
 class OneWay {
  public:
@@ -185,13 +196,26 @@ class OneWay {
   }
 
   void sample(SweepRow& row) const {
+    row.states.clear();
+    row.impact_speeds.clear();
+    const std::optional<PeriodicOrbit>& orbit = row.attractor.orbit;
+    if (orbit && (orbit->impacts == 0 || !orbit->events.empty())) {
+      row.states = orbit->states;
+      for (const EventRecord& event : orbit->events)
+        if (begins_contact(event.kind)) row.impact_speeds.push_back(event.normal_speed);
+      row.end = orbit->state;
+    } else {
+      follow_samples(row);
+    }
+    describe_briefly(row);
+  }
+
+  void follow_samples(SweepRow& row) const {
     const Vector p = parameters(row.value);
     Propagator propagator(system_, p, {}, options_.attractor.lyapunov.flow);
     const double T = forcing_period(system_, p);
     Transition transition;
     Vector x = row.attractor.state;
-    row.states.clear();
-    row.impact_speeds.clear();
     const int count = row.attractor.type == AttractorType::periodic ? row.attractor.period : options_.samples;
     for (int k = 0; k < count; ++k) {
       row.states.push_back(x);

@@ -4,8 +4,8 @@
 //
 // Where the motion is not periodic, the time averages (which take long) of several values and the values behind them are computed
 // side by side: the next value starts from the state after transient and samples. Should an average end on a stable orbit after
-// all, the values behind it are computed again, from that orbit. So the result is that of one value after the other, on any number
-// of threads.
+// all, the values behind it are computed again, from that orbit. So the result is that of one value after the other, on any
+// number of threads.
 #pragma once
 
 #include <graze/floquet/attractor.hpp>
@@ -36,7 +36,7 @@ struct SweepOptions {
 struct SweepRow {
   double value = 0.0;
   SweepDirection direction = SweepDirection::up;
-  Attractor attractor;
+  Attractor attractor;                ///< its orbit without nodes, signature, events and factors (there may be a million rows)
   Vector end;                         ///< state at phase 0 from which the next value starts
   std::vector<Vector> states;         ///< at forcing phase 0: those of the orbit, or SweepOptions::samples of them
   std::vector<double> impact_speeds;  ///< of the impacts (entries) on the way through them

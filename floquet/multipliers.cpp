@@ -51,24 +51,27 @@ std::vector<double> determinants(const std::vector<Matrix>& factors, const std::
   return list;
 }
 
-/// Square matrices of at most Max rows (Eigen::Dynamic: any); where it is a number they are kept without allocation.
-template <int Max> using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, Max, Max>;
+/// Of as many rows and columns as those of a square matrix, at the most.
+template <class Square>
+using Part = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, Square::MaxRowsAtCompileTime,
+                           Square::MaxColsAtCompileTime>;
 
 /// +1 or -1 for an orthogonal matrix.
-template <int Max> double orientation(const Square<Max>& Q) {
+template <class Square> double orientation(const Square& Q) {
   const double det = Q.rows() == 2 ? Q(0, 0) * Q(1, 1) - Q(0, 1) * Q(1, 0) : Q.determinant();
   return std::copysign(1.0, det);
 }
 
-/// Factors in triangular form: A_k Q_{k-1} = Q_k R_k and E = Q_0^T Q_N, so that Q_0^T M Q_0 = E R_N ... R_1.
-template <int Max> struct TriangularForm {
-  std::vector<Square<Max>> R;
-  Square<Max> E;
+/// Factors in triangular form: A_k Q_{k-1} = Q_k R_k and E = Q_0^T Q_N, so that Q_0^T M Q_0 = E R_N ... R_1. (Square: Matrix2d or
+/// Matrix.)
+template <class Square> struct TriangularForm {
+  std::vector<Square> R;
+  Square E;
 };
 
 /// What rounding has blurred in R: its smallest pivot comes out of the largest entries by cancellation, but the determinant knows
 /// it to relative accuracy; a factor of deficient rank has exact zeros.
-template <int Max> void sharpen(Square<Max>& R, double det, double size) {
+template <class Square> void sharpen(Square& R, double det, double size) {
   const Eigen::Index n = R.rows();
   const double blur = 8.0 * epsilon * static_cast<double>(n) * size;
   Eigen::Index smallest = 0;
@@ -83,40 +86,54 @@ template <int Max> void sharpen(Square<Max>& R, double det, double size) {
     if (R.row(i).template lpNorm<Eigen::Infinity>() <= blur) R.row(i).setZero();
 }
 
+/// A = Q R; in the plane by a rotation.
+template <class Square> void triangularise(const Square& A, Square& Q, Square& R) {
+  if constexpr (Square::RowsAtCompileTime == 2) {
+    Eigen::JacobiRotation<double> rotation;
+    rotation.makeGivens(A(0, 0), A(1, 0));
+    R = A;
+    R.applyOnTheLeft(0, 1, rotation.adjoint());
+    R(1, 0) = 0.0;
+    Q.setIdentity();
+    Q.applyOnTheLeft(0, 1, rotation);
+  } else {
+    const Eigen::HouseholderQR<Square> qr(A);
+    Q = qr.householderQ();
+    R = qr.matrixQR().template triangularView<Eigen::Upper>();
+  }
+}
+
 /// Q: Q_0 before, Q_N after.
-template <int Max>
-void sweep(const std::vector<Matrix>& factors, const std::vector<double>& dets, Square<Max>& Q, TriangularForm<Max>& form) {
-  const Square<Max> start = Q;
-  double side = orientation<Max>(Q);
+template <class Square>
+void sweep(const std::vector<Matrix>& factors, const std::vector<double>& dets, Square& Q, TriangularForm<Square>& form) {
+  const Square start = Q;
+  double side = orientation(Q);
   form.R.resize(factors.size());
   for (std::size_t k = 0; k < factors.size(); ++k) {
-    const Square<Max> turned = factors[k] * Q;
-    const Eigen::HouseholderQR<Square<Max>> qr(turned);
-    Q = qr.householderQ();
-    Square<Max>& R = form.R[k];
-    R = qr.matrixQR().template triangularView<Eigen::Upper>();
+    const Square factor = factors[k], turned = factor * Q;
+    Square& R = form.R[k];
+    triangularise(turned, Q, R);
     const double before = side;
-    side = orientation<Max>(Q);
-    sharpen<Max>(R, before * side * dets[k], factors[k].cwiseAbs().maxCoeff());
+    side = orientation(Q);
+    sharpen(R, before * side * dets[k], factor.cwiseAbs().maxCoeff());
   }
   form.E = start.transpose() * Q;
 }
 
 /// Rows first ... first + size - 1 of the product, and its determinant, factor by factor.
-template <int Max> struct DiagonalBlock {
-  Square<Max> product;
+template <class Square> struct DiagonalBlock {
+  Part<Square> product;
   double det = 1.0;
 
-  DiagonalBlock(const TriangularForm<Max>& form, Eigen::Index first, Eigen::Index size) {
-    Vector diagonal = Vector::Ones(size);
-    product = Square<Max>::Identity(size, size);
-    for (const Square<Max>& R : form.R) {
-      product = Square<Max>(R.block(first, first, size, size) * product);
-      diagonal = diagonal.cwiseProduct(R.diagonal().segment(first, size));
+  DiagonalBlock(const TriangularForm<Square>& form, Eigen::Index first, Eigen::Index size) {
+    product = Part<Square>::Identity(size, size);
+    for (const Square& R : form.R) {
+      product = Part<Square>(R.block(first, first, size, size) * product);
+      det *= R.diagonal().segment(first, size).prod();
     }
-    const Square<Max> E = form.E.block(first, first, size, size);
-    product = Square<Max>(E * product);
-    det = diagonal.prod() * (E.determinant() < 0.0 ? -1.0 : 1.0);
+    const Part<Square> E = form.E.block(first, first, size, size);
+    product = Part<Square>(E * product);
+    if (E.determinant() < 0.0) det = -det;
   }
 
   /// Of two rows: the square of half the difference of the eigenvalues.
@@ -124,17 +141,17 @@ template <int Max> struct DiagonalBlock {
 };
 
 /// Whether a planar product is sure to have conjugate eigenvalues: no sweep parts these.
-template <int Max> bool conjugate(const TriangularForm<Max>& form) {
+template <class Square> bool conjugate(const TriangularForm<Square>& form) {
   constexpr double beyond_rounding = 1e-10;
-  const DiagonalBlock<Max> whole(form, 0, 2);
+  const DiagonalBlock whole(form, 0, 2);
   return whole.discriminant() < -beyond_rounding * whole.product.squaredNorm();
 }
 
 /// Eigenvalues of one diagonal block, rows first ... first + size - 1.
-template <int Max>
-void block_eigenvalues(const TriangularForm<Max>& form, Eigen::Index first, Eigen::Index size,
+template <class Square>
+void block_eigenvalues(const TriangularForm<Square>& form, Eigen::Index first, Eigen::Index size,
                        std::vector<std::complex<double>>& out) {
-  const DiagonalBlock<Max> block(form, first, size);
+  const DiagonalBlock block(form, first, size);
   if (size == 1) {
     out.emplace_back(block.det);
   } else if (size == 2) {
@@ -166,17 +183,17 @@ void sort_by_modulus(std::vector<std::complex<double>>& values) {
   }
 }
 
-template <int Max>
+template <class Square>
 std::vector<std::complex<double>> eigenvalues(const std::vector<Matrix>& factors, const std::vector<double>& dets) {
   const Eigen::Index n = factors.front().rows();
-  Square<Max> Q = Square<Max>::Identity(n, n);
-  TriangularForm<Max> form;
-  sweep<Max>(factors, dets, Q, form);
+  Square Q = Square::Identity(n, n);
+  TriangularForm<Square> form;
+  sweep(factors, dets, Q, form);
   const auto parted = [&] {
     return n < 2 || (n == 2 && conjugate(form)) ||
-           Square<Max>(form.E.template triangularView<Eigen::StrictlyLower>()).cwiseAbs().maxCoeff() < epsilon;
+           Square(form.E.template triangularView<Eigen::StrictlyLower>()).cwiseAbs().maxCoeff() < epsilon;
   };
-  for (int i = 0; i < (n > 2 ? sweeps_of_large_blocks : sweeps) && !parted(); ++i) sweep<Max>(factors, dets, Q, form);
+  for (int i = 0; i < (n > 2 ? sweeps_of_large_blocks : sweeps) && !parted(); ++i) sweep(factors, dets, Q, form);
   std::vector<std::complex<double>> values;
   for (Eigen::Index first = 0; first < n;) {
     Eigen::Index size = 1;
@@ -203,7 +220,7 @@ Matrix MonodromyMatrix::product() const {
 std::vector<std::complex<double>> product_eigenvalues(const std::vector<Matrix>& factors, const std::vector<double>& log_dets) {
   if (factors.empty()) return {};
   const std::vector<double> dets = determinants(factors, log_dets);
-  return factors.front().rows() <= 2 ? eigenvalues<2>(factors, dets) : eigenvalues<Eigen::Dynamic>(factors, dets);
+  return factors.front().rows() == 2 ? eigenvalues<Eigen::Matrix2d>(factors, dets) : eigenvalues<Matrix>(factors, dets);
 }
 
 int FloquetMultipliers::unstable() const {
@@ -224,8 +241,8 @@ FloquetMultipliers multipliers(const MonodromyMatrix& monodromy, double duration
     // what is left of the factors is their lower right block.
     const Eigen::Index n = monodromy.trivial_direction.size();
     Matrix Q = Eigen::HouseholderQR<Matrix>(monodromy.trivial_direction).householderQ() * Matrix::Identity(n, n);
-    TriangularForm<Eigen::Dynamic> form;
-    sweep<Eigen::Dynamic>(monodromy.factors, determinants(monodromy.factors, monodromy.log_dets), Q, form);
+    TriangularForm<Matrix> form;
+    sweep(monodromy.factors, determinants(monodromy.factors, monodromy.log_dets), Q, form);
     std::vector<Matrix> rest;
     double along = form.E(0, 0);
     for (const Matrix& R : form.R) {

@@ -186,13 +186,32 @@ std::vector<Complex> powers(Complex z, std::size_t count) {
 
 Complex polar(long double size, long double angle) { return {size * std::cos(angle), size * std::sin(angle)}; }
 
+/// Cosine and sine of k n-ths of a turn, k = 0 ... n.
+struct Phases {
+  std::vector<double> c, s;
+};
+/// (Of many parameters they are the same: the last are kept.)
+std::shared_ptr<const Phases> phases_of(std::size_t n) {
+  thread_local std::shared_ptr<const Phases> last;
+  if (last && last->c.size() == n + 1) return last;
+  auto phases = powers(polar(1.0L, 2.0L * std::numbers::pi_v<long double> / static_cast<long double>(n)), n);
+  phases.emplace_back(1.0L);
+  const auto made = std::make_shared<Phases>();
+  for (const Complex& z : phases) {
+    made->c.push_back(static_cast<double>(z.real()));
+    made->s.push_back(static_cast<double>(z.imag()));
+  }
+  return last = made;
+}
+
 std::shared_ptr<const Grid> grid_of(const Coefficients& q) {
   struct Values {
     Grid grid;
-    std::vector<double> numbers;
+    std::vector<double> forced;
+    std::shared_ptr<const Phases> phases;
   };
   const auto values = std::make_shared<Values>();
-  auto& [grid, numbers] = *values;
+  Grid& grid = values->grid;
   const long double h = q[cell];
   const auto turns = powers(polar(std::exp(-q[damping] * h), q[rate] * h), points_ahead);
   for (std::size_t i = 0; i < points_ahead; ++i) {
@@ -200,18 +219,13 @@ std::shared_ptr<const Grid> grid_of(const Coefficients& q) {
     grid.turn_s[i] = static_cast<double>(turns[i].imag());
   }
   const auto n = static_cast<std::size_t>(q[cells]);
-  auto phases = powers(polar(1.0L, 2.0L * std::numbers::pi_v<long double> / static_cast<long double>(n)), n);
-  phases.emplace_back(1.0L);
-  numbers.resize(3 * (n + 1) + points_ahead, std::numeric_limits<double>::infinity());
-  double *const phase_c = numbers.data(), *const phase_s = phase_c + n + 1, *const forced = phase_s + n + 1;
-  for (std::size_t k = 0; k <= n; ++k) {
-    phase_c[k] = static_cast<double>(phases[k].real());
-    phase_s[k] = static_cast<double>(phases[k].imag());
-    forced[k] = q[cosine] * phase_c[k] + q[sine] * phase_s[k] + q[offset];
-  }
-  grid.forced = forced;
-  grid.phase_c = phase_c;
-  grid.phase_s = phase_s;
+  values->phases = phases_of(n);
+  const auto& [c, s] = *values->phases;
+  values->forced.resize(n + 1 + points_ahead, std::numeric_limits<double>::infinity());
+  for (std::size_t k = 0; k <= n; ++k) values->forced[k] = q[cosine] * c[k] + q[sine] * s[k] + q[offset];
+  grid.forced = values->forced.data();
+  grid.phase_c = c.data();
+  grid.phase_s = s.data();
   return {values, &grid};
 }
 
