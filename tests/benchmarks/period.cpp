@@ -11,23 +11,25 @@
 // 320 + 70 = 1020 operations.
 //
 // Damped Hertz at eta = 0.711, with its 0.7 contacts a period of 12.8 steps each of the series of order 16 at 1e-12 (9.8 at
-// 1e-10). A step in lanes: 12 products of series, of which two are squares, 56 pairs of terms and what is in the middle and at
-// the ends (1570 operations, fused or not), 16 sets of sums of 25, ten sums of 17, and some 100 for its length: 2250; 6.9 steps
-// are 15500 a period at 1e-10. One contact by itself goes four quantities at once: 460 of such operations a step, and 640 on
-// single numbers. The flights add 1000. A table of contacts (for long averages at fixed parameters) has 16 x 16 terms at the most
-// in place of the steps: some 800 fused operations with the sensitivity.
+// 1e-10). A step in lanes: 11 products of series, of which two are squares, 136 terms each (1370 operations), 36 more an order
+// (580), ten sums of 16, and some 80 for its length: 2190, nearly all fused; 6.9 steps are 15100 a period at 1e-10. One contact by
+// itself goes four quantities at once: 460 of such operations a step, and 640 on single numbers. The flights add 1000. A table of
+// contacts (for long averages at fixed parameters) has 16 x 16 terms at the most in place of the steps: some 800 fused operations
+// with the sensitivity.
 //
 // The cantilever with Newton's law, eta = 0.554, has 1.8 impacts a period and 14.8 steps at 1e-10. A step in lanes: the series of
 // order 16 with its tangent 810 (570 of them fused), its sums 120, that the barrier is not reached 140. An impact: the series once
 // more, its root and sums, the saltation, 1100. Together 17800.
 //
 // How far from it: see the table, rows peak/lanes=N and peak/fused-lanes=N (operations on N numbers at once) and period/*. On an
-// AMD EPYC (Zen 5, TSC 2.6 GHz) a thousand single operations take 141 ns one at a time, 71 in SSE2, 36 in AVX2, 22 in AVX-512, a
-// thousand fused ones 244, 62 (AVX2), 37 (AVX-512). One lane of Newton has its floor at 144 ns and takes 169 with one period at a
-// call; eight lanes at 22 ns and 64 (on average five of them have something to do). One lane of damped Hertz at 1e-10 has its
-// floor at 6.9 x (460 x 0.25 + 640 x 0.14) ns and the flights, 1.6 us, and takes 2.2; eight lanes at 0.6 us, which is what they
-// take: some of their additions find a place beside the fused operations. Eight lanes of the cantilever have theirs at 0.58 us, and
-// take 0.56 to 0.58.
+// AMD EPYC of 2023 (Zen 4, TSC 2.6 GHz, whose AVX-512 does at once what AVX2 does) a thousand single operations take 87 ns one at
+// a time, 43 in SSE2, 21 in AVX2 and in AVX-512, a thousand fused ones 138, 34 and 34. One lane of Newton has its floor at 89 ns
+// and takes 256; eight lanes at 22 ns and 90 (on average five of them have something to do). One lane of damped Hertz at 1e-10 has
+// its floor at 6.9 x (460 x 0.14 + 640 x 0.09) ns and the flights, 0.9 us, and takes 2.8: each order of a series waits for the one
+// before. Eight lanes have it at 15100 x 0.034 ns and the flights, 0.54 us, and take 0.97: 7.3 of 8 lanes on average are in
+// contact when a step is taken, and registers wait to be loaded, once for two orders. Eight lanes of the cantilever have theirs at
+// 0.5 us, and take 0.96, 6.7 of them in flight. (Before 2026-11-23 the rows of fused operations measured stores and loads: they
+// were twice and three times as long.)
 //
 // What does a forcing period cost, with its 2x2 sensitivity? Over 200 periods on the attractor, every solver at the loosest
 // tolerance that delivers 1e-10. `miscounted`: of 200 runs next to grazing, those with a wrong number of impacts at that

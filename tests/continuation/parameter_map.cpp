@@ -210,6 +210,33 @@ TEST_CASE("sweep: past a period doubling it goes on with the doubled orbit") {
   }
 }
 
+TEST_CASE("sweep: a row has the states and impacts of its orbit, and what describes it") {
+  const std::vector<SweepRow> rows =
+      sweep(damped_hertz(), hertz_parameters(), Vector{{0.0, 0.0}}, fine_sweep(0.9190, 0.9194, SweepDirection::down));
+  for (const SweepRow& row : rows) {
+    INFO(row.value);
+    REQUIRE(row.attractor.orbit);
+    const PeriodicOrbit& orbit = *row.attractor.orbit;
+    CHECK(orbit.period == 2);
+    CHECK(orbit.multipliers.stable());
+    CHECK(orbit.events.empty());
+    CHECK(orbit.monodromy.factors.empty());
+    REQUIRE(row.states.size() == 2);
+    // The impacts of a free run from the first state, which comes back.
+    Propagator propagator(damped_hertz(), hertz_parameters(row.value));
+    const double T = forcing_period(damped_hertz(), hertz_parameters(row.value));
+    Transition run;
+    carry(propagator, 0.0, 2.0 * T, row.states[0], {.sensitivity = Sensitivity::none, .keep_events = true}, run);
+    CHECK((run.x1 - row.states[0]).norm() < 1e-11);
+    CHECK((row.end - row.states[0]).norm() < 1e-11);
+    std::vector<double> speeds;
+    for (const EventRecord& event : run.events)
+      if (begins_contact(event.kind)) speeds.push_back(event.normal_speed);
+    REQUIRE(row.impact_speeds.size() == speeds.size());
+    for (std::size_t k = 0; k < speeds.size(); ++k) CHECK(row.impact_speeds[k] == Approx(speeds[k]).epsilon(1e-11));
+  }
+}
+
 TEST_CASE("sweep: a slow way off an unstable orbit is not taken for chaos") {
   // Past the doubling of a 1/1 orbit; after the transients asked for the motion is still near it, after some thousand periods on
   // 2/1.

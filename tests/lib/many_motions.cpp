@@ -181,6 +181,27 @@ TEST_CASE("lanes carry slow and fast, weakly and strongly damped motions") {
   CHECK(many.left_over() < many.carried() / 4);
 }
 
+TEST_CASE("strongly damped contacts in lanes are those of the Propagator") {
+  // Restitutions down to 0.01 and below, contacts of several periods: the tangent shrinks by exp(-20) and more.
+  const HybridSystem system = oscillator("hertz");
+  std::vector<Vector> sets;
+  ManyMotions many(system);
+  for (const double b_H : {0.0, 1.0, 5.0, 20.0})
+    for (const double k_H : {0.5, 30.0, 1e4}) {
+      sets.push_back(parameters(system, {{"eta", 1.3}, {"b", 0.1}, {"r", 0.3}, {"k_H", k_H}, {"b_H", b_H}}));
+      many.add_parameters(sets.back());
+    }
+  const auto starts = random_starts(12 * 8, 0.5, sets.size());
+  std::vector<PeriodResult> results;
+  many.carry(starts, 6, true, results);
+  const Difference worst = compare(system, sets, starts, 6, results);
+  CHECK(worst.state < 1e-12);
+  CHECK(worst.tangent < 1e-11);
+  CHECK(worst.impacts == 0);
+  CHECK(worst.other_endings == 0);
+  CHECK(many.left_over() < many.carried() / 4);
+}
+
 TEST_CASE("what the lanes do not know is told") {
   FlowOptions general;
   general.kind = FlowKind::general;
