@@ -28,8 +28,7 @@
 // its floor at 6.9 x (460 x 0.14 + 640 x 0.09) ns and the flights, 0.9 us, and takes 2.8: each order of a series waits for the one
 // before. Eight lanes have it at 15100 x 0.034 ns and the flights, 0.54 us, and take 0.97: 7.3 of 8 lanes on average are in
 // contact when a step is taken, and registers wait to be loaded, once for two orders. Eight lanes of the cantilever have theirs at
-// 0.5 us, and take 0.96, 6.7 of them in flight. (Before 2026-11-23 the rows of fused operations measured stores and loads: they
-// were twice and three times as long.)
+// 0.6 us, and take 0.96, 6.7 of them in flight.
 //
 // What does a forcing period cost, with its 2x2 sensitivity? Over 200 periods on the attractor, every solver at the loosest
 // tolerance that delivers 1e-10. `miscounted`: of 200 runs next to grazing, those with a wrong number of impacts at that
