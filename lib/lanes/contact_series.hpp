@@ -61,7 +61,7 @@ template <class Real, bool Tangent, bool Cubic> class ContactSeries {
   }
 
   /// Largest coefficients of the last order and of the one before, each relative to 1 + |what it belongs to|; of the tangent, to
-  /// 1 + its largest entry.
+  /// 1 + the larger z or p.
   void size(Real& last, Real& before) const {
     const Real of_y = 1.0 / (1.0 + abs(y_[0])), of_v = 1.0 / (1.0 + abs(v_[0]));
     const auto state = [&](std::size_t k) {
@@ -70,12 +70,13 @@ template <class Real, bool Tangent, bool Cubic> class ContactSeries {
     last = state(order);
     before = state(order - 1);
     if constexpr (Tangent) {
+      const Real of_z = 1.0 / (1.0 + largest(abs(z_0_[0]), abs(z_1_[0]))),
+                 of_p = 1.0 / (1.0 + largest(abs(p_0_[0]), abs(p_1_[0])));
       const auto tangent = [&](std::size_t k) {
-        return largest(largest(abs(z_0_[k]), abs(z_1_[k])), largest(abs(p_0_[k]), abs(p_1_[k])));
+        return largest(Real(of_z * largest(abs(z_0_[k]), abs(z_1_[k]))), Real(of_p * largest(abs(p_0_[k]), abs(p_1_[k]))));
       };
-      const Real of_tangent = 1.0 / (1.0 + tangent(0));
-      last = largest(last, Real(of_tangent * tangent(order)));
-      before = largest(before, Real(of_tangent * tangent(order - 1)));
+      last = largest(last, tangent(order));
+      before = largest(before, tangent(order - 1));
     }
   }
 

@@ -68,6 +68,10 @@ bool leads_back(const Event& entering, const Event& leaving) {
          leaving.guard.level->level == entering.guard.level->level;
 }
 
+/// Beyond these dampings (k_H b_H and b) a contact creeps so slowly that the tangent in Hill's form (contact_series.hpp), where
+/// that is a difference of their squares, loses digits.
+constexpr double strongest_contact_damping = 3e4, strongest_damping = 30.0;
+
 /// Contact by Hertz's law with the equations of the flight.
 bool is_contact_of(const Flight& free, const HertzContact& contact, const Event& entering) {
   using C = HertzContact;
@@ -113,6 +117,10 @@ std::optional<Description> describe(const HybridSystem& system, const Vector& p)
   if (!leaving || hit->reset.map || leaving->reset.map || !leads_back(*hit, *leaving)) return std::nullopt;
   if (const auto* contact = std::get_if<HertzContact>(&pressed)) {
     if (!is_contact_of(*free, *contact, *hit)) return std::nullopt;
+    const auto& q = contact->value;
+    if (q[HertzContact::stiffness] * q[HertzContact::contact_damping] > strongest_contact_damping ||
+        q[HertzContact::damping] > strongest_damping)
+      return std::nullopt;
     out.law = Law::hertz;
     out.hertz = *contact;
     return out;

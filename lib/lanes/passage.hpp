@@ -38,6 +38,14 @@ template <class Real> ContactLaw<Real> contact_law(const Memory<Real>& m) {
   return {2.0 * m[damping], m[frequency], m[amplitude], m[barrier], k_H, k_H * m[contact_damping], m[lanes::cubic]};
 }
 
+/// The tangent of what follows of a contact is the identity: (z, p), half of the damping being so much.
+template <class Real> void begin_columns(Memory<Real>& m, const Mask<Real>& where, const Real& half_damping) {
+  m.set(z_0, where, Real(1.0));
+  m.set(z_1, where, Real(0.0));
+  m.set(p_0, where, half_damping);
+  m.set(p_1, where, Real(1.0));
+}
+
 /// A contact begins at depth y^2 and speed v.
 template <class Real>
 void touch(Memory<Real>& m, const Mask<Real>& where, const Real& y, const Real& v, const Real& c, const Real& s) {
@@ -47,10 +55,7 @@ void touch(Memory<Real>& m, const Mask<Real>& where, const Real& y, const Real& 
   m.set(phase_s, where, s);
   m.set(contact_time, where, Real(0.0));
   m.set(contact_divergence, where, Real(0.0));
-  m.set(z_0, where, Real(1.0));
-  m.set(z_1, where, Real(0.0));
-  m.set(p_0, where, contact_law(m).half_damping(y));
-  m.set(p_1, where, Real(1.0));
+  begin_columns(m, where, contact_law(m).half_damping(y));
   m.set(step, where, Real(0.0));
   m.set(steps, where, Real(0.0));
   m.assign(where, Task::contact);
@@ -118,21 +123,25 @@ template <class Flight, class Real, class Job> Surfacing<Real> press(Memory<Real
   m.set(contact_divergence, pressed, next.divergence);
   const Mask<Real> ended = surfaced | late;
   const Real y = select(surfaced, Real(0.0), next.y);
+  // What the contact has done to the tangent is taken over at its end, and before z and p become too large for numbers.
+  const Mask<Real> taken_over = ended | (pressed & (next.divergence < Real(-40.0)));
   if constexpr (Flight::tangent) {
     m.set(z_0, pressed, next.z_0);
     m.set(z_1, pressed, next.z_1);
     m.set(p_0, pressed, next.p_0);
     m.set(p_1, pressed, next.p_1);
-    if (any(ended)) {
+    if (any(taken_over)) {
       alignas(64) double shrunk[width<Real>] = {};
       put(shrunk, next.divergence);
-      for_each(ended, [&](std::size_t lane) { shrunk[lane] = std::exp(0.5 * shrunk[lane]); });
+      for_each(taken_over, [&](std::size_t lane) { shrunk[lane] = std::exp(0.5 * shrunk[lane]); });
       const Real scale = take<Real>(shrunk), p_of_z = law.half_damping(y);
-      compose(m, ended, Real(scale * next.z_0), Real(scale * next.z_1), Real(scale * (next.p_0 - p_of_z * next.z_0)),
+      compose(m, taken_over, Real(scale * next.z_0), Real(scale * next.z_1), Real(scale * (next.p_0 - p_of_z * next.z_0)),
               Real(scale * (next.p_1 - p_of_z * next.z_1)));
+      begin_columns(m, taken_over, p_of_z);
     }
   }
-  m.set(divergence, ended, Real(m[divergence] + next.divergence));
+  m.set(divergence, taken_over, Real(m[divergence] + next.divergence));
+  m.set(contact_divergence, taken_over, Real(0.0));
   m.set(rest, surfaced, Real(duration - next.time));
   const Mask<Real> endless = (m[steps] >= Real(static_cast<double>(job.max_steps))) & !ended;
   m.assign(pressed & (endless | !finite), Task::given_up);

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <utility>
 #include <vector>
@@ -34,6 +35,9 @@ struct Difference {
 inline Difference compare(const HybridSystem& system, const std::vector<Vector>& sets, const std::vector<MotionStart>& starts,
                           std::size_t periods, const std::vector<PeriodResult>& results, const FlowOptions& options = {}) {
   Difference worst;
+  const auto take = [](double& so_far, double value) {
+    if (!(value <= so_far)) so_far = std::isnan(value) ? std::numeric_limits<double>::infinity() : value;
+  };
   for (std::size_t set = 0; set < sets.size(); ++set) {
     Propagator propagator(system, sets[set], {}, options);
     const double T = forcing_period(system, sets[set]);
@@ -49,13 +53,12 @@ inline Difference compare(const HybridSystem& system, const std::vector<Vector>&
         worst.other_endings += one.termination != many.termination ? 1 : 0;
         if (many.termination != Termination::time || one.termination != Termination::time) break;
         const double size = 1.0 + one.Phi.norm();
-        worst.state = std::max(worst.state, std::hypot(many.x - one.x1[0], many.v - one.x1[1]) / size);
+        take(worst.state, std::hypot(many.x - one.x1[0], many.v - one.x1[1]) / size);
         for (Eigen::Index i = 0; i < 4; ++i)
-          worst.tangent =
-              std::max(worst.tangent, std::abs(many.Phi[static_cast<std::size_t>(i)] - one.Phi(i / 2, i % 2)) / (size * size));
-        if (std::isfinite(one.liouville)) worst.volume = std::max(worst.volume, std::abs(many.liouville - one.liouville));
+          take(worst.tangent, std::abs(many.Phi[static_cast<std::size_t>(i)] - one.Phi(i / 2, i % 2)) / (size * size));
+        if (std::isfinite(one.liouville)) take(worst.volume, std::abs(many.liouville - one.liouville));
         const double log_det = std::log(std::abs(many.det));
-        if (std::isfinite(log_det)) worst.volume = std::max(worst.volume, std::abs(log_det - many.liouville));
+        if (std::isfinite(log_det)) take(worst.volume, std::abs(log_det - many.liouville));
         int impacts = 0;
         for (const std::size_t event : one.event_sequence) impacts += begins_contact(system.events[event].kind) ? 1 : 0;
         worst.impacts += impacts != many.impacts ? 1 : 0;
