@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // ContactSeries: the Taylor series of a Hertz contact and its 2x2 tangent in lanes: the equations of detail/hertz_recurrence.hpp,
-// one loop an order for all products, which suits registers that hold the same number of many contacts.
+// two orders at once (two_orders.hpp), which suits registers that hold the same number of many contacts.
 //
 // The tangent goes in Hill's form, which takes two products a column in place of three: with the damping of the contact
 // c = 2 b + k_H b_H y^3, the divergence so far D = -integral of c dt, and a column (dx, dv) at fixed time,
@@ -11,6 +11,7 @@
 
 #include <graze/lib/detail/hertz_step.hpp>
 #include <graze/lib/lanes/contact_law.hpp>
+#include <graze/lib/lanes/power_series.hpp>
 #include <graze/lib/lanes/two_orders.hpp>
 
 #include <array>
@@ -154,18 +155,6 @@ template <class Real, bool Tangent, bool Cubic> class ContactSeries {
   }
 
   using Coefficients = std::array<Real, order + 1>;
-  /// (sum - a[0])/h. Even and odd powers apart: half as long a chain.
-  static Real without_first(const Coefficients& a, const Real& h) {
-    const Real square = h * h;
-    Real odd = a[order - 1], even = a[order];
-    for (std::size_t k = order - 1; k > 2; k -= 2) {
-      odd = madd(square, odd, a[k - 2]);
-      even = madd(square, even, a[k - 1]);
-    }
-    return madd(h, even, odd);
-  }
-  static Real sum(const Coefficients& a, const Real& h) { return madd(h, without_first(a, h), a[0]); }
-
   Real b2_, loss_;
   ContactState<Real> start_;
   // Powers of the depth's root: u = y^2, y3, y4, y5, y7; time and the integral of y^4, but for the first.

@@ -4,7 +4,7 @@
 // same number of many flights.
 #pragma once
 
-#include <graze/lib/lanes/real.hpp>
+#include <graze/lib/lanes/power_series.hpp>
 
 #include <array>
 #include <utility>
@@ -128,18 +128,6 @@ template <class Real, bool Tangent> class FlightSeries {
     for (std::size_t i = k / 2 + 1; i > 0; --i) half = madd(x_[i - 1], x_[k + 2 - i], half);
     bend_[k + 1] = q.twice_bend * half;
   }
-
-  /// Even and odd powers apart: half as long a chain.
-  static Real without_first(const Coefficients& a, const Real& h) {
-    const Real square = h * h;
-    Real odd = a[order - 1], even = a[order];  // of h times them
-    for (std::size_t k = order - 1; k > 2; k -= 2) {
-      odd = madd(square, odd, a[k - 2]);
-      even = madd(square, even, a[k - 1]);
-    }
-    return madd(h, even, odd);
-  }
-  static Real sum(const Coefficients& a, const Real& h) { return madd(h, without_first(a, h), a[0]); }
 
   Real gap_, c_, s_;
   Coefficients x_, v_, turn_, bend_, Phi_[4];  // turn: w^k/k!

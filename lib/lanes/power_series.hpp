@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Values of power series in lanes.
+#pragma once
+
+#include <graze/lib/lanes/real.hpp>
+
+#include <array>
+#include <cstddef>
+
+namespace graze::lanes {
+inline namespace GRAZE_ARITHMETIC {
+
+/// (a[0] + a[1] h + ... - a[0])/h. Even and odd powers apart: half as long a chain.
+template <class Real, std::size_t N> Real without_first(const std::array<Real, N>& a, const Real& h) {
+  static_assert(N % 2 == 1 && N > 4);
+  const Real square = h * h;
+  Real odd = a[N - 2], even = a[N - 1];  // of h times the sum
+  for (std::size_t k = N - 2; k > 2; k -= 2) {
+    odd = madd(square, odd, a[k - 2]);
+    even = madd(square, even, a[k - 1]);
+  }
+  return madd(h, even, odd);
+}
+template <class Real, std::size_t N> Real sum(const std::array<Real, N>& a, const Real& h) {
+  return madd(h, without_first(a, h), a[0]);
+}
+
+}  // namespace GRAZE_ARITHMETIC
+}  // namespace graze::lanes
