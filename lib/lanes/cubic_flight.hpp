@@ -151,7 +151,7 @@ template <class Number, bool WithTangent> struct CubicFlight {
 #pragma GCC unroll 8
     for (std::size_t k = 1; k <= degree; ++k, power = power * h) b[k] = (inverse_binomial[k] * a[k]) * power;
     Real left_out = abs(a[Series::order]);
-#pragma GCC unroll 8
+#pragma GCC unroll 16
     for (std::size_t k = Series::order - 1; k > degree; --k) left_out = madd(h, left_out, abs(a[k]));
     b[degree] = madd(power, left_out, b[degree]);
     return below_zero(b);
@@ -165,7 +165,7 @@ template <class Number, bool WithTangent> struct CubicFlight {
 #pragma GCC unroll 8
     for (std::size_t i = 0; i < degree; ++i, power = power * h) b[i] = (weight[i] * a[i + 1]) * power;
     Real left_out = static_cast<double>(Series::order) * abs(a[Series::order]);
-#pragma GCC unroll 8
+#pragma GCC unroll 16
     for (std::size_t k = Series::order - 1; k > degree; --k)
       left_out = madd(h, left_out, Real(static_cast<double>(k) * abs(a[k])));
     b[degree - 1] = madd(power, left_out, b[degree - 1]);

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // FlightSeries: the Taylor series in time of a flight x'' + 2 b x' + k x + beta x^3 = A cos(w t) + c and of its 2x2 tangent in
-// lanes: the equations of detail/cubic_recurrence.hpp, one loop an order for all products, which suits registers that hold the
+// lanes: the equations of detail/cubic_recurrence.hpp, two orders at once (two_orders.hpp), which suits registers that hold the
 // same number of many flights.
 #pragma once
 
 #include <graze/lib/lanes/power_series.hpp>
+#include <graze/lib/lanes/two_orders.hpp>
 
 #include <array>
 #include <utility>
@@ -21,8 +22,8 @@ template <class Real> struct FlightLaw {
 
 template <class Real, bool Tangent> class FlightSeries {
  public:
-  /// As detail::cubic_order.
-  static constexpr std::size_t order = 16;
+  /// Higher than detail::cubic_order: much of a step in lanes does not depend on it.
+  static constexpr std::size_t order = 20;
   using Coefficients = std::array<Real, order + 1>;
 
   FlightSeries(const FlightLaw<Real>& law, const FlightState<Real>& z) : gap_(z.gap), c_(z.c), s_(z.s) {
@@ -36,7 +37,7 @@ template <class Real, bool Tangent> class FlightSeries {
     constexpr double third = 1.0 / 3.0;
     const Constants constants{-law.b2,        -law.k,          -third * law.b2,
                               -third * law.k, -2.0 * law.beta, {force_c, -force_s, -force_c, force_s}};
-    expand(law, constants, std::make_index_sequence<order>());
+    expand(law, constants, std::make_index_sequence<order / 2>());
   }
   /// Of the gap, but for the first.
   const Coefficients& position() const { return x_; }
@@ -83,50 +84,42 @@ template <class Real, bool Tangent> class FlightSeries {
     Real drag, pull, drag_3, pull_3, twice_bend, force[4];
   };
 
-  template <std::size_t... k>
-  [[gnu::always_inline]] void expand(const FlightLaw<Real>& law, const Constants& constants, std::index_sequence<k...>) {
-    (next<k>(law, constants), ...);
+  template <std::size_t... i>
+  [[gnu::always_inline]] void expand(const FlightLaw<Real>& law, const Constants& constants, std::index_sequence<i...>) {
+    (next_two<2 * i>(law, constants), ...);
   }
 
-  /// Coefficients k + 1 of everything from those up to k; bend_ = -beta x^2.
-  template <std::size_t k> [[gnu::always_inline]] void next(const FlightLaw<Real>& law, const Constants& q) {
+  /// Sums of products: of order k with bend_; of order k + 1, without their first and last terms, one half of x x.
+  struct Products {
+    Real cube, d[2], square;
+  };
+
+  /// Coefficients k + 1 and k + 2 of everything from those up to k; bend_ = -beta x^2.
+  template <std::size_t k> [[gnu::always_inline]] void next_two(const FlightLaw<Real>& law, const Constants& q) {
+    const TwoOrders<Real, k, 0, true> squares(x_.data() + 1);
+    const TwoOrders<Real, k + 1, 1, false> cubes(bend_.data(), x_.data());
+    const TwoOrders<Real, Tangent ? k + 1 : 0, 2, false> tangent(bend_.data(), Phi_[0].data(), Phi_[1].data());
+    close<k>(law, q, {cubes.first(), {tangent.first(0), tangent.first(1)}, squares.first_square()});
+    close<k + 1>(law, q, {cubes.second(), {tangent.second(0), tangent.second(1)}, squares.second_square()});
+  }
+
+  /// Coefficients k + 1 of everything.
+  template <std::size_t k>
+  [[gnu::always_inline]] void close(const FlightLaw<Real>& law, const Constants& q, const Products& sums) {
     constexpr double inverse = 1.0 / static_cast<double>(k + 1);
-    // Coefficient k of bend x and of bend dx, from the middle outwards: what was computed last comes last, and need not be waited
-    // for.
-    Real cube = Real(0.0), cube_2 = cube, d[2] = {cube, cube}, d_2[2] = {cube, cube};
-    if constexpr (k % 2 == 0) {
-      const Real middle = bend_[k / 2];
-      cube = middle * x_[k / 2];
-      if constexpr (Tangent)
-        for (std::size_t c = 0; c < 2; ++c) d[c] = middle * Phi_[c][k / 2];
-    }
-#pragma GCC unroll 8
-    for (std::size_t i = (k + 1) / 2; i > 0; --i) {
-      const std::size_t low = i - 1, high = k - low;
-      cube = madd(bend_[low], x_[high], cube);
-      cube_2 = madd(bend_[high], x_[low], cube_2);
-      if constexpr (Tangent)
-        for (std::size_t c = 0; c < 2; ++c) {
-          d[c] = madd(bend_[low], Phi_[c][high], d[c]);
-          d_2[c] = madd(bend_[high], Phi_[c][low], d_2[c]);
-        }
-    }
-    cube_2 = madd(q.drag, v_[k], madd(q.force[k % 4], turn_[k], cube_2));
-    if constexpr (k == 0) cube_2 = cube_2 + law.constant;
-    v_[k + 1] = inverse * (madd(q.pull, x_[k], cube) + cube_2);
-    x_[k + 1] = inverse * v_[k];
+    Real force = q.force[k % 4] * turn_[k];
+    if constexpr (k == 0) force = force + law.constant;
+    const Real v = inverse * madd(q.pull, x_[k], madd(q.drag, v_[k], Real(force + sums.cube))), x = inverse * v_[k];
+    v_[k + 1] = v;
+    x_[k + 1] = x;
     turn_[k + 1] = inverse * law.w * turn_[k];
+    bend_[k + 1] = q.twice_bend * madd(x_[0], x, sums.square);
     if constexpr (Tangent)
       for (std::size_t c = 0; c < 2; ++c) {
-        const Real linear = madd(q.drag_3, Phi_[2 + c][k], madd(q.pull_3, Phi_[c][k], d_2[c]));
-        Phi_[2 + c][k + 1] = (3.0 * inverse) * (d[c] + linear);
-        Phi_[c][k + 1] = inverse * Phi_[2 + c][k];
+        const Real dv = Phi_[2 + c][k];
+        Phi_[c][k + 1] = inverse * dv;
+        Phi_[2 + c][k + 1] = (3.0 * inverse) * madd(q.drag_3, dv, madd(q.pull_3, Phi_[c][k], sums.d[c]));
       }
-    Real half = Real(0.0);
-    if constexpr (k % 2 == 1) half = (0.5 * x_[(k + 1) / 2]) * x_[(k + 1) / 2];
-#pragma GCC unroll 8
-    for (std::size_t i = k / 2 + 1; i > 0; --i) half = madd(x_[i - 1], x_[k + 2 - i], half);
-    bend_[k + 1] = q.twice_bend * half;
   }
 
   Real gap_, c_, s_;

@@ -89,7 +89,7 @@ template <class Flight, class Real, class Job> Surfacing<Real> press(Memory<Real
   const Real size = largest(last, Real(before * (ratio / h)));
   alignas(64) double trusted[width<Real>];
   put(trusted, size);
-  for (double& one : trusted) one = detail::rough_root(detail::hertz_last_term * job.tolerance, one);
+  for (double& one : trusted) one = detail::rough_root(detail::hertz_last_term * job.tolerance, one, contact_order);
   h = least(longest_here, take<Real>(trusted));
   ContactState<Real> next = series.at(h);
   const Real meanwhile = acceleration(largest(v, Real(abs(next.v))), Real(abs(Real(next.time - z.time))));

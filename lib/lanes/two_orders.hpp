@@ -34,7 +34,8 @@ template <class Real, std::size_t Known, std::size_t N, bool Squared> class TwoO
   /// From the middle on: what was computed last comes last, and need not be waited for.
   [[gnu::always_inline]] void add_up() {
     constexpr std::size_t middle = Known / 2;
-    Real a_low = a_[middle], b_low[N];
+    Real a_low = a_[middle];
+    std::array<Real, N> b_low;
     for (std::size_t n = 0; n < N; ++n) b_low[n] = b_[n][middle];
     if constexpr (Known % 2 == 1) {
       for (std::size_t n = 0; n < N; ++n) first_[n] = a_low * b_low[n];
@@ -71,7 +72,7 @@ template <class Real, std::size_t Known, std::size_t N, bool Squared> class TwoO
   }
 
   const Real* a_;
-  const Real* b_[N];
+  std::array<const Real*, N> b_;
   /// The last: of the square. The second without its ends.
   std::array<Real, N + 1> first_{}, second_{};
 };

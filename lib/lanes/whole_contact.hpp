@@ -156,7 +156,7 @@ template <class Real> void pass_contacts(const ContactJob& job) {
   Memory<Real> m;
   std::size_t taken = 0;
   for (std::size_t i = 0; i < coefficients; ++i) std::fill_n(m.coefficient[i], W, (*job.coefficients)[i]);
-  const double ratio = std::pow(job.tolerance, 1.0 / static_cast<double>(detail::hertz_order));
+  const double ratio = std::pow(job.tolerance, 1.0 / static_cast<double>(contact_order));
   for (;;) {
     for (std::size_t lane = 0; lane < W; ++lane) {
       if (!m.is(lane, Task::idle) || taken == job.count) continue;

@@ -171,9 +171,12 @@ TEST_CASE("lanes carry slow and fast, weakly and strongly damped motions") {
   constexpr std::size_t periods = 4;
   std::vector<PeriodResult> results;
   many.carry(starts, periods, true, results);
-  const Difference worst = compare(system, sets, starts, periods, results);
+  // (At its default tolerance the Propagator's tangent errs by 3e-11 in some of these: 300 time units of contacts a period.)
+  FlowOptions fine;
+  fine.tolerance = 1e-15;
+  const Difference worst = compare(system, sets, starts, periods, results, fine);
   CHECK(worst.state < 1e-12);
-  CHECK(worst.tangent < 1e-11);
+  CHECK(worst.tangent < 3e-12);
   // The determinant of a contact is a difference of products of its entries, of which damping leaves little.
   CHECK(worst.volume < (std::string(law) == "newton" ? 2e-12 : 1e-8));
   CHECK(worst.impacts == 0);
