@@ -39,7 +39,7 @@ template <class Flight> class Carrier {
     if (task == Task::contact) {
       const Surfacing<Real> up = press<Flight>(memory_, job_, ratio_);
       if (any(up.at_barrier)) Flight::leave_barrier(memory_, up.at_barrier, up.v, up.c, up.s);
-      if (any(up.at_end)) end_periods(up.at_end, Real(memory_[barrier] + up.y * up.y), up.v, up.y);
+      if (any(up.at_end)) end_periods(up.at_end, Real(memory_[barrier] + up.y * up.y), up.v);
     } else if (task == Task::crossing) {
       const Landing<Real> landing = Flight::land(memory_);
       if (any(landing.where)) hit(landing);
@@ -85,7 +85,7 @@ template <class Flight> class Carrier {
     if (any(contact.spans)) {
       const Real before = memory_[rest];
       begin_spanning<Real, Tangent>(memory_, contact);
-      const Mask<Real> goes_on = end_periods(contact.spans, Real(memory_[barrier] + contact.y * contact.y), contact.v, contact.y);
+      const Mask<Real> goes_on = end_periods(contact.spans, Real(memory_[barrier] + contact.y * contact.y), contact.v);
       if (any(goes_on)) end_spanning<Real, Tangent>(memory_, goes_on, contact, before);
     }
     return contact.ends | contact.spans;
@@ -94,22 +94,23 @@ template <class Flight> class Carrier {
   void end_in_flight() {
     const Mask<Real> where = memory_.is(Task::period_end);
     const auto [x, v] = Flight::end(memory_, where);
-    end_periods(where, x, v, Real(-1.0));
+    end_periods(where, x, v);
   }
 
-  /// Writes down what the periods did, and begins the next. Says which motions go on.
-  Mask<Real> end_periods(const Mask<Real>& where, const Real& x, const Real& v, const Real& depth) {
+  /// Writes down what the periods did, and begins the next, from what is written: it is the same where another call goes on.
+  /// Says which motions go on.
+  Mask<Real> end_periods(const Mask<Real>& where, const Real& x, const Real& v) {
     Starts starts;
     unsigned goes_on = 0;
-    put(starts.x, x);
-    put(starts.v, v);
-    put(starts.depth, depth);
+    alignas(64) double at[W], at_speed[W];
+    put(at, x);
+    put(at_speed, v);
     for_each(where, [&](std::size_t lane) {
       const Motion& motion = job_.motions[memory_.motion[lane]];
       Period& result = motion.results[memory_.period[lane]];
       const int impacts = memory_.impacts[lane];
-      result.x = starts.x[lane];
-      result.v = starts.v[lane];
+      result.x = at[lane];
+      result.v = at_speed[lane];
       if constexpr (Tangent) {
         for (std::size_t i = 0; i < 4; ++i) result.Phi[i] = memory_.field[phi_00 + i][lane];
         result.det = memory_.field[det][lane];
@@ -119,13 +120,10 @@ template <class Flight> class Carrier {
       result.impacts = impacts;
       result.termination = Termination::time;
       result.by_propagator = false;
-      memory_.impacts[lane] = 0;
-      if (++memory_.period[lane] < motion.periods)
-        goes_on |= 1U << lane;
-      else
-        end_motion(lane, starts);
+      if (++memory_.period[lane] == motion.periods) return end_motion(lane, starts);
+      place(lane, motion, at[lane], at_speed[lane], starts);
+      goes_on |= 1U << lane;
     });
-    starts.there |= goes_on;
     begin_periods(starts);
     return mask_of<Real>(goes_on);
   }

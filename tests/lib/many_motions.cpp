@@ -103,6 +103,30 @@ TEST_CASE("a motion in lanes does not depend on its company") {
   }
 }
 
+TEST_CASE("a motion in lanes comes to the same however its periods are divided") {
+  const auto [model, xi, r] = GENERATE(table<const char*, double, double>({{"linear", 1.0, 2.0}, {"cantilever", 0.4, 0.3}}));
+  const std::string law = GENERATE("newton", "hertz", "linear");
+  const HybridSystem system = make_oscillator(model, law);
+  ManyMotions many(system);
+  for (const double eta : {0.5, 0.711}) many.add_parameters(parameters(system, {{"eta", eta}, {"xi", xi}, {"r", r}}));
+  std::vector<MotionStart> starts = random_starts(100, r, 2);
+  constexpr std::size_t periods = 12;
+  std::vector<PeriodResult> whole, one;
+  many.carry(starts, periods, true, whole);
+  std::size_t in_contact = 0;
+  for (std::size_t k = 0; k < periods; ++k) {
+    many.carry(starts, 1, true, one);
+    for (std::size_t m = 0; m < starts.size(); ++m) {
+      const PeriodResult& same = whole[m * periods + k];
+      if (same.termination != Termination::time) continue;
+      CHECK(same_bits({one[m]}, {same}));
+      starts[m] = {starts[m].parameters, same.x, same.v};
+      in_contact += same.x > r ? 1 : 0;
+    }
+  }
+  CHECK((in_contact > 20) == (law != "newton"));  // periods that end there
+}
+
 TEST_CASE("lanes miss no impact next to grazing") {
   const char* law = GENERATE("newton", "hertz", "linear");
   const HybridSystem system = oscillator(law);
