@@ -2,6 +2,7 @@
 // What can be done at the same time, on the threads of the caller's arena (oneTBB).
 #pragma once
 
+#include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
@@ -10,9 +11,11 @@
 
 namespace graze {
 
-/// How many threads there may be.
+/// How many threads there may be. (An arena does not know of a limit to all of them.)
 inline std::size_t threads_here() {
-  return static_cast<std::size_t>(std::max(1, oneapi::tbb::this_task_arena::max_concurrency()));
+  using oneapi::tbb::global_control;
+  const auto in_arena = static_cast<std::size_t>(std::max(1, oneapi::tbb::this_task_arena::max_concurrency()));
+  return std::min(in_arena, global_control::active_value(global_control::max_allowed_parallelism));
 }
 
 /// body(0) ... body(n - 1), in any order. A thread that waits for the rest does not begin with anything else meanwhile, which it
