@@ -5,10 +5,11 @@
 // For an oscillator, linear (underdamped, and forced at no less than 1/286 of the frequency at which it would swing undamped by
 // itself) or with a cubic spring (a cantilever), before one barrier at its right, rigid with a coefficient of restitution, of
 // Hertz's law (damped or not, k_H b_H up to 3e4), or linear elastic (for a linear one the same bounds hold for the motion against
-// it: k_S up to some 80000 eta^2). The lanes use the formulas of LinearFlow, CubicFlow and HertzFlow, and give the same result to
-// the last bit whatever their number. They leave to the Propagator what is delicate (a grazing, an impact slower than 1e-4, a chattering or
-// sticking mass): nothing is missed there that the Propagator would not miss. Against it they agree within 1e-12 (1 + |Phi|) over
-// a period.
+// it: k_S up to some 80000 eta^2). The lanes use the formulas of LinearFlow, CubicFlow and HertzFlow (series of
+// their own order), and give the same result to the last bit whatever their number, and, where no table of contacts is in use,
+// however the periods are divided between calls. They leave to the Propagator what is delicate (a grazing, an impact slower than
+// 1e-4, a chattering or sticking mass): nothing is missed there that the Propagator would not miss. Against it they agree within
+// 1e-12 (1 + |Phi|) over a period.
 #pragma once
 
 #include <graze/lib/contact_table.hpp>
