@@ -21,7 +21,7 @@ template <class Flight> class Carrier {
  public:
   /// `taken`: how many of the job's motions are in a lane already, of this or of another Carrier.
   Carrier(const Job& job, std::size_t& taken) : job_(job), taken_(taken) {
-    if (job.law == Law::hertz) ratio_ = std::pow(job.tolerance, 1.0 / static_cast<double>(contact_order));
+    if (job.law == Law::hertz) ratio_ = std::pow(job.tolerance, 1.0 / static_cast<double>(Flight::order));
     for (std::size_t i = 0; i < job.count; ++i) {
       tables_ = tables_ || job.motions[i].table;
       met_ = met_ || job.motions[i].met;

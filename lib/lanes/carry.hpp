@@ -46,9 +46,14 @@ template <class Flight> void carry_with(const Job& job) {
     take_turns(first, second);
 }
 
+template <class Real, std::size_t Order> void carry_with_order(const Job& job) {
+  if (job.cubic)
+    return job.tangent ? carry_with<CubicFlight<Real, true, Order>>(job) : carry_with<CubicFlight<Real, false, Order>>(job);
+  job.tangent ? carry_with<LinearFlight<Real, true, Order>>(job) : carry_with<LinearFlight<Real, false, Order>>(job);
+}
+
 template <class Real> void carry(const Job& job) {
-  if (job.cubic) return job.tangent ? carry_with<CubicFlight<Real, true>>(job) : carry_with<CubicFlight<Real, false>>(job);
-  job.tangent ? carry_with<LinearFlight<Real, true>>(job) : carry_with<LinearFlight<Real, false>>(job);
+  job.tolerance < small_tolerance ? carry_with_order<Real, high_order>(job) : carry_with_order<Real, low_order>(job);
 }
 
 }  // namespace GRAZE_ARITHMETIC

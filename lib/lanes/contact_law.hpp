@@ -7,9 +7,6 @@
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
-/// Order of its series. (One motion by itself takes detail::hertz_order: a step has less to do there that does not depend on it.)
-inline constexpr std::size_t contact_order = 20;
-
 /// A contact at an instant, as in HertzState, but for the two columns (z, p) of the tangent.
 template <class Real> struct ContactState { Real y, v, c, s, time, divergence, z_0, z_1, p_0, p_1; };
 

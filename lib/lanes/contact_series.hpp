@@ -21,9 +21,9 @@ namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
 /// Cubic: with beta x^3; without, ContactLaw::beta does not count.
-template <class Real, bool Tangent, bool Cubic> class ContactSeries {
+template <class Real, bool Tangent, bool Cubic, std::size_t Order> class ContactSeries {
  public:
-  static constexpr std::size_t order = contact_order;
+  static constexpr std::size_t order = Order;
 
   ContactSeries(const ContactLaw<Real>& law, const ContactState<Real>& z) : b2_(law.b2), loss_(law.loss), start_(z) {
     const Real y0 = z.y, u0 = y0 * y0, w0 = u0 * u0;

@@ -144,9 +144,10 @@ template <class Real, bool Tangent> Landing<Real> land(Memory<Real>& m) {
   return {good, v, end.c, end.s};
 }
 
-/// What Carrier asks of a flight. (CubicFlight is the other.)
-template <class Number, bool WithTangent> struct LinearFlight {
+/// What Carrier asks of a flight. (CubicFlight is the other.) The order is that of the contacts.
+template <class Number, bool WithTangent, std::size_t Order> struct LinearFlight {
   using Real = Number;
+  static constexpr std::size_t order = Order;
   static constexpr bool tangent = WithTangent, cubic = false;
 
   /// A forcing period begins at (x, v).

@@ -17,9 +17,10 @@ inline namespace GRAZE_ARITHMETIC {
 /// A step is halved so often; then the motion is too close to a tangency for the lanes.
 inline constexpr int most_halvings = 6;
 
-template <class Number, bool WithTangent> struct CubicFlight {
+template <class Number, bool WithTangent, std::size_t Order> struct CubicFlight {
   using Real = Number;
-  using Series = FlightSeries<Real, WithTangent>;
+  using Series = FlightSeries<Real, WithTangent, Order>;
+  static constexpr std::size_t order = Order;
   static constexpr bool tangent = WithTangent, cubic = true;
 
   static void begin_period(Memory<Real>& m, const Mask<Real>& where, const Real& x, const Real& v) {

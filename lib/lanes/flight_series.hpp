@@ -20,10 +20,9 @@ template <class Real> struct FlightLaw {
   Real b2, k, beta, amplitude, w, constant, r;  ///< 2 b, ...; position of the barrier
 };
 
-template <class Real, bool Tangent> class FlightSeries {
+template <class Real, bool Tangent, std::size_t Order> class FlightSeries {
  public:
-  /// Higher than detail::cubic_order: much of a step in lanes does not depend on it.
-  static constexpr std::size_t order = 20;
+  static constexpr std::size_t order = Order;
   using Coefficients = std::array<Real, order + 1>;
 
   FlightSeries(const FlightLaw<Real>& law, const FlightState<Real>& z) : gap_(z.gap), c_(z.c), s_(z.s) {

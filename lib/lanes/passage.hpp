@@ -69,7 +69,7 @@ template <class Real> struct Surfacing {
 
 /// One step of every lane in contact, at the accuracy of the job.
 template <class Flight, class Real, class Job> Surfacing<Real> press(Memory<Real>& m, const Job& job, double ratio) {
-  using Series = ContactSeries<Real, Flight::tangent, Flight::cubic>;
+  using Series = ContactSeries<Real, Flight::tangent, Flight::cubic, Flight::order>;
   const Mask<Real> pressed = m.is(Task::contact);
   const ContactLaw<Real> law = contact_law(m);
   const ContactState<Real> z{m[depth], m[speed], m[phase_c], m[phase_s], m[contact_time], m[contact_divergence],
@@ -89,7 +89,7 @@ template <class Flight, class Real, class Job> Surfacing<Real> press(Memory<Real
   const Real size = largest(last, Real(before * (ratio / h)));
   alignas(64) double trusted[width<Real>];
   put(trusted, size);
-  for (double& one : trusted) one = detail::rough_root(detail::hertz_last_term * job.tolerance, one, contact_order);
+  for (double& one : trusted) one = detail::rough_root(detail::hertz_last_term * job.tolerance, one, Series::order);
   h = least(longest_here, take<Real>(trusted));
   ContactState<Real> next = series.at(h);
   const Real meanwhile = acceleration(largest(v, Real(abs(next.v))), Real(abs(Real(next.time - z.time))));

@@ -156,7 +156,7 @@ template <class Real> void pass_contacts(const ContactJob& job) {
   Memory<Real> m;
   std::size_t taken = 0;
   for (std::size_t i = 0; i < coefficients; ++i) std::fill_n(m.coefficient[i], W, (*job.coefficients)[i]);
-  const double ratio = std::pow(job.tolerance, 1.0 / static_cast<double>(contact_order));
+  const double ratio = std::pow(job.tolerance, 1.0 / static_cast<double>(high_order));
   for (;;) {
     for (std::size_t lane = 0; lane < W; ++lane) {
       if (!m.is(lane, Task::idle) || taken == job.count) continue;
@@ -168,7 +168,7 @@ template <class Real> void pass_contacts(const ContactJob& job) {
       touch(m, here, Real(0.0), Real(entry.v), Real(entry.c), Real(entry.s));
     }
     if (!any(m.is(Task::contact))) return;
-    const Surfacing<Real> up = press<LinearFlight<Real, true>>(m, job, ratio);
+    const Surfacing<Real> up = press<LinearFlight<Real, true, high_order>>(m, job, ratio);
     const unsigned ended = bits(up.at_barrier);
     for_each(up.at_barrier | up.at_end | m.is(Task::given_up), [&](std::size_t lane) {
       ContactExit& exit = job.exits[m.motion[lane]];
