@@ -4,6 +4,7 @@
 #pragma once
 
 #include <graze/floquet/attractor.hpp>
+#include <graze/floquet/return_watch.hpp>
 #include <graze/floquet/side_by_side.hpp>
 
 #include <fmt/format.h>

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace graze {
 
@@ -22,6 +23,18 @@ double size_of(const std::vector<Pair>& pairs) {
 
 double between(const Pair& a, const Pair& b) { return std::max(std::abs(a[0] - b[0]), std::abs(a[1] - b[1])); }
 
+Square product(const Square& A, const Square& B) {
+  return {A[0] * B[0] + A[1] * B[2], A[0] * B[1] + A[1] * B[3], A[2] * B[0] + A[3] * B[2], A[2] * B[1] + A[3] * B[3]};
+}
+
+/// The larger modulus of the eigenvalues of what these periods do to the tangent.
+double growth(const PeriodResult* periods, std::size_t n) {
+  Square M = {1.0, 0.0, 0.0, 1.0};
+  for (std::size_t k = 0; k < n; ++k) M = product(periods[k].Phi, M);
+  const double half = 0.5 * (M[0] + M[3]), det = M[0] * M[3] - M[1] * M[2], discriminant = half * half - det;
+  return discriminant < 0.0 ? std::sqrt(det) : std::abs(half) + std::sqrt(discriminant);
+}
+
 /// The equations of a step, one guess after the other.
 struct StepEquations {
   CyclicBlocks blocks;
@@ -31,7 +44,8 @@ struct StepEquations {
 /// One guess on its way: newton() of shooting.cpp, with the evaluations done by others.
 class Iteration {
  public:
-  explicit Iteration(const LaneGuess& guess) : parameters_(guess.parameters), trial_(guess.states) {}
+  Iteration(const LaneGuess& guess, double most_growth)
+      : parameters_(guess.parameters), most_growth_(most_growth), trial_(guess.states) {}
 
   bool open() const { return open_; }
   bool converged() const { return converged_; }
@@ -52,7 +66,7 @@ class Iteration {
     }
     const double after = size_of(trial_residual_) / (1.0 + size_of(trial_));
     if (!begun_) {
-      if (!std::isfinite(after)) return end(false);
+      if (!std::isfinite(after) || growth(results, n) > most_growth_) return end(false);
       begun_ = true;
       accept(results, after);
       return step(equations);
@@ -72,18 +86,17 @@ class Iteration {
     if (!converged_) return out;
     out.states = nodes_;
     Square M = {1.0, 0.0, 0.0, 1.0};
-    LogProduct product;
+    LogProduct determinant;
     double liouville = 0.0, blur = 1.0;
     for (const PeriodResult& period : carried_) {
-      const Square& A = period.Phi;
-      M = {A[0] * M[0] + A[1] * M[2], A[0] * M[1] + A[1] * M[3], A[2] * M[0] + A[3] * M[2], A[2] * M[1] + A[3] * M[3]};
-      product.multiply(period.det);
+      M = product(period.Phi, M);
+      determinant.multiply(period.det);
       liouville += period.liouville;
       out.impacts += period.impacts;
       out.delicate = out.delicate || period.by_propagator;
       for (const double entry : M) blur = std::max(blur, std::abs(entry));
     }
-    const double log_det = product.value();
+    const double log_det = determinant.value();
     const double det = std::exp(std::isfinite(log_det) ? log_det : liouville), half = 0.5 * (M[0] + M[3]);
     const double discriminant = half * half - det;
     if (discriminant < 0.0) {
@@ -145,6 +158,7 @@ class Iteration {
 
   ShootingOptions options_;
   std::size_t parameters_;
+  double most_growth_;
   std::vector<Pair> trial_, trial_residual_, nodes_, residual_, step_;
   std::vector<PeriodResult> carried_;  // from nodes_
   double now_ = 0.0, factor_ = 1.0;
@@ -152,8 +166,12 @@ class Iteration {
   bool begun_ = false, open_ = true, converged_ = false;
 };
 
-std::vector<LaneOrbit> newton(ManyMotions& many, const std::vector<LaneGuess>& guesses) {
-  std::vector<Iteration> iterations(guesses.begin(), guesses.end());
+constexpr double no_limit = std::numeric_limits<double>::infinity();
+
+std::vector<LaneOrbit> newton(ManyMotions& many, const std::vector<LaneGuess>& guesses, double most_growth) {
+  std::vector<Iteration> iterations;
+  iterations.reserve(guesses.size());
+  for (const LaneGuess& guess : guesses) iterations.emplace_back(guess, most_growth);
   std::vector<MotionStart> motions;
   std::vector<PeriodResult> results;
   StepEquations equations;
@@ -201,8 +219,8 @@ bool same(const LaneOrbit& shorter, const LaneOrbit& orbit) {
 
 }  // namespace
 
-std::vector<LaneOrbit> shoot_side_by_side(ManyMotions& many, const std::vector<LaneGuess>& guesses) {
-  std::vector<LaneOrbit> orbits = newton(many, guesses);
+std::vector<LaneOrbit> shoot_side_by_side(ManyMotions& many, const std::vector<LaneGuess>& guesses, double most_growth) {
+  std::vector<LaneOrbit> orbits = newton(many, guesses, most_growth);
   std::vector<std::vector<std::size_t>> shorter;
   for (const LaneOrbit& orbit : orbits) shorter.push_back(shorter_periods(orbit));
   for (std::size_t round = 0;; ++round) {
@@ -219,7 +237,7 @@ std::vector<LaneOrbit> shoot_side_by_side(ManyMotions& many, const std::vector<L
       of.push_back(i);
     }
     if (again.empty()) return orbits;
-    std::vector<LaneOrbit> found = newton(many, again);
+    std::vector<LaneOrbit> found = newton(many, again, no_limit);
     for (std::size_t k = 0; k < of.size(); ++k) {
       if (!same(found[k], orbits[of[k]])) continue;
       orbits[of[k]] = std::move(found[k]);

@@ -10,6 +10,7 @@
 
 #include <array>
 #include <complex>
+#include <limits>
 #include <vector>
 
 namespace graze {
@@ -30,7 +31,9 @@ struct LaneOrbit {
   bool stable() const { return std::abs(multipliers[0]) < 1.0; }
 };
 
-/// The orbits that Newton's method comes to from the guesses. What it comes to from one does not depend on the others.
-std::vector<LaneOrbit> shoot_side_by_side(ManyMotions& many, const std::vector<LaneGuess>& guesses);
+/// The orbits that Newton's method comes to from the guesses. What it comes to from one does not depend on the others. A guess is
+/// given up at once where the tangent of the motions from its states has an eigenvalue larger than most_growth over its period.
+std::vector<LaneOrbit> shoot_side_by_side(ManyMotions& many, const std::vector<LaneGuess>& guesses,
+                                          double most_growth = std::numeric_limits<double>::infinity());
 
 }  // namespace graze

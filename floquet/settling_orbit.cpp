@@ -26,6 +26,9 @@ constexpr double worth_trying = 0.03;
 constexpr double hopeless_growth = 1e3;
 constexpr int long_enough = 128;
 
+/// Where time matters: a motion that comes to a stable orbit will be looked at again, with a tangent that grows no more.
+constexpr double growth_too_early = 30.0;
+
 /// Returns that orbit_of_close_returns tries.
 constexpr std::size_t most_tries = 3;
 
@@ -87,6 +90,18 @@ double spectral_radius(const Matrix& A) {
   return A.eigenvalues().cwiseAbs().maxCoeff();
 }
 
+/// How much the tangent of the motions over one period from each of these states grows in all.
+double growth_along(Propagator& propagator, const std::vector<Vector>& states) {
+  const double T = forcing_period(propagator.system(), propagator.parameters());
+  Matrix growth = Matrix::Identity(states.front().size(), states.front().size());
+  Transition transition;
+  for (const Vector& state : states) {
+    carry(propagator, 0.0, T, state, {.sensitivity = Sensitivity::state}, transition);
+    growth = transition.Phi * growth;
+  }
+  return spectral_radius(growth);
+}
+
 /// The stable orbit of period n (or a divisor) that these states are near to.
 std::optional<PeriodicOrbit> stable_orbit_of(const Propagator& propagator, const std::vector<Vector>& states, int n) {
   ShootingOptions shooting;
@@ -145,6 +160,7 @@ std::optional<PeriodicOrbit> orbit_of_close_returns(Propagator& propagator, cons
   const Returns returns = close_returns(propagator, state, max_period, nearness);
   for (const int n : worth_a_try(returns.periods)) {
     const std::vector<Vector> states(returns.states.begin(), returns.states.begin() + n);
+    if (growth_along(propagator, states) > growth_too_early) continue;
     if (auto orbit = stable_orbit_near(propagator, states, n)) return orbit;
   }
   return std::nullopt;
@@ -244,7 +260,7 @@ std::vector<SettlingLook> look_for_orbits(const HybridSystem& system, ManyMotion
       of.push_back(i);
     }
     if (guesses.empty()) return out;
-    const std::vector<LaneOrbit> orbits = shoot_side_by_side(many, guesses);
+    const std::vector<LaneOrbit> orbits = shoot_side_by_side(many, guesses, growth_too_early);
     std::vector<std::size_t> sets_of_good, of_good;
     std::vector<Vector> states_of_good;
     std::vector<LaneOrbit> good;
@@ -331,7 +347,7 @@ std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector
       std::vector<Pair> pairs;
       std::transform(states.begin(), states.end(), std::back_inserter(pairs), pair_of);
       for (const int n : worth) guesses.push_back({0, {pairs.begin(), pairs.begin() + n}});
-      orbits = shoot_side_by_side(*many, guesses);
+      orbits = shoot_side_by_side(*many, guesses, hopeless_growth);
     }
     const auto is_refused = [&](const auto& orbit) {
       return std::any_of(refused.begin(), refused.end(),
@@ -370,26 +386,6 @@ std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector
     states.push_back(next);
   }
   return spectral_radius(growth) > hopeless_growth ? std::nullopt : look();
-}
-
-int ReturnWatch::see(const Vector& state) {
-  ++periods_;
-  int back = 0;
-  // (Entry by entry: mostly the first is too far away.)
-  bool near = looked_ >= 0;
-  for (Eigen::Index i = 0; near && i < state.size(); ++i) near = std::abs(state[i] - looked_at_[i]) < within_;
-  if (near) {
-    back = periods_ - looked_;
-    looked_ = -1;
-    look_ = 2 * periods_;
-  }
-  if (periods_ == look_) {
-    looked_ = periods_;
-    looked_at_ = state;
-    within_ = recurrence_ * (1.0 + size(state));
-    look_ = 2 * periods_;
-  }
-  return back;
 }
 
 }  // namespace graze

@@ -52,19 +52,4 @@ std::vector<SettlingLook> look_for_orbits(const HybridSystem& system, ManyMotion
 std::vector<Vector> that_may_settle(const HybridSystem& system, const Vector& p, const std::vector<Vector>& states,
                                     const FlowOptions& flow = {});
 
-/// Looks, period by period, for returns to a state that moves on in doubling steps (Brent's way to find a cycle): most motions
-/// are near their orbit long before a transient is over.
-class ReturnWatch {
- public:
-  explicit ReturnWatch(double recurrence) : recurrence_(recurrence) {}
-  /// The next state. The number of periods since the state looked at, if it is back within `recurrence` (relative to 1 + |x|);
-  /// else 0.
-  int see(const Vector& state);
-
- private:
-  double recurrence_, within_ = 0.0;
-  int periods_ = 0, look_ = 4, looked_ = -1;
-  Vector looked_at_;
-};
-
 }  // namespace graze

@@ -76,6 +76,18 @@ TEST_CASE("lane orbits: closed forms with one impact, all of them at once") {
   }
   CHECK(stable > 10);
   CHECK(stable < static_cast<int>(exact.size()) - 10);
+
+  // Given up where their tangent grows too much, and else the same.
+  const std::vector<LaneOrbit> slow = shoot_side_by_side(many, guesses, 3.0);
+  int given_up = 0;
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    const double growth = std::abs(exact[i].multipliers[0]);
+    if (std::abs(growth - 3.0) < 0.5) continue;  // the guess is a little off the orbit
+    CHECK(slow[i].converged == (growth < 3.0));
+    if (slow[i].converged) CHECK(slow[i].states == found[i].states);
+    given_up += !slow[i].converged;
+  }
+  CHECK(given_up >= 10);
 }
 
 TEST_CASE("lane orbits: of a Hertz stop, as shoot() finds them, alone and among others") {
