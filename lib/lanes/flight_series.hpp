@@ -95,11 +95,16 @@ template <class Real, bool Tangent, std::size_t Order> class FlightSeries {
 
   /// Coefficients k + 1 and k + 2 of everything from those up to k; bend_ = -beta x^2.
   template <std::size_t k> [[gnu::always_inline]] void next_two(const FlightLaw<Real>& law, const Constants& q) {
-    const TwoOrders<Real, k, 0, true> squares(x_.data() + 1);
-    const TwoOrders<Real, k + 1, 1, false> cubes(bend_.data(), x_.data());
-    const TwoOrders<Real, Tangent ? k + 1 : 0, 2, false> tangent(bend_.data(), Phi_[0].data(), Phi_[1].data());
-    close<k>(law, q, {cubes.first(), {tangent.first(0), tangent.first(1)}, squares.first_square()});
-    close<k + 1>(law, q, {cubes.second(), {tangent.second(0), tangent.second(1)}, squares.second_square()});
+    const TwoOrders<Real, k, 0, true, true> squares(x_.data() + 1);
+    if constexpr (Tangent) {
+      const TwoOrders<Real, k + 1, 3, false, true> products(bend_.data(), x_.data(), Phi_[0].data(), Phi_[1].data());
+      close<k>(law, q, {products.first(0), {products.first(1), products.first(2)}, squares.first_square()});
+      close<k + 1>(law, q, {products.second(0), {products.second(1), products.second(2)}, squares.second_square()});
+    } else {
+      const TwoOrders<Real, k + 1, 1, false, true> cubes(bend_.data(), x_.data());
+      close<k>(law, q, {cubes.first(), {}, squares.first_square()});
+      close<k + 1>(law, q, {cubes.second(), {}, squares.second_square()});
+    }
   }
 
   /// Coefficients k + 1 of everything.

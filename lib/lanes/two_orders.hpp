@@ -12,8 +12,9 @@ namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
 /// Products of a series a with N others, and one half of its square if Squared, so many coefficients of all of them being known:
-/// the sums of a_i b_j over i + j = Known - 1, and over i + j = Known once the next coefficients are known, too.
-template <class Real, std::size_t Known, std::size_t N, bool Squared> class TwoOrders {
+/// the sums of a_i b_j over i + j = Known - 1, and over i + j = Known once the next coefficients are known, too. Unrolled: as
+/// long as there are few such sums (they have to stay in the instruction cache), that takes a tenth less time.
+template <class Real, std::size_t Known, std::size_t N, bool Squared, bool Unrolled = false> class TwoOrders {
  public:
   template <class... Series> [[gnu::always_inline]] explicit TwoOrders(const Real* a, const Series*... b) : a_(a), b_{b...} {
     static_assert(sizeof...(Series) == N);
@@ -54,8 +55,7 @@ template <class Real, std::size_t Known, std::size_t N, bool Squared> class TwoO
         first_[N] = a_low * a_high;
       }
     }
-#pragma GCC unroll 1
-    for (std::size_t j = middle + 1; j < Known; ++j) {
+    const auto add = [&](std::size_t j) __attribute__((always_inline)) {
       const Real a_high = a_[j], a_before = a_low;
       a_low = a_[Known - 1 - j];
       if constexpr (Squared) {
@@ -68,6 +68,13 @@ template <class Real, std::size_t Known, std::size_t N, bool Squared> class TwoO
         b_low[n] = b_[n][Known - 1 - j];
         first_[n] = madd(a_high, b_low[n], madd(a_low, b_high, first_[n]));
       }
+    };
+    if constexpr (Unrolled) {
+#pragma GCC unroll 16
+      for (std::size_t j = middle + 1; j < Known; ++j) add(j);
+    } else {
+#pragma GCC unroll 1
+      for (std::size_t j = middle + 1; j < Known; ++j) add(j);
     }
   }
 
