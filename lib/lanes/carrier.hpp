@@ -8,6 +8,7 @@
 #include <graze/lib/lanes/cubic_flight.hpp>
 #include <graze/lib/lanes/passage.hpp>
 #include <graze/lib/lanes/whole_contact.hpp>
+#include <graze/lib/lanes/wide_registers.hpp>
 
 #include <cmath>
 
@@ -171,6 +172,7 @@ template <class Flight> class Carrier {
     for_each(memory_.is(Task::given_up), [&](std::size_t lane) {
       const Motion& motion = job_.motions[memory_.motion[lane]];
       const std::size_t period = memory_.period[lane];
+      WideRegisters::leave();
       const bool done = job_.do_given_up && job_.do_given_up(job_.whom, job_, motion, period);
       if (!done || ++memory_.period[lane] == motion.periods) return end_motion(lane, starts);
       place(lane, motion, motion.results[period].x, motion.results[period].v, starts);

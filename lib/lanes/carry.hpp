@@ -53,6 +53,7 @@ template <class Real, std::size_t Order> void carry_with_order(const Job& job) {
 }
 
 template <class Real> void carry(const Job& job) {
+  const WideRegisters until_the_end;
   job.tolerance < small_tolerance ? carry_with_order<Real, high_order>(job) : carry_with_order<Real, low_order>(job);
 }
 

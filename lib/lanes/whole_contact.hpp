@@ -4,6 +4,7 @@
 
 #include <graze/lib/lanes/contact_sum.hpp>
 #include <graze/lib/lanes/passage.hpp>
+#include <graze/lib/lanes/wide_registers.hpp>
 
 #include <cmath>
 #include <numbers>
@@ -98,8 +99,8 @@ template <class Real, bool Tangent> KnownContact<Real> known_contact(const Memor
   for (std::size_t i = 0; i < 4; ++i) out.Phi[i] = take<Real>(sums.Phi[i]);
   Real turn_c, turn_s;
   circle(Real(m[frequency] * out.duration), turn_c, turn_s);
-  out.c = landing.c * turn_c - landing.s * turn_s;
-  out.s = landing.s * turn_c + landing.c * turn_s;
+  out.c = wedge(landing.c, turn_c, landing.s, turn_s);
+  out.s = dot(landing.s, turn_c, landing.c, turn_s);
   if (any_spans) {
     const PieceSums<Real, Tangent> part(m, begun, angle, speed);
     out.y = sqrt(largest(take<Real>(part.values[0]), Real(0.0)));
@@ -152,6 +153,7 @@ void end_spanning(Memory<Real>& m, const Mask<Real>& where, const KnownContact<R
 
 /// Series steps through each contact of the job, as in a period.
 template <class Real> void pass_contacts(const ContactJob& job) {
+  const WideRegisters until_the_end;
   constexpr std::size_t W = width<Real>;
   Memory<Real> m;
   std::size_t taken = 0;
