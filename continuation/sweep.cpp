@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cmath>
 #include <deque>
+#include <limits>
 #include <mutex>
 #include <stdexcept>
 
@@ -70,8 +71,10 @@ class OneWay {
     rows_.reserve(values_.size());  // they stay where they are
     std::deque<Group> open;
     for (;;) {
-      while (!at_end() && open.size() < most_open(ways)) go_on(open, tell);
+      while (!at_end() && rows_.size() <= last_ && open.size() < most_open(ways)) go_on(open, tell);
       if (open.empty()) return;
+      for (Group& group : open)  // the first before all others: it may take their rows back
+        if (!open.front().done) average(group);
       open.front().averages.wait();
       settle(open, tell);
     }
@@ -84,14 +87,13 @@ class OneWay {
   struct Group {
     explicit Group(std::size_t number) : first(number) {}
     ~Group() {
-      dropped = true;
       try {
         averages.wait();
       } catch (...) {  // whoever waits for rows that are kept is told
       }
     }
     std::size_t first, count = 0;
-    std::atomic<bool> dropped = false;  ///< the averages are wanted no more
+    std::atomic<bool> begun = false, done = false;
     std::chrono::steady_clock::duration taken{};
     oneapi::tbb::task_group averages;
   };
@@ -107,7 +109,7 @@ class OneWay {
     const Vector p = parameters(values_[rows_.size()]);
     const std::size_t together = ManyMotions::applies(system_, p, finding_.lyapunov.flow) ? together_ : 1;
     Group* group = nullptr;
-    while (!at_end() && !(group && group->count == together)) {
+    while (!at_end() && rows_.size() <= last_ && !(group && group->count == together)) {
       auto row = next();
       ended_ = !row;
       if (ended_) break;
@@ -120,19 +122,38 @@ class OneWay {
         ++group->count;
       }
     }
-    if (!group) return;
-    group->averages.run([this, group] {
-      const auto begin = std::chrono::steady_clock::now();
-      AttractorOptions averaging = finding_;
-      averaging.lyapunov.cancelled = [&] { return group->dropped || (options_.cancelled && options_.cancelled()); };
-      std::vector<AttractorAt> which;
-      for (std::size_t k = group->first; k < group->first + group->count; ++k) {
-        rows_[k].attractor.state = rows_[k].end;
-        which.push_back({parameters(rows_[k].value), &rows_[k].attractor});
-      }
-      average_on_each_attractor(system_, which, averaging);
-      group->taken = std::chrono::steady_clock::now() - begin;
-    });
+    if (group) group->averages.run([this, group] { average(*group); });
+  }
+
+  /// Unless another thread does.
+  void average(Group& group) {
+    if (group.begun.exchange(true)) return;
+    const auto begin = std::chrono::steady_clock::now();
+    AttractorOptions averaging = finding_;
+    averaging.lyapunov.cancelled = [&] { return group.first > last_ || (options_.cancelled && options_.cancelled()); };
+    std::vector<AttractorAt> which;
+    for (std::size_t k = group.first; k < group.first + group.count; ++k) {
+      rows_[k].attractor.state = rows_[k].end;
+      which.push_back({parameters(rows_[k].value), &rows_[k].attractor});
+    }
+    average_on_each_attractor(system_, which, averaging);
+    group.taken = std::chrono::steady_clock::now() - begin;
+    for (std::size_t k = group.first; k < group.first + group.count; ++k)
+      if (ends_the_rows(rows_[k])) end_with(k);
+    group.done = true;
+  }
+
+  /// Whether the time average of a row that looked chaotic ended on an orbit, from which those behind have to start, or was
+  /// broken off.
+  static bool ends_the_rows(const SweepRow& row) {
+    const LyapunovStop stop = row.attractor.time_average.stop;
+    return row.attractor.type == AttractorType::periodic || stop == LyapunovStop::interrupted || stop == LyapunovStop::failed ||
+           stop == LyapunovStop::not_run;
+  }
+  void end_with(std::size_t row) {
+    std::size_t last = last_;
+    while (row < last && !last_.compare_exchange_weak(last, row)) {
+    }
   }
 
   /// Keeps the rows of the first group up to one whose average was broken off, or turned out to end on an orbit.
@@ -142,13 +163,10 @@ class OneWay {
         open.front().taken < quick_group ? std::min(2 * together_, rows_side_by_side) : std::max<std::size_t>(together_ / 2, 1);
     open.pop_front();
     for (std::size_t k = begin; k < end; ++k) {
-      const Attractor& attractor = rows_[k].attractor;
-      const LyapunovStop stop = attractor.time_average.stop;
-      const bool periodic = attractor.type == AttractorType::periodic;
-      const bool broken_off =
-          !periodic && (stop == LyapunovStop::interrupted || stop == LyapunovStop::failed || stop == LyapunovStop::not_run);
+      const bool last = ends_the_rows(rows_[k]), periodic = rows_[k].attractor.type == AttractorType::periodic;
+      const bool broken_off = last && !periodic;
       if (!broken_off) tell(1, rows_[k].value);
-      if (!periodic && !broken_off) continue;
+      if (!last) continue;
       take_back(open, k, end - (k + 1), tell);
       if (periodic) sample(rows_[k]);
       if (broken_off) rows_.pop_back();
@@ -159,11 +177,10 @@ class OneWay {
 
   /// Gives up the rows behind row k, of which so many and those of the open groups have not been told of.
   template <class Tell> void take_back(std::deque<Group>& open, std::size_t k, std::size_t untold, const Tell& tell) {
-    for (Group& other : open) {
-      other.dropped = true;
-      untold += other.count;
-    }
+    for (const Group& other : open) untold += other.count;
+    end_with(k);
     open.clear();
+    last_ = no_last;
     const auto told = static_cast<std::ptrdiff_t>(rows_.size() - (k + 1) - untold);
     rows_.resize(k + 1);
     if (told > 0) tell(-told, rows_[k].value);
@@ -238,6 +255,9 @@ class OneWay {
   std::vector<SweepRow> rows_;
   bool ended_ = false;
   std::size_t together_ = 1;  ///< rows of the next group
+  /// Rows behind this one are given up: it ends on an orbit, or was broken off, as one of the open groups has found out.
+  static constexpr std::size_t no_last = std::numeric_limits<std::size_t>::max();
+  std::atomic<std::size_t> last_ = no_last;
 };
 
 }  // namespace
@@ -258,7 +278,7 @@ std::vector<double> sweep_values(double from, double to, double step) {
 
 std::vector<SweepRow> sweep(const HybridSystem& system, const Vector& p, const Vector& start, const SweepOptions& options,
                             const std::vector<SweepRow>& so_far) {
-  std::vector<OneWay> ways;
+  std::deque<OneWay> ways;
   for (const SweepDirection direction : options.directions) ways.emplace_back(system, p, start, options, direction, so_far);
   oneapi::tbb::task_arena arena(std::max(1, options.threads));
   std::atomic<int> active = static_cast<int>(ways.size());
