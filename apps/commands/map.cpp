@@ -49,6 +49,17 @@ ParameterAxis parse_parameter(const Problem& problem, const std::string& text) {
   return {name, axis.from, axis.to, axis.count};
 }
 
+/// Rows of a chunk, all of which go side by side: some hundreds of points, where they do not wait for each other, but enough
+/// chunks to hand out. Rows that are followed wait for the slowest of them at each point: there are more of them, in an even
+/// number of chunks of the same size.
+int rows_of_a_chunk(const ParameterGrid& grid, bool followed) {
+  const int columns = std::max(1, grid.columns.count), rows = std::max(1, grid.rows.count);
+  if (!followed) return std::clamp(std::min(4096 / columns, rows / 8), 1, 16);
+  const auto parts = [](int whole, int part) { return (whole + part - 1) / part; };
+  const int most = std::clamp(std::min(16384 / columns, rows / 8), 16, 64);
+  return parts(rows, 2 * parts(rows, 2 * most));
+}
+
 MapPlan plan_from(const Options& options, const Console& console) {
   MapPlan plan;
   if (options.parameters.size() != 2)
@@ -74,11 +85,7 @@ MapPlan plan_from(const Options& options, const Console& console) {
   if (options.standard_error) plan.options.standard_error = *options.standard_error;
   if (!(plan.options.standard_error > 0.0))
     throw std::invalid_argument(fmt::format("--standard-error is {}; allowed is > 0", exact(plan.options.standard_error)));
-  // Rows that are followed go side by side, some at a time; points that do not wait for each other do so within a chunk: it has
-  // some hundreds, but there are enough chunks to hand out.
-  const ParameterAxis &columns = plan.grid.columns, &rows = plan.grid.rows;
-  const int of_free_points = std::clamp(std::min(4096 / std::max(1, columns.count), rows.count / 8), 1, 16);
-  plan.chunk_rows = options.chunk_rows.value_or(options.follow == "none" ? of_free_points : 16);
+  plan.chunk_rows = options.chunk_rows.value_or(rows_of_a_chunk(plan.grid, options.follow != "none"));
   check_plan(plan);
   return plan;
 }
@@ -297,8 +304,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
              "along each row, a point starts from where its neighbour ended (default none: each from the start)");
   add_count(app, "--chunk", options->chunk_rows, 1,
             "rows in a chunk: what a thread computes at a time, and is lost if it is killed (default 1, more of short rows in "
-            "large maps, 16 "
-            "that are followed)");
+            "large maps, up to 64 that are followed)");
   begin_group(app, "Motions");
   add_count(
       app, "--settle", options->start.settle, 0,
