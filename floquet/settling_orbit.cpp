@@ -347,7 +347,7 @@ std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector
       std::vector<Pair> pairs;
       std::transform(states.begin(), states.end(), std::back_inserter(pairs), pair_of);
       for (const int n : worth) guesses.push_back({0, {pairs.begin(), pairs.begin() + n}});
-      orbits = shoot_side_by_side(*many, guesses, hopeless_growth);
+      orbits = shoot_side_by_side(*many, guesses);
     }
     const auto is_refused = [&](const auto& orbit) {
       return std::any_of(refused.begin(), refused.end(),
