@@ -71,7 +71,7 @@ class OneWay {
     rows_.reserve(values_.size());  // they stay where they are
     std::deque<Group> open;
     for (;;) {
-      while (!at_end() && rows_.size() <= last_ && open.size() < most_open(ways)) go_on(open, tell);
+      while (goes_on() && open.size() < most_open(ways)) go_on(open, tell);
       if (open.empty()) return;
       for (Group& group : open)  // the first before all others: it may take their rows back
         if (!open.front().done) average(group);
@@ -98,7 +98,7 @@ class OneWay {
     oneapi::tbb::task_group averages;
   };
 
-  bool at_end() const { return ended_ || rows_.size() == values_.size(); }
+  bool goes_on() const { return !ended_ && rows_.size() < values_.size() && rows_.size() <= last_; }
   std::size_t most_open(int ways) const {
     const auto others = static_cast<std::size_t>(std::max(0, options_.threads - ways));
     return 1 + others * groups_on_a_thread;
@@ -109,7 +109,7 @@ class OneWay {
     const Vector p = parameters(values_[rows_.size()]);
     const std::size_t together = ManyMotions::applies(system_, p, finding_.lyapunov.flow) ? together_ : 1;
     Group* group = nullptr;
-    while (!at_end() && rows_.size() <= last_ && !(group && group->count == together)) {
+    while (goes_on() && !(group && group->count == together)) {
       auto row = next();
       ended_ = !row;
       if (ended_) break;
@@ -163,13 +163,11 @@ class OneWay {
         open.front().taken < quick_group ? std::min(2 * together_, rows_side_by_side) : std::max<std::size_t>(together_ / 2, 1);
     open.pop_front();
     for (std::size_t k = begin; k < end; ++k) {
-      const bool last = ends_the_rows(rows_[k]), periodic = rows_[k].attractor.type == AttractorType::periodic;
-      const bool broken_off = last && !periodic;
+      const bool last = k == last_, broken_off = last && rows_[k].attractor.type != AttractorType::periodic;
       if (!broken_off) tell(1, rows_[k].value);
       if (!last) continue;
       take_back(open, k, end - (k + 1), tell);
-      if (periodic) sample(rows_[k]);
-      if (broken_off) rows_.pop_back();
+      broken_off ? rows_.pop_back() : sample(rows_[k]);
       ended_ = broken_off;
       return;
     }
@@ -178,7 +176,6 @@ class OneWay {
   /// Gives up the rows behind row k, of which so many and those of the open groups have not been told of.
   template <class Tell> void take_back(std::deque<Group>& open, std::size_t k, std::size_t untold, const Tell& tell) {
     for (const Group& other : open) untold += other.count;
-    end_with(k);
     open.clear();
     last_ = no_last;
     const auto told = static_cast<std::ptrdiff_t>(rows_.size() - (k + 1) - untold);

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace graze {
 
@@ -166,8 +165,6 @@ class Iteration {
   bool begun_ = false, open_ = true, converged_ = false;
 };
 
-constexpr double no_limit = std::numeric_limits<double>::infinity();
-
 std::vector<LaneOrbit> newton(ManyMotions& many, const std::vector<LaneGuess>& guesses, double most_growth) {
   std::vector<Iteration> iterations;
   iterations.reserve(guesses.size());
@@ -237,7 +234,7 @@ std::vector<LaneOrbit> shoot_side_by_side(ManyMotions& many, const std::vector<L
       of.push_back(i);
     }
     if (again.empty()) return orbits;
-    std::vector<LaneOrbit> found = newton(many, again, no_limit);
+    std::vector<LaneOrbit> found = newton(many, again, any_growth);
     for (std::size_t k = 0; k < of.size(); ++k) {
       if (!same(found[k], orbits[of[k]])) continue;
       orbits[of[k]] = std::move(found[k]);

@@ -31,9 +31,11 @@ struct LaneOrbit {
   bool stable() const { return std::abs(multipliers[0]) < 1.0; }
 };
 
+inline constexpr double any_growth = std::numeric_limits<double>::infinity();
+
 /// The orbits that Newton's method comes to from the guesses. What it comes to from one does not depend on the others. A guess is
 /// given up at once where the tangent of the motions from its states has an eigenvalue larger than most_growth over its period.
 std::vector<LaneOrbit> shoot_side_by_side(ManyMotions& many, const std::vector<LaneGuess>& guesses,
-                                          double most_growth = std::numeric_limits<double>::infinity());
+                                          double most_growth = any_growth);
 
 }  // namespace graze
