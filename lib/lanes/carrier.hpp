@@ -41,15 +41,12 @@ template <class Flight> class Carrier {
       const Surfacing<Real> up = press<Flight>(memory_, job_, ratio_);
       if (any(up.at_barrier)) Flight::leave_barrier(memory_, up.at_barrier, up.v, up.c, up.s);
       if (any(up.at_end)) end_periods(up.at_end, Real(memory_[barrier] + up.y * up.y), up.v);
-    } else if (task == Task::crossing) {
-      const Landing<Real> landing = Flight::land(memory_);
-      if (any(landing.where)) hit(landing);
-    } else if (task == Task::marching) {
-      Flight::march(memory_);
-    } else if (task == Task::flight) {
-      Flight::fly(memory_, job_);
     } else if (task == Task::period_end) {
       end_in_flight();
+    } else if (task != Task::given_up) {
+      const Landing<Real> landing = Flight::step(memory_, job_, task);
+      if (any(landing.where)) hit(landing);
+      if (Flight::cubic && memory_.count(Task::period_end) > 0) end_in_flight();
     }
     if (memory_.count(Task::given_up) > 0) give_up();
   }

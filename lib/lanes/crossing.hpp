@@ -161,9 +161,12 @@ template <class Number, bool WithTangent, std::size_t Order> struct LinearFlight
     lanes::leave_barrier(m, where, v, c, s);
   }
   static Real spring_at_barrier(const Memory<Real>& m) { return m[stiffness] * m[barrier]; }
-  static void march(Memory<Real>& m) { lanes::march<Real, tangent>(m); }
-  static void fly(Memory<Real>& m, const Job&) { lanes::fly<Real, tangent>(m); }
-  static Landing<Real> land(Memory<Real>& m) { return lanes::land<Real, tangent>(m); }
+  /// What the lanes that are at a task of flights do next; who lands.
+  static Landing<Real> step(Memory<Real>& m, const Job&, Task task) {
+    if (task == Task::crossing) return lanes::land<Real, tangent>(m);
+    task == Task::marching ? lanes::march<Real, tangent>(m) : lanes::fly<Real, tangent>(m);
+    return {mask_of<Real>(0), Real(0.0), Real(0.0), Real(0.0)};
+  }
   /// State at the end of the period.
   static std::pair<Real, Real> end(Memory<Real>& m, const Mask<Real>& where) {
     const Real P = m[transient_p], Q = m[transient_q];

@@ -41,10 +41,8 @@ template <class Number, bool WithTangent, std::size_t Order> struct CubicFlight 
     return r * (m[stiffness] + m[lanes::cubic] * (r * r));
   }
 
-  static void march(Memory<Real>&) {}
-
-  /// One step of every lane in flight.
-  static void fly(Memory<Real>& m, const Job& job) {
+  /// One step of every lane in flight; who comes to the barrier in it lands.
+  static Landing<Real> step(Memory<Real>& m, const Job& job, Task) {
     const Mask<Real> flying = m.is(Task::flight);
     const FlightLaw<Real> law = law_of(m);
     const FlightState<Real> z = state_of(m);
@@ -62,35 +60,30 @@ template <class Number, bool WithTangent, std::size_t Order> struct CubicFlight 
       h = select(unsure, Real(0.5 * h), h);
       below = stays_below(series, z.gap, h);
     }
-    const FlightState<Real> next = series.at(h);
     const Mask<Real> from_barrier = (m[off_barrier] > Real(0.5)) & (m[flown] == Real(0.0));
-    const Mask<Real> fine = (from_barrier | (z.gap < -too_close * (1.0 + abs(law.r)))) & (below | rising) &
+    const Mask<Real> fine = flying & (from_barrier | (z.gap < -too_close * (1.0 + abs(law.r)))) & (below | rising) &
                             (Real(last + before) < Real(1e300)) & (m[steps] < Real(static_cast<double>(job.max_steps)));
-    const Mask<Real> crosses = flying & fine & (!below) & (next.gap >= Real(0.0));
-    const Mask<Real> moves = flying & fine & !crosses;
+    Mask<Real> crosses = fine & !below;
+    if (any(crosses)) {
+      crosses = crosses & (series.gap(h) >= Real(0.0));
+      h = root_in_step([&](const Real& trial) { return std::pair<Real, Real>(series.gap(trial), series.speed(trial)); }, h,
+                       crosses);
+    }
+    const FlightState<Real> next = series.at(h);
+    const Mask<Real> moves = fine & !crosses;
     set(m, moves, next);
-    m.set(flown, moves, Real(m[flown] + h));
-    m.set(rest, moves, Real(left - h));
-    m.set(steps, moves, Real(m[steps] + 1.0));
-    m.set(trial, crosses, h);
-    m.assign(moves & (h >= left), Task::period_end);
-    m.assign(crosses, Task::crossing);
-    m.assign(flying & !fine, Task::given_up);
-  }
-
-  static Landing<Real> land(Memory<Real>& m) {
-    const Mask<Real> crossing = m.is(Task::crossing);
-    const Series series(law_of(m), state_of(m));
-    const Real h = root_in_step([&](const Real& trial) { return std::pair<Real, Real>(series.gap(trial), series.speed(trial)); },
-                                m[trial], crossing);
-    const FlightState<Real> end = series.at(h);
     const Real duration = m[flown] + h;
+    m.set(flown, moves, duration);
+    m.set(rest, fine, Real(left - h));
+    m.set(steps, moves, Real(m[steps] + 1.0));
+    m.assign(moves & (h >= left), Task::period_end);
+    m.assign(flying & !fine, Task::given_up);
+    if (!any(crosses)) return {crosses, next.v, next.c, next.s};
     const Mask<Real> short_hop = (m[off_barrier] > Real(0.5)) & (duration < m[shortest_flight]);
-    const Mask<Real> good = crossing & (end.v > m[slowest_impact]) & !short_hop;
-    m.set(rest, good, Real(m[rest] - h));
-    end_flight(m, good, end.Phi, duration);
-    m.assign(crossing & !good, Task::given_up);
-    return {good, end.v, end.c, end.s};
+    const Mask<Real> lands = crosses & (next.v > m[slowest_impact]) & !short_hop;
+    end_flight(m, lands, next.Phi, duration);
+    m.assign(crosses & !lands, Task::given_up);
+    return {lands, next.v, next.c, next.s};
   }
 
   static std::pair<Real, Real> end(Memory<Real>& m, const Mask<Real>& where) {
