@@ -65,9 +65,10 @@ template <class Number, bool WithTangent, std::size_t Order> struct CubicFlight 
                             (Real(last + before) < Real(1e300)) & (m[steps] < Real(static_cast<double>(job.max_steps)));
     Mask<Real> crosses = fine & !below;
     if (any(crosses)) {
-      crosses = crosses & (series.gap(h) >= Real(0.0));
+      const Real reached = series.gap(h);
+      crosses = crosses & (reached >= Real(0.0));
       h = root_in_step([&](const Real& trial) { return std::pair<Real, Real>(series.gap(trial), series.speed(trial)); }, h,
-                       crosses);
+                       select(crosses, parabola_root(z, h, reached), h), crosses);
     }
     const FlightState<Real> next = series.at(h);
     const Mask<Real> moves = fine & !crosses;
@@ -135,13 +136,21 @@ template <class Number, bool WithTangent, std::size_t Order> struct CubicFlight 
     return take<Real>(a);
   }
 
+  /// In [0, h], of the parabola that begins as z, rising, and reaches a gap of `reached` >= 0 after h.
+  static Real parabola_root(const FlightState<Real>& z, const Real& h, const Real& reached) {
+    const Real bend = (reached - z.gap - z.v * h) / (h * h);
+    const Real root = -2.0 * z.gap / (z.v + sqrt(largest(Real(z.v * z.v - 4.0 * bend * z.gap), Real(0.0))));
+    return least(largest(root, Real(0.0)), h);
+  }
+
   static constexpr std::size_t degree = 8;
   /// Whether the gap is <= 0 on a step and < 0 at its end.
   static Mask<Real> stays_below(const Series& series, const Real& at_start, const Real& h) {
     constexpr double inverse_binomial[] = {1.0,        1.0 / 8.0,  1.0 / 28.0, 1.0 / 56.0, 1.0 / 70.0,
                                            1.0 / 56.0, 1.0 / 28.0, 1.0 / 8.0,  1.0};
     const auto& a = series.position();
-    Real b[degree + 1] = {at_start}, power = h;
+    Real b[degree + 1], power = h;
+    b[0] = at_start;
 #pragma GCC unroll 8
     for (std::size_t k = 1; k <= degree; ++k, power = power * h) b[k] = (inverse_binomial[k] * a[k]) * power;
     Real left_out = abs(a[Series::order]);

@@ -111,9 +111,10 @@ template <class Real, bool Tangent, std::size_t Order> class FlightSeries {
   template <std::size_t k>
   [[gnu::always_inline]] void close(const FlightLaw<Real>& law, const Constants& q, const Products& sums) {
     constexpr double inverse = 1.0 / static_cast<double>(k + 1);
-    Real force = q.force[k % 4] * turn_[k];
+    Real force = sums.cube;
     if constexpr (k == 0) force = force + law.constant;
-    const Real v = inverse * madd(q.pull, x_[k], madd(q.drag, v_[k], Real(force + sums.cube))), x = inverse * v_[k];
+    force = madd(q.force[k % 4], turn_[k], force);
+    const Real v = inverse * madd(q.pull, x_[k], madd(q.drag, v_[k], force)), x = inverse * v_[k];
     v_[k + 1] = v;
     x_[k + 1] = x;
     turn_[k + 1] = inverse * law.w * turn_[k];

@@ -103,13 +103,13 @@ template <class Flight, class Real, class Job> Surfacing<Real> press(Memory<Real
   Mask<Real> surfaced = pressed & finite & !(next.y > Real(0.0)), late = pressed & finite & (next.time >= duration);
   if (any(surfaced | late)) {
     const Real up = root_in_step(
-        [&](const Real& trial) { return std::pair<Real, Real>(-series.depth(trial), -0.5 * series.speed(trial)); }, h, surfaced);
+        [&](const Real& trial) { return std::pair<Real, Real>(-series.depth(trial), -0.5 * series.speed(trial)); }, h, h, surfaced);
     Real s = select(surfaced, up, h);
     const Mask<Real> in_time = surfaced & (series.time(s) <= duration);
     late = (surfaced | late) & !in_time;
     surfaced = in_time;
     s = root_in_step([&](const Real& trial) { return std::pair<Real, Real>(series.time(trial) - duration, series.depth(trial)); },
-                     s, late);
+                     s, s, late);
     // Elsewhere s = h: the step itself.
     next = series.at(s);
   }

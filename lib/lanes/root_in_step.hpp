@@ -6,9 +6,10 @@
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
-/// Newton, kept in the bracket [0, h], on a quantity of a partial step with its derivative; negative at 0 and not so at h.
-template <class Real, class Value> Real root_in_step(const Value& value, const Real& h, Mask<Real> seeking) {
-  Real lo = Real(0.0), hi = h, s = h;
+/// Newton from s on, kept in the bracket [0, h], on a quantity of a partial step with its derivative; negative at 0 and not so at
+/// h. What is not sought stays s.
+template <class Real, class Value> Real root_in_step(const Value& value, const Real& h, Real s, Mask<Real> seeking) {
+  Real lo = Real(0.0), hi = h;
   for (int i = 0; i < 60 && any(seeking); ++i) {
     const auto [g, slope] = value(s);
     const Mask<Real> below = g < Real(0.0);
