@@ -4,12 +4,10 @@
 // not reached, or that the speed stays positive; where neither, the step is halved. A crossing is the root of the whole series.
 #pragma once
 
-#include <graze/lib/detail/hertz_step.hpp>
 #include <graze/lib/lanes/crossing.hpp>
 #include <graze/lib/lanes/flight_series.hpp>
 #include <graze/lib/lanes/root_in_step.hpp>
-
-#include <algorithm>
+#include <graze/lib/lanes/rough_root.hpp>
 
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
@@ -127,13 +125,7 @@ template <class Number, bool WithTangent, std::size_t Order> struct CubicFlight 
 
   /// The length of a step at which neither of the last two terms is more than `allowed`.
   static Real trusted(const Real& last, const Real& before, double allowed) {
-    alignas(64) double a[width<Real>], b[width<Real>];
-    put(a, last);
-    put(b, before);
-    for (std::size_t lane = 0; lane < width<Real>; ++lane)
-      a[lane] =
-          std::min(detail::rough_root(allowed, a[lane], Series::order), detail::rough_root(allowed, b[lane], Series::order - 1));
-    return take<Real>(a);
+    return least(rough_root<Series::order>(allowed, last), rough_root<Series::order - 1>(allowed, before));
   }
 
   /// In [0, h], of the parabola that begins as z, rising, and reaches a gap of `reached` >= 0 after h.

@@ -6,6 +6,7 @@
 #include <graze/lib/lanes/contact_series.hpp>
 #include <graze/lib/lanes/crossing.hpp>
 #include <graze/lib/lanes/root_in_step.hpp>
+#include <graze/lib/lanes/rough_root.hpp>
 
 #include <cmath>
 #include <utility>
@@ -87,10 +88,7 @@ template <class Flight, class Real, class Job> Surfacing<Real> press(Memory<Real
   Real last, before;
   series.size(last, before);
   const Real size = largest(last, Real(before * (ratio / h)));
-  alignas(64) double trusted[width<Real>];
-  put(trusted, size);
-  for (double& one : trusted) one = detail::rough_root(detail::hertz_last_term * job.tolerance, one, Series::order);
-  h = least(longest_here, take<Real>(trusted));
+  h = least(longest_here, rough_root<Series::order>(detail::hertz_last_term * job.tolerance, size));
   ContactState<Real> next = series.at(h);
   const Real meanwhile = acceleration(largest(v, Real(abs(next.v))), Real(abs(Real(next.time - z.time))));
   const Mask<Real> shorter = h * h * meanwhile > Real(longest);
@@ -102,8 +100,9 @@ template <class Flight, class Real, class Job> Surfacing<Real> press(Memory<Real
   const Mask<Real> finite = abs(Real(next.y + next.v + next.time)) < Real(1e300);
   Mask<Real> surfaced = pressed & finite & !(next.y > Real(0.0)), late = pressed & finite & (next.time >= duration);
   if (any(surfaced | late)) {
-    const Real up = root_in_step(
-        [&](const Real& trial) { return std::pair<Real, Real>(-series.depth(trial), -0.5 * series.speed(trial)); }, h, h, surfaced);
+    const Real up =
+        root_in_step([&](const Real& trial) { return std::pair<Real, Real>(-series.depth(trial), -0.5 * series.speed(trial)); },
+                     h, h, surfaced);
     Real s = select(surfaced, up, h);
     const Mask<Real> in_time = surfaced & (series.time(s) <= duration);
     late = (surfaced | late) & !in_time;
