@@ -5,15 +5,31 @@
 #include <graze/lib/in_parallel.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
+#include <numbers>
 
 namespace graze {
 
 namespace {
 
-/// Chaos is averaged over so many motions side by side, if the budget leaves each of them the longer part of it after parting.
-constexpr int motions_in_chaos = 16;
-constexpr std::int64_t budget_for_many = 4 * motions_in_chaos * parting;
+/// Chaos is averaged over so many motions side by side: what fills the lanes of one thread, if the budget leaves each of them the
+/// longer part of it after parting, and up to what fills those of several where each will be carried for ten times that.
+constexpr std::int64_t motions_of_a_thread = 16, most_motions = 128;
+constexpr std::int64_t budget_for_many = 4 * motions_of_a_thread * parting;
+
+/// How long an average may take: to its budget, or until its standard error is so small. (Growths per period have a deviation of
+/// about one, and periods are some 2 pi long.)
+std::int64_t expected_periods(const LyapunovOptions& averaging) {
+  const double per_error = averaging.standard_error * 2.0 * std::numbers::pi;
+  return static_cast<std::int64_t>(
+      std::min(static_cast<double>(averaging.max_periods), per_error > 0.0 ? 1.0 / (per_error * per_error) : 1e18));
+}
+int motions_in_chaos(const LyapunovOptions& averaging) {
+  if (averaging.change > 0.0 || averaging.max_periods < budget_for_many) return 1;
+  const std::int64_t wanted = expected_periods(averaging) / (10 * parting);
+  return static_cast<int>(std::clamp(wanted / motions_of_a_thread * motions_of_a_thread, motions_of_a_thread, most_motions));
+}
 
 void average_on_orbit(const HybridSystem& system, const AttractorAt& at, const AttractorOptions& options) {
   LyapunovOptions averaging = options.lyapunov;
@@ -135,8 +151,7 @@ void average_on_each_attractor(const HybridSystem& system, const std::vector<Att
   }
   LyapunovOptions averaging = options.lyapunov;
   averaging.significance = options.significance;  // long enough to tell chaos, too
-  if (averaging.change == 0.0 && averaging.max_periods >= budget_for_many)
-    averaging.motions = std::max(averaging.motions, motions_in_chaos);
+  averaging.motions = std::max(averaging.motions, motions_in_chaos(averaging));
   AttractorOptions longer = options;
   for (int round = 0; !open.empty(); ++round) {
     std::vector<Vector> begin;
