@@ -19,12 +19,11 @@ namespace graze {
 namespace {
 
 /// Rows whose time averages are taken side by side, where lanes know the oscillator: so many at the most, and fewer where they
-/// take longer than this, since a group is kept as a whole.
+/// would take longer than this, by the time of those before: a group is kept as a whole.
 constexpr std::size_t rows_side_by_side = 16;
-constexpr std::chrono::milliseconds quick_group{250};
-/// Groups that wait for their averages, or for one before them, for each thread that has nothing else to do: enough that it has,
-/// and not too many to lose.
-constexpr std::size_t groups_on_a_thread = 4;
+constexpr std::chrono::duration<double, std::milli> quick_group{100.0};
+/// Groups that may wait for one before them whose averages take long. What is done meanwhile, lest threads wait, may be in vain.
+constexpr std::size_t most_open = 1024;
 
 /// The attractor that a motion comes to. Where it repeats itself to within `repeats` on its way, Newton's method is tried at
 /// once; at its end all returns are.
@@ -70,13 +69,21 @@ class OneWay {
   template <class Tell> void follow(const std::atomic<int>& ways, const Tell& tell) {
     rows_.reserve(values_.size());  // they stay where they are
     std::deque<Group> open;
+    const auto unbegun = [](const Group& group) { return !group.begun; };
     for (;;) {
-      while (goes_on() && open.size() < most_open(ways)) go_on(open, tell);
-      if (open.empty()) return;
-      for (Group& group : open)  // the first before all others: it may take their rows back
-        if (!open.front().done) average(group);
-      open.front().averages.wait();
-      settle(open, tell);
+      const auto waiting = static_cast<std::size_t>(std::count_if(open.begin(), open.end(), unbegun));
+      if (!open.empty() && open.front().done) {
+        open.front().averages.wait();
+        settle(open, tell);
+      } else if (goes_on() && waiting <= others(ways) && open.size() < most_open) {
+        go_on(open, tell);
+      } else if (waiting > 0) {  // the first before all others: it may take their rows back
+        average(*std::find_if(open.begin(), open.end(), unbegun));
+      } else if (!open.empty()) {
+        open.front().averages.wait();
+      } else {
+        return;
+      }
     }
   }
 
@@ -99,10 +106,8 @@ class OneWay {
   };
 
   bool goes_on() const { return !ended_ && rows_.size() < values_.size() && rows_.size() <= last_; }
-  std::size_t most_open(int ways) const {
-    const auto others = static_cast<std::size_t>(std::max(0, options_.threads - ways));
-    return 1 + others * groups_on_a_thread;
-  }
+  /// Threads that have nothing else to do.
+  std::size_t others(int ways) const { return static_cast<std::size_t>(std::max(0, options_.threads - ways)); }
 
   /// To the end of the next group of rows that are not periodic.
   template <class Tell> void go_on(std::deque<Group>& open, const Tell& tell) {
@@ -136,7 +141,12 @@ class OneWay {
       rows_[k].attractor.state = rows_[k].end;
       which.push_back({parameters(rows_[k].value), &rows_[k].attractor});
     }
-    average_on_each_attractor(system_, which, averaging);
+    try {
+      average_on_each_attractor(system_, which, averaging);
+    } catch (...) {  // whoever waits for it is told
+      group.done = true;
+      throw;
+    }
     group.taken = std::chrono::steady_clock::now() - begin;
     for (std::size_t k = group.first; k < group.first + group.count; ++k)
       if (ends_the_rows(rows_[k])) end_with(k);
@@ -159,8 +169,8 @@ class OneWay {
   /// Keeps the rows of the first group up to one whose average was broken off, or turned out to end on an orbit.
   template <class Tell> void settle(std::deque<Group>& open, const Tell& tell) {
     const std::size_t begin = open.front().first, end = begin + open.front().count;
-    together_ =
-        open.front().taken < quick_group ? std::min(2 * together_, rows_side_by_side) : std::max<std::size_t>(together_ / 2, 1);
+    const double of_a_row = open.front().taken / quick_group / static_cast<double>(end - begin);
+    together_ = static_cast<std::size_t>(std::clamp(1.0 / of_a_row, 1.0, static_cast<double>(rows_side_by_side)));
     open.pop_front();
     for (std::size_t k = begin; k < end; ++k) {
       const bool last = k == last_, broken_off = last && rows_[k].attractor.type != AttractorType::periodic;
