@@ -21,7 +21,7 @@ namespace {
 /// Rows whose time averages are taken side by side, where lanes know the oscillator: so many at the most, and fewer where they
 /// would take longer than this, by the time of those before: a group is kept as a whole.
 constexpr std::size_t rows_side_by_side = 16;
-constexpr std::chrono::duration<double, std::milli> quick_group{100.0};
+constexpr std::chrono::duration<double, std::milli> quick_group{250.0};
 /// Groups that may wait for one before them whose averages take long. What is done meanwhile, lest threads wait, may be in vain.
 constexpr std::size_t most_open = 1024;
 
