@@ -265,6 +265,25 @@ TEST_CASE("exponents averaged on all threads are the same to the last bit") {
   CHECK(several.others == one.others);
 }
 
+TEST_CASE("chaos is averaged over more motions where each will be carried for long") {
+  const HybridSystem system = make_oscillator("linear", "newton");
+  const Vector p = parameters(system, {{"eta", 0.711}});
+  const auto motions = [&](std::int64_t periods, double standard_error) {
+    AttractorOptions options;
+    options.transient = 200;
+    options.lyapunov.max_periods = periods;
+    options.lyapunov.standard_error = standard_error;
+    const Attractor attractor = find_attractor(system, p, vector({-0.379, -0.717}), options);
+    CHECK(attractor.type == AttractorType::chaotic);
+    return 1 + attractor.time_average.others.size();
+  };
+  CHECK(motions(19000, 0.0) == 1);
+  CHECK(motions(20000, 0.0) == 16);
+  CHECK(motions(100000, 0.0) == 32);
+  CHECK(motions(1000000, 0.0) == 128);
+  CHECK(motions(1000000, 1e-3) == 16);  // a bound that some 20000 periods meet
+}
+
 TEST_CASE("an average that is interrupted while its ends are looked at says so, and keeps its exponents") {
   // In chaos so weak that ends are looked at: tangents do not grow hopelessly in 128 periods.
   const HybridSystem system = make_oscillator("linear", "hertz");
