@@ -66,7 +66,7 @@ template <class Number, bool WithTangent, std::size_t Order> struct CubicFlight 
       const Real reached = series.gap(h);
       crosses = crosses & (reached >= Real(0.0));
       h = root_in_step([&](const Real& trial) { return std::pair<Real, Real>(series.gap(trial), series.speed(trial)); }, h,
-                       select(crosses, parabola_root(z, h, reached), h), crosses);
+                       select(crosses, parabola_root(z.gap, z.v, h, reached), h), crosses);
     }
     const FlightState<Real> next = series.at(h);
     const Mask<Real> moves = fine & !crosses;
@@ -126,13 +126,6 @@ template <class Number, bool WithTangent, std::size_t Order> struct CubicFlight 
   /// The length of a step at which neither of the last two terms is more than `allowed`.
   static Real trusted(const Real& last, const Real& before, double allowed) {
     return least(rough_root<Series::order>(allowed, last), rough_root<Series::order - 1>(allowed, before));
-  }
-
-  /// In [0, h], of the parabola that begins as z, rising, and reaches a gap of `reached` >= 0 after h.
-  static Real parabola_root(const FlightState<Real>& z, const Real& h, const Real& reached) {
-    const Real bend = (reached - z.gap - z.v * h) / (h * h);
-    const Real root = -2.0 * z.gap / (z.v + sqrt(largest(Real(z.v * z.v - 4.0 * bend * z.gap), Real(0.0))));
-    return least(largest(root, Real(0.0)), h);
   }
 
   static constexpr std::size_t degree = 8;

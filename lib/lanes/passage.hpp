@@ -89,29 +89,31 @@ template <class Flight, class Real, class Job> Surfacing<Real> press(Memory<Real
   series.size(last, before);
   const Real size = largest(last, Real(before * (ratio / h)));
   h = least(longest_here, rough_root<Series::order>(detail::hertz_last_term * job.tolerance, size));
-  ContactState<Real> next = series.at(h);
-  const Real meanwhile = acceleration(largest(v, Real(abs(next.v))), Real(abs(Real(next.time - z.time))));
+  Real y_end = series.depth(h), v_end = series.speed(h), time_end = series.time(h);
+  const Real meanwhile = acceleration(largest(v, Real(abs(v_end))), Real(abs(Real(time_end - z.time))));
   const Mask<Real> shorter = h * h * meanwhile > Real(longest);
   if (any(pressed & shorter)) {
     h = select(shorter, sqrt(Real(longest / meanwhile)), h);
-    next = series.at(h);
+    y_end = series.depth(h);
+    v_end = series.speed(h);
+    time_end = series.time(h);
   }
   const Real duration = m[rest];
-  const Mask<Real> finite = abs(Real(next.y + next.v + next.time)) < Real(1e300);
-  Mask<Real> surfaced = pressed & finite & !(next.y > Real(0.0)), late = pressed & finite & (next.time >= duration);
+  const Mask<Real> finite = abs(Real(y_end + v_end + time_end)) < Real(1e300);
+  Mask<Real> surfaced = pressed & finite & !(y_end > Real(0.0)), late = pressed & finite & (time_end >= duration);
+  Real s = h;
   if (any(surfaced | late)) {
-    const Real up =
-        root_in_step([&](const Real& trial) { return std::pair<Real, Real>(-series.depth(trial), -0.5 * series.speed(trial)); },
-                     h, h, surfaced);
-    Real s = select(surfaced, up, h);
-    const Mask<Real> in_time = surfaced & (series.time(s) <= duration);
+    s = root_in_step([&](const Real& trial) { return std::pair<Real, Real>(-series.depth(trial), -0.5 * series.speed(trial)); },
+                     h, select(surfaced, parabola_root(Real(-z.y), Real(-0.5 * z.v), h, Real(-y_end)), h), surfaced);
+    const Real over = series.time(s) - duration;
+    const Mask<Real> in_time = surfaced & (over <= Real(0.0));
     late = (surfaced | late) & !in_time;
     surfaced = in_time;
     s = root_in_step([&](const Real& trial) { return std::pair<Real, Real>(series.time(trial) - duration, series.depth(trial)); },
-                     s, s, late);
+                     s, select(late, parabola_root(Real(z.time - duration), z.y, s, over), s), late);
     // Elsewhere s = h: the step itself.
-    next = series.at(s);
   }
+  const ContactState<Real> next = series.at(s);
   m.set(step, pressed, h);
   m.set(steps, pressed, Real(m[steps] + 1.0));
   m.set(depth, pressed, next.y);
