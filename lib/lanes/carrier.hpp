@@ -32,7 +32,7 @@ template <class Flight> class Carrier {
     begin_periods(starts);
   }
 
-  Choice choice(bool alone = false) const { return choose<Flight::cubic>(memory_, tables_, alone); }
+  Choice choice(bool alone = false) const { return choose(memory_, tables_, alone); }
   static bool waits(const Choice& choice) { return lanes::waits<Flight::cubic, Real>(choice); }
 
   /// One step of the lanes that are at a task.
@@ -43,10 +43,10 @@ template <class Flight> class Carrier {
       if (any(up.at_end)) end_periods(up.at_end, Real(memory_[barrier] + up.y * up.y), up.v);
     } else if (task == Task::period_end) {
       end_in_flight();
-    } else if (task != Task::given_up) {
+    } else if (task != Task::idle && task != Task::given_up) {
       const Landing<Real> landing = Flight::step(memory_, job_, task);
       if (any(landing.where)) hit(landing);
-      if (Flight::cubic && memory_.count(Task::period_end) > 0) end_in_flight();
+      if (Flight::cubic && memory_.count(Task::period_end) > 0) end_in_flight();  // little beside a step by series
     }
     if (memory_.count(Task::given_up) > 0) give_up();
   }

@@ -17,12 +17,11 @@ struct Choice {
 };
 
 /// What most lanes are at, but for what takes longest, which waits until it is worth it: a step of contact (with a table of
-/// contacts they are rare, and few lanes wait for them) and the end of a flight at the barrier. A step of flight by series
-/// (Cubic) takes nearly as long.
-template <bool Cubic, class Real> Choice choose(const Memory<Real>& m, bool with_table, bool alone) {
+/// contacts they are rare, and few lanes wait for them) and the end of a flight at the barrier (flights by series end in a step).
+template <class Real> Choice choose(const Memory<Real>& m, bool with_table, bool alone) {
   constexpr std::size_t W = width<Real>;
   const int most = static_cast<int>(with_table ? (W + 3) / 4 : alone ? (5 * W + 7) / 8 : (7 * W + 7) / 8);
-  constexpr int many = static_cast<int>(Cubic ? (W + 3) / 4 : (5 * W + 7) / 8);
+  constexpr int many = static_cast<int>((5 * W + 7) / 8);
   const int contacts = m.count(Task::contact), crossings = m.count(Task::crossing), flights = m.count(Task::flight),
             ends = m.count(Task::period_end), marching = m.count(Task::marching);
   const int others = marching + flights + ends;

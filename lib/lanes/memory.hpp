@@ -12,8 +12,8 @@
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
-/// What a lane is at. In flight: `marching`, on the grid; `flight`, near the barrier; `crossing`, in a step that ends at it;
-/// `period_end`.
+/// What a lane is at. In flight: `marching`, on the grid; `flight`, near the barrier (or by series); `crossing`, in a step that
+/// ends at it; `period_end`.
 enum class Task { idle, marching, flight, crossing, period_end, contact, given_up };
 
 enum Field : std::size_t {
