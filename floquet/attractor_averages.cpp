@@ -19,9 +19,9 @@ constexpr std::int64_t motions_of_a_thread = 16, most_motions = 128;
 constexpr std::int64_t budget_for_many = 4 * motions_of_a_thread * parting;
 
 /// How long an average may take: to its budget, or until its standard error is so small. (Growths per period have a deviation of
-/// about one, and periods are some 2 pi long.)
+/// about a third, and periods are some 2 pi long.)
 std::int64_t expected_periods(const LyapunovOptions& averaging) {
-  const double per_error = averaging.standard_error * 2.0 * std::numbers::pi;
+  const double per_error = 3.0 * averaging.standard_error * 2.0 * std::numbers::pi;
   return static_cast<std::int64_t>(
       std::min(static_cast<double>(averaging.max_periods), per_error > 0.0 ? 1.0 / (per_error * per_error) : 1e18));
 }
