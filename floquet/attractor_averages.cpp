@@ -5,7 +5,6 @@
 #include <graze/lib/in_parallel.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <numbers>
 

@@ -5,7 +5,6 @@
 #include <graze/floquet/batch_means.hpp>
 #include <graze/floquet/log_product.hpp>
 #include <graze/floquet/lyapunov.hpp>
-#include <graze/floquet/lyapunov_lanes.hpp>
 #include <graze/floquet/settle.hpp>
 #include <graze/lib/oscillator.hpp>
 
@@ -13,7 +12,6 @@
 #include "support/two_mass_oscillator.hpp"
 
 #include <catch2/catch.hpp>
-#include <oneapi/tbb/task_arena.h>
 
 #include <numeric>
 #include <random>
@@ -194,96 +192,6 @@ TEST_CASE("an attractor is periodic where Newton proves it, however slowly the m
   CHECK(undecided.time_average.periods == 50);
 }
 
-TEST_CASE("exponents averaged over several motions side by side") {
-  const char* law = GENERATE("newton", "hertz");
-  const HybridSystem system = make_oscillator("linear", law);
-  Vector p = default_parameters(system.parameters);
-  p[oscillator_parameter::eta] = 0.711;
-  if (std::string(law) == "hertz") p[static_cast<Eigen::Index>(parameter_index(system.parameters, "b_H"))] = 0.1;
-  LyapunovOptions options;
-  options.standard_error = 0.0;
-  options.aligning = 500;
-  options.max_periods = 40000;
-  const LyapunovSpectrum one = lyapunov_spectrum(system, p, vector({-0.379, -0.717}), options);
-  options.motions = 8;
-  const LyapunovSpectrum many = lyapunov_spectrum(system, p, vector({-0.379, -0.717}), options);
-  CHECK(many.stop == LyapunovStop::budget);
-  CHECK(many.periods == 40000);
-  CHECK(many.others.size() == 7);
-  // Independent samples of one chaos: five joint standard errors.
-  for (std::size_t i = 0; i < 2; ++i)
-    CHECK(std::abs(one.exponents[i] - many.exponents[i]) < 5.0 * std::hypot(one.standard_errors[i], many.standard_errors[i]));
-  CHECK(many.standard_errors[0] == Approx(one.standard_errors[0]).epsilon(0.6));  // as much data: an error that is an estimate
-  CHECK(many.liouville_residual >= 0.0);
-  CHECK(many.liouville_residual < 1e-10);
-  CHECK(static_cast<double>(many.impacts) == Approx(static_cast<double>(one.impacts)).epsilon(0.05));
-  CHECK(many.kaplan_yorke == Approx(one.kaplan_yorke).margin(0.05));
-
-  options.standard_error = 1.5e-3;
-  options.min_periods = 2000;
-  const LyapunovSpectrum bounded = lyapunov_spectrum(system, p, vector({-0.379, -0.717}), options);
-  CHECK(bounded.stop == LyapunovStop::standard_error);
-  CHECK(bounded.standard_errors[0] < 1.5e-3);
-  CHECK(bounded.periods < 40000);
-}
-
-TEST_CASE("exponents averaged with contacts from a table are those without") {
-  const HybridSystem system = make_oscillator("linear", "hertz");
-  const Vector p = parameters(system, {{"eta", 0.711}, {"b_H", 0.1}});
-  LyapunovOptions options;
-  options.motions = 16;
-  options.standard_error = 0.0;
-  options.max_periods = 200000;
-  const LyapunovSpectrum with_table = lyapunov_spectrum(system, p, vector({-0.379, -0.717}), options);
-  options.flow.tolerance = 1e-14;  // finer than a table is
-  options.max_periods = 60000;
-  const LyapunovSpectrum in_steps = lyapunov_spectrum(system, p, vector({-0.379, -0.717}), options);
-  for (std::size_t i = 0; i < 2; ++i) {
-    const double joint = std::hypot(with_table.standard_errors[i], in_steps.standard_errors[i]);
-    CHECK(std::abs(with_table.exponents[i] - in_steps.exponents[i]) < 3.0 * joint);
-    CHECK(joint < 1e-3);
-  }
-  CHECK(with_table.liouville_residual < 1e-9);
-}
-
-TEST_CASE("exponents averaged on all threads are the same to the last bit") {
-  const char* law = GENERATE("newton", "hertz", "linear");
-  const HybridSystem system = make_oscillator("linear", law);
-  Vector p = default_parameters(system.parameters);
-  p[oscillator_parameter::eta] = 0.711;
-  LyapunovOptions options;
-  options.motions = 16;
-  options.standard_error = 0.0;
-  options.max_periods = 30000;
-  const LyapunovSpectrum one = lyapunov_spectrum(system, p, vector({-0.379, -0.717}), options);
-  options.all_threads = true;
-  LyapunovSpectrum several;
-  oneapi::tbb::task_arena(2).execute([&] { several = lyapunov_spectrum(system, p, vector({-0.379, -0.717}), options); });
-  CHECK(several.exponents == one.exponents);
-  CHECK(several.standard_errors == one.standard_errors);
-  CHECK(several.state == one.state);
-  CHECK(several.others == one.others);
-}
-
-TEST_CASE("chaos is averaged over more motions where each will be carried for long") {
-  const HybridSystem system = make_oscillator("linear", "newton");
-  const Vector p = parameters(system, {{"eta", 0.711}});
-  const auto motions = [&](std::int64_t periods, double standard_error) {
-    AttractorOptions options;
-    options.transient = 200;
-    options.lyapunov.max_periods = periods;
-    options.lyapunov.standard_error = standard_error;
-    const Attractor attractor = find_attractor(system, p, vector({-0.379, -0.717}), options);
-    CHECK(attractor.type == AttractorType::chaotic);
-    return 1 + attractor.time_average.others.size();
-  };
-  CHECK(motions(19000, 0.0) == 1);
-  CHECK(motions(20000, 0.0) == 16);
-  CHECK(motions(100000, 0.0) == 32);
-  CHECK(motions(1000000, 0.0) == 128);
-  CHECK(motions(1000000, 1e-3) == 16);  // a bound that some 20000 periods meet
-}
-
 TEST_CASE("an average that is interrupted while its ends are looked at says so, and keeps its exponents") {
   // In chaos so weak that ends are looked at: tangents do not grow hopelessly in 128 periods.
   const HybridSystem system = make_oscillator("linear", "hertz");
@@ -339,27 +247,6 @@ TEST_CASE("what an average on the way to an orbit comes to does not depend on wh
   CHECK(interrupted > 15);
 }
 
-TEST_CASE("exponents averaged with a table that was made before") {
-  const HybridSystem system = make_oscillator("linear", "hertz");
-  const Vector p = parameters(system, {{"eta", 0.711}});
-  const ContactTable contacts(system, p, {0.125, 1.9});
-  LyapunovOptions options;
-  options.standard_error = 0.0;
-  options.max_periods = 12;  // in which chaos makes little of the table's errors
-  const LyapunovSpectrum in_steps = lane_spectra(system, {{p, vector({-0.379, -0.717})}}, options).front();
-  options.table = &contacts;
-  const LyapunovSpectrum with_table = lane_spectra(system, {{p, vector({-0.379, -0.717})}}, options).front();
-  CHECK(in_steps.impacts > 0);
-  CHECK(with_table.impacts == in_steps.impacts);
-  for (std::size_t i = 0; i < 2; ++i) CHECK(with_table.exponents[i] == Approx(in_steps.exponents[i]).margin(1e-8));
-  CHECK(with_table.exponents != in_steps.exponents);  // it was used
-
-  Vector elsewhere = p;
-  elsewhere[oscillator_parameter::eta] = 0.72;
-  CHECK_THROWS_WITH(lane_spectra(system, {{elsewhere, vector({-0.379, -0.717})}}, options),
-                    Catch::Contains("table of contacts is not one of parameter set"));
-}
-
 TEST_CASE("products of many factors have the logarithm of their sum") {
   LogProduct product;
   double sum = 0.0;
@@ -373,36 +260,4 @@ TEST_CASE("products of many factors have the logarithm of their sum") {
   CHECK(product.value() == -std::numeric_limits<double>::infinity());
   product.multiply(std::numeric_limits<double>::quiet_NaN());
   CHECK(std::isnan(product.value()));
-}
-
-TEST_CASE("one motion in lanes has the exponents of a motion") {
-  const HybridSystem system = make_oscillator("linear", "hertz");
-  LyapunovOptions options;
-  options.standard_error = 0.0;
-  options.interval = 3;
-  options.max_periods = 90;
-  std::vector<AverageStart> starts;
-  for (const double eta : {0.80, 0.85, 0.93}) {
-    Vector p = default_parameters(system.parameters);
-    p[oscillator_parameter::eta] = eta;
-    starts.push_back({p, vector({1.2, 0.4})});
-  }
-  const std::vector<LyapunovSpectrum> spectra = lane_spectra(system, starts, options);
-  REQUIRE(spectra.size() == 3);
-  for (std::size_t k = 0; k < 3; ++k) {
-    const LyapunovSpectrum alone = lyapunov_spectrum(system, starts[k].p, starts[k].state, options);
-    CHECK(spectra[k].periods == alone.periods);
-    CHECK(spectra[k].impacts == alone.impacts);
-    CHECK(spectra[k].correlation_times[0] == Approx(alone.correlation_times[0]));
-    for (std::size_t i = 0; i < 2; ++i) CHECK(spectra[k].exponents[i] == Approx(alone.exponents[i]).margin(1e-9));
-    CHECK((spectra[k].state - alone.state).norm() < 1e-6);  // their rounding, as far as 90 periods of it grow
-  }
-}
-
-TEST_CASE("the number of motions is checked") {
-  const HybridSystem system = make_oscillator("linear", "hertz");
-  LyapunovOptions options;
-  options.motions = 0;
-  CHECK_THROWS_WITH(lyapunov_spectrum(system, default_parameters(system.parameters), vector({0.0, 0.0}), options),
-                    "motions is 0; allowed is a whole number >= 1");
 }

@@ -9,11 +9,10 @@
 
 using namespace graze::lanes;
 
-TEST_CASE("the rough root of a ratio is within 4 per cent of it, and never far above") {
+TEST_CASE("the rough root of a ratio is within 4 per cent of it") {
   for (const double x : {2.5e-14, 1e-10, 1.0})
     for (double y = 1e-290; y < 1e290; y *= 1.37) {
-      const double ratio = rough_root<20>(x, y) / std::pow(x / y, 1.0 / 20.0);
-      REQUIRE(std::abs(ratio - 1.0) < 0.04);
+      REQUIRE(std::abs(rough_root<20>(x, y) / std::pow(x / y, 1.0 / 20.0) - 1.0) < 0.04);
       REQUIRE(std::abs(rough_root<15>(x, y) / std::pow(x / y, 1.0 / 15.0) - 1.0) < 0.04);
     }
 }
