@@ -43,7 +43,7 @@ class Comparing {
       : item_(item), options_(options), problem_(problem_of(published, item.system, item.eta, item.beta)) {
     finding_.transient = options.transient;
     finding_.lyapunov.cancelled = options.cancelled;
-    finding_.lyapunov.standard_error = parameter(problem_, "beta") == 0.0 ? options.standard_error : options.cantilever_error;
+    finding_.lyapunov.standard_error = options.standard_error;
     finding_.lyapunov.max_periods = options.max_periods;
   }
 

@@ -15,8 +15,7 @@ namespace graze::apps {
 
 struct ExponentsOptions {
   int transient = 5000;                ///< forcing periods before anything is measured, as in the source
-  double standard_error = 1e-4;        ///< wanted of an average, where a forcing period costs microseconds
-  double cantilever_error = 3e-4;      ///< and where it has no closed form
+  double standard_error = 1e-4;        ///< wanted of an average
   std::int64_t max_periods = 1000000;  ///< of one average
   int source_runs = 8;                 ///< averages stopped by the source's rule, from as many states of a chaotic motion
   std::function<bool()> cancelled = {};
