@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/parameter_map.hpp>
+#include <graze/floquet/attractor_in_lanes.hpp>
 #include <graze/lib/in_parallel.hpp>
 
 #include <fmt/format.h>
@@ -7,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <stdexcept>
 
 namespace graze {
@@ -16,8 +18,8 @@ namespace {
 /// So near a return, an orbit is looked for during the transient; Newton's method decides. In chaos a return so close is rare.
 constexpr double recurrence = 1e-4;
 constexpr int shortest_average = 200;
-/// Points that one thread takes at a time: many, so that the few that take long have company in the lanes, but so that there is
-/// something for all threads.
+/// Points or rows that one thread takes at a time: many, so that the few that take long have company in the lanes, but so that
+/// there is something for all threads.
 constexpr std::size_t fewest_together = 32, most_together = 4096;
 
 /// One grid of points on its way to being filled.
@@ -28,110 +30,85 @@ class Rows {
       : system_(system), p_(p), grid_(grid), layers_(layers), options_(options), first_(first),
         column_(static_cast<Eigen::Index>(parameter_index(system.parameters, grid.columns.parameter))),
         row_(static_cast<Eigen::Index>(parameter_index(system.parameters, grid.rows.parameter))) {
-    finding_.max_period = options.max_period;
-    finding_.recurrence = recurrence;
-    finding_.periods_on_orbit = 0;  // the multipliers say it all
-    finding_.lyapunov.standard_error = options.standard_error;
-    finding_.lyapunov.max_periods = options.periods;
-    finding_.lyapunov.min_periods = std::min(options.periods, shortest_average);
-    finding_.lyapunov.aligning = shortest_average;
-    finding_.lyapunov.cancelled = options.cancelled;
+    from_start_.transient = options.settle;
+    from_start_.max_period = options.max_period;
+    from_start_.recurrence = recurrence;
+    from_start_.periods_on_orbit = 0;  // the multipliers say it all
+    from_start_.lyapunov.standard_error = options.standard_error;
+    from_start_.lyapunov.max_periods = options.periods;
+    from_start_.lyapunov.min_periods = std::min(options.periods, shortest_average);
+    from_start_.lyapunov.aligning = shortest_average;
+    from_start_.lyapunov.cancelled = options.cancelled;
+    from_neighbour_ = from_start_;
+    from_neighbour_.transient = options.transient;
   }
 
   std::vector<MapPoint> compute(int count) const {
     const auto layers = static_cast<int>(layers_.size()), columns = grid_.columns.count;
     std::vector<MapPoint> points(static_cast<std::size_t>(count) * layers_.size() * static_cast<std::size_t>(columns));
-    // A strand is one row of one layer. Points that do not wait for each other are computed some at a time, side by side.
-    std::vector<Task> free, heads;
-    for (int strand = 0; strand < count * layers; ++strand) {
-      const MapLayer& layer = layers_[static_cast<std::size_t>(strand % layers)];
-      MapPoint* out = points.data() + static_cast<std::ptrdiff_t>(strand) * columns;
-      const Task head{&layer, first_ + strand / layers, 0, std::nullopt, out};
-      if (layer.follow != MapDirection::none) {
-        heads.push_back(head);
-        continue;
-      }
-      for (int column = 0; column < columns; ++column) free.push_back({&layer, head.row, column, std::nullopt, out + column});
+    std::vector<Strand> strands;
+    for (int k = 0; k < count * layers; ++k) {
+      const MapLayer& layer = layers_[static_cast<std::size_t>(k % layers)];
+      MapPoint* const row = points.data() + static_cast<std::ptrdiff_t>(k) * columns;
+      if (layer.follow != MapDirection::none)
+        strands.push_back({&layer, first_ + k / layers, 0, columns, row});
+      else
+        for (int column = 0; column < columns; ++column) strands.push_back({&layer, first_ + k / layers, column, 1, row});
     }
-    const auto together = [threads = threads_here()](std::size_t size) {
-      return std::clamp((size + threads - 1) / threads, fewest_together, most_together);
-    };
-    const auto groups = [&](std::size_t size) { return (size + together(size) - 1) / together(size); };
-    const auto group = [&](const std::vector<Task>& tasks, std::size_t k) {
-      const std::size_t begin = k * together(tasks.size()), end = std::min(tasks.size(), begin + together(tasks.size()));
-      return std::vector<Task>(tasks.begin() + static_cast<std::ptrdiff_t>(begin),
-                               tasks.begin() + static_cast<std::ptrdiff_t>(end));
-    };
-    in_parallel(groups(free.size()) + groups(heads.size()), [&](std::size_t k) {
-      if (k < groups(heads.size())) return follow(group(heads, k));
-      std::vector<Task> tasks = group(free, k - groups(heads.size()));
-      run(tasks);
+    const std::size_t together =
+        std::clamp((strands.size() + threads_here() - 1) / threads_here(), fewest_together, most_together);
+    in_parallel((strands.size() + together - 1) / together, [&](std::size_t k) {
+      const std::span some = std::span(strands).subspan(k * together).first(std::min(together, strands.size() - k * together));
+      ManyMotions many(system_, from_start_.lyapunov.flow);
+      LanePool pool(many);
+      pool.run(some.size(), [&](std::size_t i, LanePlace& lane) { return follow(lane, some[i]); });
     });
     return points;
   }
 
  private:
-  struct Task {
+  /// Points of which each waits for the one before: a row that is followed, or one point.
+  struct Strand {
     const MapLayer* layer;
-    int row, column;
-    std::optional<Vector> state;  ///< that of the neighbour
-    MapPoint* out;
+    int row, column, count;  ///< columns from `column` on
+    MapPoint* out;           ///< of the row
   };
 
-  /// Rows that are followed, column by column.
-  void follow(std::vector<Task> heads) const {
-    std::vector<MapPoint*> begin;
-    for (const Task& head : heads) begin.push_back(head.out);
-    for (int k = 0; k < grid_.columns.count; ++k) {
-      for (std::size_t i = 0; i < heads.size(); ++i) {
-        heads[i].column = heads[i].layer->follow == MapDirection::up ? k : grid_.columns.count - 1 - k;
-        heads[i].out = begin[i] + heads[i].column;
+  LaneTask<> follow(LanePlace& lane, const Strand& strand) const {
+    Vector p = p_, start;
+    p[row_] = grid_.rows.at(strand.row);
+    std::optional<Vector> neighbour;
+    for (int k = 0; k < strand.count; ++k) {
+      const int column = strand.layer->follow == MapDirection::down ? strand.count - 1 - k : strand.column + k;
+      p[column_] = grid_.columns.at(column);
+      MapPoint& out = strand.out[column];
+      if (const AttractorOptions* const finding = begin(*strand.layer, p, neighbour, start, out)) {
+        if (options_.cancelled && options_.cancelled()) break;
+        if (lanes_find_attractors(system_, p, *finding)) {
+          const Attractor found = co_await find_attractor_in_lanes(lane, system_, p, start, *finding);
+          take(found, out);
+        } else {
+          take(find_attractor(system_, p, start, *finding), out);
+        }
       }
-      run(heads);
-      for (Task& head : heads) {
-        if (head.out->type == MapType::not_run) return;
-        const bool arrived = head.out->type != MapType::inadmissible && head.out->type != MapType::lost;
-        head.state = arrived ? std::optional(head.out->state) : std::nullopt;
-      }
+      if (out.type == MapType::not_run) break;
+      const bool arrived = out.type != MapType::inadmissible && out.type != MapType::lost;
+      neighbour = arrived ? std::optional(out.state) : std::nullopt;
+      if (options_.progress) options_.progress();
     }
   }
 
-  /// Without a neighbour's state, or where it lies inside the barrier by now, the layer's start is taken.
-  void run(std::vector<Task>& tasks) const {
-    std::vector<AverageStart> going_on, starting;
-    std::vector<MapPoint*> of_going_on, of_starting;
-    for (Task& task : tasks) {
-      task.out->state = Vector::Constant(static_cast<Eigen::Index>(system_.states), std::nan(""));
-      Vector p = p_;
-      p[column_] = grid_.columns.at(task.column);
-      p[row_] = grid_.rows.at(task.row);
-      if (task.state && mode_at(system_, 0.0, *task.state, p)) {
-        going_on.push_back({p, *task.state});
-        of_going_on.push_back(task.out);
-        continue;
-      }
-      const Vector start = task.layer->start(p);
-      if (!mode_at(system_, 0.0, start, p)) {
-        task.out->type = MapType::inadmissible;
-        if (options_.progress) options_.progress();
-        continue;
-      }
-      starting.push_back({p, start});
-      of_starting.push_back(task.out);
-    }
-    find(starting, options_.settle, of_starting);
-    find(going_on, options_.transient, of_going_on);
-  }
-
-  void find(const std::vector<AverageStart>& starts, int transient, const std::vector<MapPoint*>& out) const {
-    if (starts.empty() || (options_.cancelled && options_.cancelled())) return;
-    AttractorOptions finding = finding_;
-    finding.transient = transient;
-    const std::vector<Attractor> found = find_each_attractor(system_, starts, finding);
-    for (std::size_t i = 0; i < found.size(); ++i) {
-      take(found[i], *out[i]);
-      if (options_.progress && out[i]->type != MapType::not_run) options_.progress();
-    }
+  /// Where a point starts: without a neighbour's state, or where it lies inside the barrier by now, at the layer's start. Null:
+  /// it cannot.
+  const AttractorOptions* begin(const MapLayer& layer, const Vector& p, const std::optional<Vector>& neighbour, Vector& start,
+                                MapPoint& out) const {
+    out.state = Vector::Constant(static_cast<Eigen::Index>(system_.states), std::nan(""));
+    const bool goes_on = neighbour && mode_at(system_, 0.0, *neighbour, p);
+    start = goes_on ? *neighbour : layer.start(p);
+    if (goes_on) return &from_neighbour_;
+    if (mode_at(system_, 0.0, start, p)) return &from_start_;
+    out.type = MapType::inadmissible;
+    return nullptr;
   }
 
   void take(const Attractor& attractor, MapPoint& out) const {
@@ -156,7 +133,7 @@ class Rows {
   const ParameterGrid& grid_;
   const std::vector<MapLayer>& layers_;
   const MapOptions& options_;
-  AttractorOptions finding_;
+  AttractorOptions from_start_, from_neighbour_;
   int first_;
   Eigen::Index column_, row_;
 };

@@ -43,8 +43,8 @@ struct StepEquations {
 /// One guess on its way: newton() of shooting.cpp, with the evaluations done by others.
 class Iteration {
  public:
-  Iteration(const LaneGuess& guess, double most_growth)
-      : parameters_(guess.parameters), most_growth_(most_growth), trial_(guess.states) {}
+  Iteration(std::size_t parameters, std::vector<Pair> guess, double most_growth)
+      : parameters_(parameters), most_growth_(most_growth), trial_(std::move(guess)) {}
 
   bool open() const { return open_; }
   bool converged() const { return converged_; }
@@ -165,31 +165,17 @@ class Iteration {
   bool begun_ = false, open_ = true, converged_ = false;
 };
 
-std::vector<LaneOrbit> newton(ManyMotions& many, const std::vector<LaneGuess>& guesses, double most_growth) {
-  std::vector<Iteration> iterations;
-  iterations.reserve(guesses.size());
-  for (const LaneGuess& guess : guesses) iterations.emplace_back(guess, most_growth);
-  std::vector<MotionStart> motions;
-  std::vector<PeriodResult> results;
+LaneTask<LaneOrbit> newton(LanePlace& lane, std::vector<Pair> states, double most_growth) {
+  Iteration iteration(lane.parameters(), std::move(states), most_growth);
   StepEquations equations;
-  for (;;) {
-    motions.clear();
-    for (const Iteration& one : iterations)
-      if (one.open()) one.ask(motions);
-    if (motions.empty()) break;
-    many.carry(motions, 1, true, results);
-    const PeriodResult* next = results.data();
-    for (Iteration& one : iterations) {
-      if (!one.open()) continue;
-      const PeriodResult* of_one = next;
-      next += one.nodes();
-      one.take(of_one, equations);
-    }
+  std::vector<MotionStart> nodes;
+  while (iteration.open()) {
+    nodes.clear();
+    iteration.ask(nodes);
+    const std::span<const PeriodResult> periods = co_await lane.carry(nodes, 1, true);
+    iteration.take(periods.data(), equations);
   }
-  std::vector<LaneOrbit> orbits;
-  orbits.reserve(iterations.size());
-  for (const Iteration& one : iterations) orbits.push_back(one.orbit());
-  return orbits;
+  co_return iteration.orbit();
 }
 
 /// Divisors of the period after which the orbit nearly closes, as in shoot().
@@ -214,33 +200,32 @@ bool same(const LaneOrbit& shorter, const LaneOrbit& orbit) {
   return between(shorter.states[0], orbit.states[0]) < std::clamp(1e-12 / nearest, 1e-10, 1e-6) * scale;
 }
 
+LaneTask<> shoot_to(LanePlace& lane, const LaneGuess& guess, double most_growth, LaneOrbit& orbit) {
+  lane.take_parameters(guess.parameters);
+  orbit = co_await shoot_in_lanes(lane, guess.states, most_growth);
+}
+
 }  // namespace
 
-std::vector<LaneOrbit> shoot_side_by_side(ManyMotions& many, const std::vector<LaneGuess>& guesses, double most_growth) {
-  std::vector<LaneOrbit> orbits = newton(many, guesses, most_growth);
-  std::vector<std::vector<std::size_t>> shorter;
-  for (const LaneOrbit& orbit : orbits) shorter.push_back(shorter_periods(orbit));
-  for (std::size_t round = 0;; ++round) {
-    std::vector<LaneGuess> again;
-    std::vector<std::size_t> of;
-    for (std::size_t i = 0; i < orbits.size(); ++i) {
-      if (round >= shorter[i].size()) continue;
-      const Pair &first = orbits[i].states[0], &later = orbits[i].states[shorter[i][round]];
-      const Pair middle = {0.5 * (first[0] + later[0]), 0.5 * (first[1] + later[1])};
-      again.push_back(
-          {guesses[i].parameters, std::vector<Pair>(orbits[i].states.begin(),
-                                                    orbits[i].states.begin() + static_cast<std::ptrdiff_t>(shorter[i][round]))});
-      again.back().states[0] = middle;
-      of.push_back(i);
-    }
-    if (again.empty()) return orbits;
-    std::vector<LaneOrbit> found = newton(many, again, any_growth);
-    for (std::size_t k = 0; k < of.size(); ++k) {
-      if (!same(found[k], orbits[of[k]])) continue;
-      orbits[of[k]] = std::move(found[k]);
-      shorter[of[k]].clear();
-    }
+LaneTask<LaneOrbit> shoot_in_lanes(LanePlace& lane, std::vector<std::array<double, 2>> states, double most_growth) {
+  LaneOrbit orbit = co_await newton(lane, std::move(states), most_growth);
+  for (const std::size_t shorter : shorter_periods(orbit)) {
+    const Pair &first = orbit.states[0], &later = orbit.states[shorter];
+    std::vector<Pair> again(orbit.states.begin(), orbit.states.begin() + static_cast<std::ptrdiff_t>(shorter));
+    again[0] = {0.5 * (first[0] + later[0]), 0.5 * (first[1] + later[1])};
+    LaneOrbit found = co_await newton(lane, std::move(again), any_growth);
+    if (!same(found, orbit)) continue;
+    orbit = std::move(found);
+    break;
   }
+  co_return orbit;
+}
+
+std::vector<LaneOrbit> shoot_side_by_side(ManyMotions& many, const std::vector<LaneGuess>& guesses, double most_growth) {
+  std::vector<LaneOrbit> orbits(guesses.size());
+  LanePool pool(many);
+  pool.run(guesses.size(), [&](std::size_t i, LanePlace& lane) { return shoot_to(lane, guesses[i], most_growth, orbits[i]); });
+  return orbits;
 }
 
 }  // namespace graze

@@ -6,7 +6,7 @@
 // factor.
 #pragma once
 
-#include <graze/lib/many_motions.hpp>
+#include <graze/lib/lane_pool.hpp>
 
 #include <array>
 #include <complex>
@@ -33,8 +33,11 @@ struct LaneOrbit {
 
 inline constexpr double any_growth = std::numeric_limits<double>::infinity();
 
-/// The orbits that Newton's method comes to from the guesses. What it comes to from one does not depend on the others. A guess is
-/// given up at once where the tangent of the motions from its states has an eigenvalue larger than most_growth over its period.
+/// The orbit that Newton's method comes to from these states, at the parameters of the place. A guess is given up at once where
+/// the tangent of the motions from its states has an eigenvalue larger than most_growth over its period.
+LaneTask<LaneOrbit> shoot_in_lanes(LanePlace& lane, std::vector<std::array<double, 2>> states, double most_growth = any_growth);
+
+/// The same of many guesses side by side.
 std::vector<LaneOrbit> shoot_side_by_side(ManyMotions& many, const std::vector<LaneGuess>& guesses,
                                           double most_growth = any_growth);
 

@@ -17,7 +17,10 @@ namespace {
 /// An average that may stop early is expected to last when it has gone on for so many periods.
 constexpr std::int64_t lasting = ManyMotions::periods_for_table / 4;
 /// Forcing periods between two looks at what has been reached: an eighth of what there was, lest much be carried in vain.
-constexpr std::size_t shortest_stretch = 32, longest_stretch = 256;
+std::size_t stretch_after(std::size_t carried) {
+  constexpr std::size_t shortest = 32, longest = 256;
+  return std::clamp(carried / 8, shortest, longest);
+}
 /// Of the motions side by side, that are worth all threads.
 constexpr std::size_t long_for_threads = 64;
 
@@ -172,6 +175,27 @@ bool lanes_know_each(const HybridSystem& system, const std::vector<AverageStart>
                                         [&](const AverageStart& start) { return ManyMotions::applies(system, start.p, flow); });
 }
 
+LaneTask<LyapunovSpectrum> lane_spectrum(LanePlace& lane, const HybridSystem& system, const AverageStart& start,
+                                         const LyapunovOptions& options) {
+  validate(system, options);
+  initial_mode(system, 0.0, start.state, start.p);
+  Average average(start, lane.parameters(), options, forcing_period(system, start.p));
+  constexpr std::size_t stretch = 32;  // others may want the lanes
+  std::vector<MotionStart> motions;
+  while (average.open()) {
+    if (options.cancelled && options.cancelled()) {
+      average.stop(LyapunovStop::interrupted);
+      break;
+    }
+    average.announce(lane.motions());
+    motions.clear();
+    for (const AveragedMotion& motion : average.motions()) motions.push_back(motion.at());
+    const std::span<const PeriodResult> periods = co_await lane.carry(motions, stretch, true);
+    average.add(periods.data(), stretch, 1);
+  }
+  co_return std::move(average).result();
+}
+
 std::vector<LyapunovSpectrum> lane_spectra(const HybridSystem& system, const std::vector<AverageStart>& starts,
                                            const LyapunovOptions& options) {
   validate(system, options);
@@ -204,7 +228,7 @@ std::vector<LyapunovSpectrum> lane_spectra(const HybridSystem& system, const std
     }
     if (options.progress && periods > told) options.progress(told = periods);
     if (motions.empty()) break;
-    const std::size_t stretch = std::clamp(carried / 8, shortest_stretch, longest_stretch);
+    const std::size_t stretch = stretch_after(carried);
     many.carry(motions, stretch, true, results);
     carried += stretch;
     const PeriodResult* next = results.data();

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <graze/floquet/lyapunov.hpp>
+#include <graze/lib/lane_pool.hpp>
 
 namespace graze {
 
@@ -24,6 +25,10 @@ bool lanes_know_each(const HybridSystem& system, const std::vector<AverageStart>
 /// in which chaos parts them. @throws std::invalid_argument as lyapunov_spectrum does, and where ManyMotions does not apply.
 std::vector<LyapunovSpectrum> lane_spectra(const HybridSystem& system, const std::vector<AverageStart>& starts,
                                            const LyapunovOptions& options);
+
+/// The same of one start, at the parameters of its place.
+LaneTask<LyapunovSpectrum> lane_spectrum(LanePlace& lane, const HybridSystem& system, const AverageStart& start,
+                                         const LyapunovOptions& options);
 
 inline constexpr std::int64_t parting = 300;
 

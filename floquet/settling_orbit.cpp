@@ -170,26 +170,6 @@ namespace {
 
 Vector vector_of(const Pair& state) { return Vector{{state[0], state[1]}}; }
 
-/// A motion that is carried for so many periods.
-struct Run {
-  int left = 0;
-  Vector at;
-  std::vector<Pair>* states = nullptr;  ///< where they are kept, if so
-  Termination termination = Termination::time;
-  bool open() const { return left > 0; }
-  const Vector& state() const { return at; }
-  void see(Termination end, const Vector& state) {
-    termination = end;
-    if (end != Termination::time) {
-      left = 0;
-      return;
-    }
-    --left;
-    at = state;
-    if (states) states->push_back(pair_of(state));
-  }
-};
-
 /// What an orbit that was found in lanes says to a motion that may be settling on it.
 enum class Verdict { no, delicate, yes };
 Verdict verdict(const LaneOrbit& orbit, const Vector& state) {
@@ -218,72 +198,36 @@ PeriodicOrbit plain_orbit(const HybridSystem& system, const Vector& p, const Lan
   return orbit;
 }
 
-/// Whether motions come closer to the orbits that they may be settling on, as approaches() has it.
-std::vector<bool> all_approach(ManyMotions& many, const std::vector<std::size_t>& sets, const std::vector<Vector>& states,
-                               const std::vector<LaneOrbit>& orbits) {
-  std::vector<NearOrbit<LaneOrbit>> motions;
-  for (std::size_t i = 0; i < orbits.size(); ++i)
-    motions.emplace_back(orbits[i], states[i], std::abs(orbits[i].multipliers.front()), orbits[i].states.size());
-  carry_side_by_side(many, sets, motions, never);
-  std::vector<bool> out;
-  for (const auto& motion : motions) out.push_back(motion.comes_closer());
-  return out;
-}
-
 }  // namespace
 
-std::vector<SettlingLook> look_for_orbits(const HybridSystem& system, ManyMotions& many,
-                                          const std::vector<SettlingMotion>& motions, double nearness, const FlowOptions& flow) {
-  std::vector<SettlingLook> out(motions.size());
-  std::vector<std::vector<Pair>> states(motions.size());
-  std::vector<Run> runs;
-  std::vector<std::size_t> sets;
-  for (std::size_t i = 0; i < motions.size(); ++i) {
-    states[i].reserve(static_cast<std::size_t>(motions[i].max_period) + 1);
-    states[i].push_back(pair_of(motions[i].state));
-    runs.push_back({motions[i].max_period, motions[i].state, &states[i]});
-    sets.push_back(motions[i].parameters);
+LaneTask<SettlingLook> look_for_orbit_in_lanes(LanePlace& lane, const HybridSystem& system, const Vector& p, const Vector& state,
+                                               int max_period, double nearness, const FlowOptions& flow) {
+  SettlingLook out;
+  std::vector<Pair> states = {pair_of(state)};
+  const std::span<const PeriodResult> periods = co_await lane.carry(state, static_cast<std::size_t>(max_period));
+  for (const PeriodResult& period : periods) {
+    if (period.termination != Termination::time) break;
+    states.push_back({period.x, period.v});
   }
-  carry_side_by_side(many, sets, runs, never);
-  std::vector<std::vector<int>> tries;
-  for (std::size_t i = 0; i < motions.size(); ++i) {
-    const std::vector<int> returns = returns_of(states[i], nearness, motions[i].max_period);
-    if (!returns.empty()) out[i].closest = returns.front();
-    tries.push_back(worth_a_try(returns));
-  }
-  for (std::size_t round = 0;; ++round) {
-    std::vector<LaneGuess> guesses;
-    std::vector<std::size_t> of;
-    for (std::size_t i = 0; i < motions.size(); ++i) {
-      if (out[i].orbit || round >= tries[i].size()) continue;
-      guesses.push_back({motions[i].parameters, {states[i].begin(), states[i].begin() + tries[i][round]}});
-      of.push_back(i);
+  const std::vector<int> returns = returns_of(states, nearness, max_period);
+  if (!returns.empty()) out.closest = returns.front();
+  for (const int n : worth_a_try(returns)) {
+    const std::vector<Pair> around(states.begin(), states.begin() + n);
+    const LaneOrbit orbit = co_await shoot_in_lanes(lane, around, growth_too_early);
+    const Verdict says = verdict(orbit, state);
+    if (says == Verdict::delicate) {
+      std::vector<Vector> nodes;
+      std::transform(around.begin(), around.end(), std::back_inserter(nodes), vector_of);
+      Propagator propagator(system, p, {}, flow);
+      out.orbit = stable_orbit_near(propagator, nodes, n);
+    } else if (says == Verdict::yes) {
+      NearOrbit motion(orbit, state, std::abs(orbit.multipliers.front()), orbit.states.size());
+      co_await carry_watched(lane, motion, never);
+      if (motion.comes_closer()) out.orbit = plain_orbit(system, p, orbit);
     }
-    if (guesses.empty()) return out;
-    const std::vector<LaneOrbit> orbits = shoot_side_by_side(many, guesses, growth_too_early);
-    std::vector<std::size_t> sets_of_good, of_good;
-    std::vector<Vector> states_of_good;
-    std::vector<LaneOrbit> good;
-    for (std::size_t k = 0; k < of.size(); ++k) {
-      const SettlingMotion& motion = motions[of[k]];
-      const Verdict says = verdict(orbits[k], motion.state);
-      if (says == Verdict::delicate) {
-        const int n = tries[of[k]][round];
-        std::vector<Vector> around;
-        std::transform(states[of[k]].begin(), states[of[k]].begin() + n, std::back_inserter(around), vector_of);
-        Propagator propagator(system, motion.p, {}, flow);
-        out[of[k]].orbit = stable_orbit_near(propagator, around, n);
-      } else if (says == Verdict::yes) {
-        sets_of_good.push_back(motion.parameters);
-        states_of_good.push_back(motion.state);
-        good.push_back(orbits[k]);
-        of_good.push_back(of[k]);
-      }
-    }
-    const std::vector<bool> approach = all_approach(many, sets_of_good, states_of_good, good);
-    for (std::size_t k = 0; k < good.size(); ++k)
-      if (approach[k]) out[of_good[k]].orbit = plain_orbit(system, motions[of_good[k]].p, good[k]);
+    if (out.orbit) break;
   }
+  co_return out;
 }
 
 std::vector<Vector> that_may_settle(const HybridSystem& system, const Vector& p, const std::vector<Vector>& states,

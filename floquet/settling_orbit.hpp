@@ -3,7 +3,7 @@
 #pragma once
 
 #include <graze/floquet/shooting.hpp>
-#include <graze/lib/many_motions.hpp>
+#include <graze/lib/lane_pool.hpp>
 
 #include <optional>
 #include <vector>
@@ -27,25 +27,16 @@ Returns close_returns(Propagator& propagator, const Vector& state, int max_perio
 /// settling_orbit where time matters: the few closest returns are tried, and only returns within `nearness`.
 std::optional<PeriodicOrbit> orbit_of_close_returns(Propagator& propagator, const Vector& state, int max_period, double nearness);
 
-/// A motion that may be settling on an orbit, among others.
-struct SettlingMotion {
-  std::size_t parameters = 0;  ///< as ManyMotions knows them
-  Vector p;                    ///< the same
-  Vector state;
-  int max_period = 1;
-};
-
-/// What it is settling on.
+/// What a motion is settling on.
 struct SettlingLook {
   std::optional<PeriodicOrbit> orbit;
   int closest = 0;  ///< after how many periods the closest return was; 0: there was none
 };
 
-/// orbit_of_close_returns of many motions side by side in lanes, to the same orbits. Except where an orbit is delicate
-/// (lane_orbits.hpp), they come without events, signature, monodromy matrix and checks.
-std::vector<SettlingLook> look_for_orbits(const HybridSystem& system, ManyMotions& many,
-                                          const std::vector<SettlingMotion>& motions, double nearness,
-                                          const FlowOptions& flow = {});
+/// orbit_of_close_returns in lanes, at the parameters of the place, to the same orbit. Except where it is delicate
+/// (lane_orbits.hpp), it comes without events, signature, monodromy matrix and checks.
+LaneTask<SettlingLook> look_for_orbit_in_lanes(LanePlace& lane, const HybridSystem& system, const Vector& p, const Vector& state,
+                                               int max_period, double nearness, const FlowOptions& flow = {});
 
 /// Those of some states, of the same parameters, from which a motion may be settling on a stable orbit: its tangent does not grow
 /// for long. (In chaos it does; to find that out for all is less work than settling_orbit has with a few.) Carried in lanes.

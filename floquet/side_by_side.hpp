@@ -4,7 +4,7 @@
 // open.
 #pragma once
 
-#include <graze/lib/many_motions.hpp>
+#include <graze/lib/lane_pool.hpp>
 
 #include <algorithm>
 #include <vector>
@@ -23,13 +23,36 @@ template <class Watch, class Cancelled> bool carry_watched(Propagator& propagato
   return true;
 }
 
+/// Forcing periods that are carried at a time, with so many behind. What is carried in vain where a watch is closed is half of
+/// them on average: many are for those that last.
+inline std::size_t next_stretch(std::size_t carried) {
+  constexpr std::size_t shortest = 4, longest = 64;
+  return std::clamp(carried / 16 * shortest, shortest, longest);
+}
+
+/// The same in a pool.
+template <class Watch, class Cancelled> LaneTask<bool> carry_watched(LanePlace& lane, Watch& watch, const Cancelled& cancelled) {
+  std::size_t carried = 0;
+  Vector state(2);
+  while (watch.open()) {
+    if (cancelled()) co_return false;
+    const std::size_t stretch = next_stretch(carried);
+    carried += stretch;
+    const std::span<const PeriodResult> periods = co_await lane.carry(watch.state(), stretch);
+    for (const PeriodResult& period : periods) {
+      if (!watch.open()) break;
+      state << period.x, period.v;
+      watch.see(period.termination, state);
+    }
+  }
+  co_return true;
+}
+
 /// sets[i] are the parameters of watches[i] in `many`. Ends when none is open (true) or `cancelled` says so (false).
 template <class Watch, class Cancelled>
 bool carry_side_by_side(ManyMotions& many, const std::vector<std::size_t>& sets, std::vector<Watch>& watches,
                         const Cancelled& cancelled) {
-  // What is carried in vain where a watch is closed is half a stretch on average: long ones are for those that last. (All motions
-  // take the same, so that what becomes of one does not depend on the others.)
-  constexpr std::size_t shortest = 8, longest = 64, at_once = 2048;  // results that stay in the cache until they are seen
+  constexpr std::size_t at_once = 2048;  // results that stay in the cache until they are seen
   std::size_t carried = 0;
   std::vector<MotionStart> motions;
   std::vector<PeriodResult> results;
@@ -39,7 +62,7 @@ bool carry_side_by_side(ManyMotions& many, const std::vector<std::size_t>& sets,
   Vector state(2);
   while (!cancelled()) {
     if (open.empty()) return true;
-    const std::size_t stretch = std::clamp(carried / 32 * shortest, shortest, longest), together = at_once / stretch;
+    const std::size_t stretch = next_stretch(carried), together = at_once / stretch;  // of all motions, whatever the others do
     carried += stretch;
     for (std::size_t begin = 0; begin < open.size(); begin += together) {
       const std::size_t end = std::min(open.size(), begin + together);

@@ -64,7 +64,7 @@ ManyMotions::ManyMotions(const HybridSystem& system, const FlowOptions& options,
 
 ManyMotions::~ManyMotions() = default;
 
-std::size_t ManyMotions::add_parameters(const Vector& p) {
+std::unique_ptr<ManyMotions::Set> ManyMotions::make_set(const Vector& p) const {
   check_parameters(system_->parameters, p);
   const auto oscillator = options_.kind == FlowKind::automatic ? lanes::lane_oscillator(*system_, p) : std::nullopt;
   if (!oscillator || (!sets_.empty() && sets_.front()->oscillator.law != oscillator->law))
@@ -72,8 +72,17 @@ std::size_t ManyMotions::add_parameters(const Vector& p) {
         fmt::format("{} at these parameters is not an oscillator that the lanes know (linear and underdamped or with a cubic "
                     "spring, one barrier with restitution, of Hertz's law or linear elastic); carry its motions one by one",
                     system_->name));
-  sets_.push_back(std::make_unique<Set>(Set{p, *oscillator, forcing_period(*system_, p)}));
+  return std::make_unique<Set>(Set{p, *oscillator, forcing_period(*system_, p)});
+}
+
+std::size_t ManyMotions::add_parameters(const Vector& p) {
+  sets_.push_back(make_set(p));
   return sets_.size() - 1;
+}
+
+void ManyMotions::change_parameters(std::size_t parameters, const Vector& p) {
+  set_of(parameters);
+  sets_[parameters] = make_set(p);
 }
 
 ManyMotions::Set& ManyMotions::set_of(std::size_t parameters) const {
@@ -150,27 +159,36 @@ void ManyMotions::carry_in_lanes(std::span<const lanes::Motion> motions, bool cu
 
 void ManyMotions::carry(const std::vector<MotionStart>& starts, std::size_t periods, bool tangent,
                         std::vector<PeriodResult>& results) {
-  for (const MotionStart& start : starts) set_of(start.parameters);
   results.resize(starts.size() * periods);
-  if (results.empty()) return;
-  // Motions that go on: by index, with the periods that are behind them. Those that wait for a table stop in between and look.
+  std::vector<MotionRun> runs;
+  runs.reserve(starts.size());
+  for (std::size_t m = 0; m < starts.size(); ++m) runs.push_back({starts[m], periods, results.data() + m * periods});
+  carry(runs, tangent);
+}
+
+void ManyMotions::carry(std::span<const MotionRun> runs, bool tangent) {
+  // Motions that go on, with the periods that are behind them. Those that wait for a table stop in between and look.
   struct Going {
-    std::size_t motion, done;
+    const MotionRun* run;
+    Set* set;
+    std::size_t done;
   };
   std::vector<Going> going;
-  for (std::size_t m = 0; m < starts.size(); ++m) going.push_back({m, 0});
-  const auto is_linear = [&](const Going& one) { return !sets_[starts[one.motion].parameters]->oscillator.cubic; };
+  going.reserve(runs.size());
+  for (const MotionRun& run : runs)
+    if (Set& set = set_of(run.start.parameters); run.periods > 0) going.push_back({&run, &set, 0});
+  const auto is_linear = [](const Going& one) { return !one.set->oscillator.cubic; };
   std::stable_partition(going.begin(), going.end(), is_linear);
   std::vector<lanes::Motion> motions;
   std::vector<std::size_t> carried;
   while (!going.empty()) {
     motions.clear();
     for (const Going& one : going) {
-      const MotionStart& start = starts[one.motion];
-      Set& set = *sets_[start.parameters];
+      const MotionStart& start = one.run->start;
+      Set& set = *one.set;
       if (set.awaits_table) make_table(set);
-      PeriodResult* const next = &results[one.motion * periods + one.done];
-      const std::size_t left = periods - one.done;
+      PeriodResult* const next = one.run->results + one.done;
+      const std::size_t left = one.run->periods - one.done;
       motions.push_back({one.done == 0 ? start.x : next[-1].x, one.done == 0 ? start.v : next[-1].v, start.parameters,
                          &set.oscillator.coefficients, set.oscillator.grid.get(), &set.oscillator.pressed,
                          set.oscillator.pressed_grid.get(), set.awaits_table ? std::min(left, periods_between_looks) : left, next,
@@ -187,9 +205,9 @@ void ManyMotions::carry(const std::vector<MotionStart>& starts, std::size_t peri
       carried_ += carried[i];
       if (carried[i] < motions[i].periods) {  // it ended there
         ++carried_;
-        PeriodResult* const end = &results[one.motion * periods + one.done];
-        for (std::size_t k = 1; k < periods - one.done; ++k) (end[k] = {}).termination = end->termination;
-      } else if (one.done < periods) {
+        PeriodResult* const end = one.run->results + one.done;
+        for (std::size_t k = 1; k < one.run->periods - one.done; ++k) (end[k] = {}).termination = end->termination;
+      } else if (one.done < one.run->periods) {
         going[kept++] = one;
       }
     }

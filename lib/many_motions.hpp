@@ -32,6 +32,13 @@ struct MotionStart {
 /// What one forcing period did to a motion; termination `time`: all is well.
 using PeriodResult = lanes::Period;
 
+/// A motion to be carried over so many forcing periods, and where it is written down what each of them did.
+struct MotionRun {
+  MotionStart start;
+  std::size_t periods = 0;
+  PeriodResult* results = nullptr;
+};
+
 class ManyMotions {
  public:
   /// Whether the lanes know such a system at these parameters, with these options.
@@ -43,6 +50,8 @@ class ManyMotions {
 
   /// A set of parameters that motions may have. @throws std::invalid_argument where applies() is false.
   std::size_t add_parameters(const Vector& p);
+  /// A set that is no longer wanted becomes one of these. @throws the same, and for an unknown set.
+  void change_parameters(std::size_t parameters, const Vector& p);
 
   /// Announces that about so many forcing periods will be carried of a parameter set. From `periods_for_table` on a table of its
   /// contacts pays (Hertz's law, tolerance >= 1e-13): it is made of the speeds met in the first contacts, for all that follow.
@@ -63,6 +72,8 @@ class ManyMotions {
   /// cannot be carried on stops there: what would follow has the same termination. @throws std::invalid_argument for unknown
   /// parameters.
   void carry(const std::vector<MotionStart>& starts, std::size_t periods, bool tangent, std::vector<PeriodResult>& results);
+  /// The same, of each motion as many as it asks for.
+  void carry(std::span<const MotionRun> runs, bool tangent);
 
   /// Periods that the lanes left to the Propagator, of all so far.
   std::size_t left_over() const { return left_over_; }
@@ -71,6 +82,7 @@ class ManyMotions {
  private:
   struct Set;
   Set& set_of(std::size_t parameters) const;
+  std::unique_ptr<Set> make_set(const Vector& p) const;
   void make_table(Set& set);
   /// Those that are alike.
   void carry_in_lanes(std::span<const lanes::Motion> motions, bool cubic, bool tangent, std::size_t* carried);

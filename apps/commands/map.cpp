@@ -50,13 +50,12 @@ ParameterAxis parse_parameter(const Problem& problem, const std::string& text) {
 }
 
 /// Rows of a chunk, all of which go side by side: some hundreds of points, where they do not wait for each other, but enough
-/// chunks to hand out. Rows that are followed wait for the slowest of them at each point: there are more of them, in an even
-/// number of chunks of the same size.
+/// chunks to hand out. Of rows that are followed there are enough for the lanes, in an even number of chunks of the same size.
 int rows_of_a_chunk(const ParameterGrid& grid, bool followed) {
   const int columns = std::max(1, grid.columns.count), rows = std::max(1, grid.rows.count);
   if (!followed) return std::clamp(std::min(4096 / columns, rows / 8), 1, 16);
   const auto parts = [](int whole, int part) { return (whole + part - 1) / part; };
-  const int most = std::clamp(std::min(16384 / columns, rows / 8), 16, 64);
+  const int most = std::clamp(std::min(16384 / columns, rows / 3), 32, 64);
   return parts(rows, 2 * parts(rows, 2 * most));
 }
 

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/approach.hpp>
+#include <graze/floquet/attractor_in_lanes.hpp>
+#include <graze/floquet/rounds.hpp>
+#include <graze/floquet/side_by_side.hpp>
+
+namespace graze {
+
+namespace {
+
+/// Asked before forcing periods are carried.
+struct Stop {
+  const AttractorOptions& options;
+  bool operator()() const { return cancelled(options); }
+};
+
+LaneTask<SettlingLook> look(LanePlace& lane, const HybridSystem& system, const Vector& p, const Vector& state, int most,
+                            const AttractorOptions& options) {
+  return look_for_orbit_in_lanes(lane, system, p, state, most, nearness_of(options), options.lyapunov.flow);
+}
+
+/// approach_attractor.
+LaneTask<Attractor> approach(LanePlace& lane, const HybridSystem& system, const Vector& p, const Vector& start,
+                             const AttractorOptions& options) {
+  const Stop stop{options};
+  Approach approach(system, p, start, options);
+  do {
+    co_await carry_watched(lane, approach, stop);
+    if (approach.open()) approach.stop(Termination::interrupted);
+    if (approach.asks() == 0) continue;
+    SettlingLook looked = co_await look(lane, system, p, approach.state(), approach.asks(), options);
+    approach.answer(std::move(looked.orbit));
+  } while (approach.open());
+  co_return std::move(approach).result();
+}
+
+/// Of a motion that is not known to be periodic. Says whether it has to be followed on, from where it is then.
+LaneTask<bool> average(LanePlace& lane, const HybridSystem& system, const Vector& p, int round, const AttractorOptions& options,
+                       Attractor& attractor) {
+  const Stop stop{options};
+  const Vector begin = attractor.state;
+  LyapunovOptions averaging = options.lyapunov;
+  averaging.significance = options.significance;
+  for (bool again = false;; again = true) {
+    const AverageStart start{p, attractor.state};
+    LyapunovSpectrum spectrum = co_await lane_spectrum(lane, system, start, averaging);
+    take_average(std::move(spectrum), options, attractor);
+    if (again || !wants_confirmation(options, attractor)) break;
+  }
+  if (stop()) co_return false;  // where averages were broken off says nothing
+  SettlingLook looked = co_await look(lane, system, p, attractor.state, options.max_period, options);
+  if (looked.orbit) {
+    settle_on(attractor, std::move(*looked.orbit));
+    co_return false;
+  }
+  if (looked.closest > 0) {
+    Lingering watch = watch_end(attractor, looked.closest, forcing_period(system, p), options);
+    co_await carry_watched(lane, watch, stop);
+    if (stop()) co_return false;
+    watch.look_back(begin, periods_each(attractor.time_average));
+    co_await carry_watched(lane, watch, stop);
+    if (stop()) co_return false;
+    if (watch.goes_on()) {
+      if (round == most_rounds && watch.always()) attractor.type = AttractorType::undecided;
+      if (round < most_rounds && watch.on_an_orbit()) push_off(system, p, round, attractor.state);
+      co_return round < most_rounds;
+    }
+  }
+  const bool undecided = attractor.type == AttractorType::undecided;
+  co_return undecided&& round < rounds_for_undecided;
+}
+
+LaneTask<> find_to(LanePlace& lane, const HybridSystem& system, const AverageStart& start, const AttractorOptions& options,
+                   Attractor& attractor) {
+  attractor = co_await find_attractor_in_lanes(lane, system, start.p, start.state, options);
+}
+
+}  // namespace
+
+bool lanes_find_attractors(const HybridSystem& system, const Vector& p, const AttractorOptions& options) {
+  return options.recurrence > 0.0 && options.periods_on_orbit == 0 && ManyMotions::applies(system, p, options.lyapunov.flow);
+}
+
+LaneTask<Attractor> find_attractor_in_lanes(LanePlace& lane, const HybridSystem& system, const Vector& p, const Vector& start,
+                                            const AttractorOptions& options) {
+  lane.take_parameters(p);
+  Attractor attractor = co_await approach(lane, system, p, start, options);
+  AttractorOptions longer = options;
+  for (int round = 0; attractor.termination == Termination::time && attractor.type != AttractorType::periodic; ++round) {
+    const bool goes_on = co_await average(lane, system, p, round, options, attractor);
+    if (!goes_on || cancelled(options)) break;
+    longer.transient = longer_transient(longer.transient);
+    const Vector from = attractor.state;
+    attractor = co_await approach(lane, system, p, from, longer);
+  }
+  co_return attractor;
+}
+
+std::vector<Attractor> find_each_attractor(const HybridSystem& system, const std::vector<AverageStart>& starts,
+                                           const AttractorOptions& options) {
+  std::vector<Attractor> out(starts.size());
+  ManyMotions many(system, options.lyapunov.flow);
+  LanePool pool(many);
+  std::vector<std::size_t> in_lanes;
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    if (lanes_find_attractors(system, starts[i].p, options))
+      in_lanes.push_back(i);
+    else
+      out[i] = find_attractor(system, starts[i].p, starts[i].state, options);
+  }
+  pool.run(in_lanes.size(),
+           [&](std::size_t k, LanePlace& lane) { return find_to(lane, system, starts[in_lanes[k]], options, out[in_lanes[k]]); });
+  return out;
+}
+
+}  // namespace graze

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// find_attractor where its motion shares the lanes of a thread with others (LanePool).
+#pragma once
+
+#include <graze/floquet/attractor.hpp>
+#include <graze/lib/lane_pool.hpp>
+
+namespace graze {
+
+/// Whether the lanes know the oscillator, and the options ask for what they do: AttractorOptions::recurrence > 0 and
+/// periods_on_orbit = 0.
+bool lanes_find_attractors(const HybridSystem& system, const Vector& p, const AttractorOptions& options);
+
+/// find_attractor there. What comes out does not depend on the others. Orbits come as from look_for_orbit_in_lanes.
+LaneTask<Attractor> find_attractor_in_lanes(LanePlace& lane, const HybridSystem& system, const Vector& p, const Vector& start,
+                                            const AttractorOptions& options);
+
+}  // namespace graze

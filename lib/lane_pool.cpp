@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/lib/lane_pool.hpp>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+
+namespace graze {
+
+namespace {
+
+/// Members that are carried at a time: what keeps the lanes full, also where many ask for one period only.
+constexpr std::size_t together = 128;
+/// Periods of a turn: as many as keep so many motions busy, since all wait for the last of them, but not one by one.
+constexpr std::size_t busy = 48, fewest_periods = 2, most_periods = 32;
+
+}  // namespace
+
+struct LanePool::Member {
+  LanePlace place;
+  LaneTask<> task;
+};
+
+ManyMotions& LanePlace::motions() const { return pool_->motions_; }
+
+void LanePlace::take_parameters(const Vector& p) {
+  std::vector<std::size_t>& free = pool_->free_parameters_;
+  if (!own_parameters_ && !free.empty()) {
+    own_parameters_ = free.back();
+    free.pop_back();
+  }
+  if (own_parameters_)
+    motions().change_parameters(*own_parameters_, p);
+  else
+    own_parameters_ = motions().add_parameters(p);
+  parameters_ = *own_parameters_;
+}
+
+LanePlace::Carrying LanePlace::carry(std::span<const MotionStart> motions, std::size_t periods, bool tangent) {
+  starts_.assign(motions.begin(), motions.end());
+  periods_ = periods;
+  carried_ = 0;
+  tangent_ = tangent;
+  results_.resize(motions.size() * periods);
+  return Carrying(*this);
+}
+
+/// Adds the next periods of its motions.
+void LanePlace::add_runs(std::size_t periods, std::vector<MotionRun>& runs) {
+  periods = std::min(periods, periods_ - carried_);
+  for (std::size_t m = 0; m < starts_.size(); ++m) {
+    PeriodResult* const next = &results_[m * periods_ + carried_];
+    if (carried_ == 0)
+      runs.push_back({starts_[m], periods, next});
+    else if (next[-1].termination == Termination::time)
+      runs.push_back({{starts_[m].parameters, next[-1].x, next[-1].v}, periods, next});
+    else
+      std::fill_n(next, periods, PeriodResult{.termination = next[-1].termination});
+  }
+  carried_ += periods;
+}
+
+void LanePool::carry(std::span<const std::unique_ptr<Member>> members, bool tangent) {
+  // motions_left[k]: that are to be carried for so many periods more, the last: or for longer
+  std::array<std::size_t, most_periods + 1> motions_left{};
+  std::size_t motions = 0;
+  for (const auto& member : members) {
+    const LanePlace& place = member->place;
+    if (place.tangent_ != tangent) continue;
+    motions_left[std::min(place.periods_ - place.carried_, most_periods)] += place.starts_.size();
+    motions += place.starts_.size();
+  }
+  if (motions == 0) return;
+  std::size_t periods = 1, work = motions, going_on = motions - motions_left[1];
+  while (periods < fewest_periods || (periods < most_periods && work + going_on >= busy * (periods + 1))) {
+    work += going_on;
+    going_on -= motions_left[++periods];
+  }
+  runs_.clear();
+  for (const auto& member : members)
+    if (member->place.tangent_ == tangent) member->place.add_runs(periods, runs_);
+  motions_.carry(runs_, tangent);
+}
+
+void LanePool::run(std::size_t count, const std::function<LaneTask<>(std::size_t, LanePlace&)>& make) {
+  std::vector<std::unique_ptr<Member>> members;
+  std::size_t begun = 0;
+  const auto has_ended = [&](const std::unique_ptr<Member>& member) {
+    if (!member->task.ended()) return false;
+    member->task.result();
+    if (member->place.own_parameters_) free_parameters_.push_back(*member->place.own_parameters_);
+    return true;
+  };
+  for (;;) {
+    std::erase_if(members, has_ended);
+    while (begun < count && members.size() < together) {
+      auto member = std::make_unique<Member>(Member{LanePlace(*this), {}});
+      member->task = make(begun++, member->place);
+      member->task.begin();
+      if (!has_ended(member)) members.push_back(std::move(member));
+    }
+    if (members.empty()) return;
+    std::size_t tangents = 0, plain = 0;
+    for (const auto& member : members) (member->place.tangent_ ? tangents : plain) += member->place.starts_.size();
+    // Where there are few of a kind, they wait for company.
+    if (plain >= std::min(busy, tangents)) carry(members, false);
+    if (tangents >= std::min(busy, plain)) carry(members, true);
+    for (const auto& member : members)
+      if (member->place.carried_ == member->place.periods_) member->place.waiting_.resume();
+  }
+}
+
+}  // namespace graze

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// LanePool: many computations that share the SIMD lanes of a thread (ManyMotions), each at its own pace. Where one takes long,
+// the others do not wait for it, and its motion has their company.
+#pragma once
+
+#include <graze/lib/lane_task.hpp>
+#include <graze/lib/many_motions.hpp>
+
+#include <coroutine>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace graze {
+
+class LanePool;
+
+/// A computation's place in a pool: what it asks for, and what it is given.
+class LanePlace {
+ public:
+  explicit LanePlace(LanePool& pool) : pool_(&pool) {}
+
+  /// The parameters of its motions from now on. @throws std::invalid_argument where ManyMotions does not apply.
+  void take_parameters(const Vector& p);
+  /// The same, known to ManyMotions already.
+  void take_parameters(std::size_t known) { parameters_ = known; }
+  std::size_t parameters() const { return parameters_; }
+  ManyMotions& motions() const;
+  MotionStart at(const Vector& state) const { return {parameters_, state[0], state[1]}; }
+
+  class Carrying;
+  /// co_await: what `periods` forcing periods did to these motions, as in ManyMotions::carry; good until the next time.
+  Carrying carry(std::span<const MotionStart> motions, std::size_t periods, bool tangent);
+  Carrying carry(const Vector& state, std::size_t periods);
+
+ private:
+  friend class LanePool;
+  void add_runs(std::size_t periods, std::vector<MotionRun>& runs);
+
+  LanePool* pool_;
+  std::optional<std::size_t> own_parameters_;
+  std::size_t parameters_ = 0;
+  std::vector<MotionStart> starts_;
+  std::size_t periods_ = 0, carried_ = 0;
+  bool tangent_ = false;
+  std::vector<PeriodResult> results_;
+  std::coroutine_handle<> waiting_;
+};
+
+class LanePlace::Carrying {
+ public:
+  explicit Carrying(LanePlace& place) : place_(place) {}
+  bool await_ready() const noexcept { return place_.results_.empty(); }
+  void await_suspend(std::coroutine_handle<> waiting) const noexcept { place_.waiting_ = waiting; }
+  std::span<const PeriodResult> await_resume() const noexcept { return place_.results_; }
+
+ private:
+  LanePlace& place_;
+};
+
+inline LanePlace::Carrying LanePlace::carry(const Vector& state, std::size_t periods) {
+  const MotionStart start = at(state);
+  return carry({&start, 1}, periods, false);
+}
+
+class LanePool {
+ public:
+  /// Keep it alive.
+  explicit LanePool(ManyMotions& motions) : motions_(motions) {}
+
+  /// Carries the computations make(0, its place) ... make(count - 1, its place) to their ends, of which so many are begun as
+  /// there is room for. @throws what the first of them to throw did.
+  void run(std::size_t count, const std::function<LaneTask<>(std::size_t, LanePlace&)>& make);
+
+ private:
+  friend class LanePlace;
+  struct Member;
+  void carry(std::span<const std::unique_ptr<Member>> members, bool tangent);
+
+  ManyMotions& motions_;
+  std::vector<std::size_t> free_parameters_;  ///< parameter sets that nobody has
+  std::vector<MotionRun> runs_;
+};
+
+}  // namespace graze

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Computations that share the lanes, each at its own pace, against each of them alone.
+#include "support/checks.hpp"
+#include "support/lane_differences.hpp"
+#include "support/lane_widths.hpp"
+
+#include <graze/lib/lane_pool.hpp>
+#include <graze/lib/oscillator.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <stdexcept>
+
+using namespace graze;
+using namespace graze::support;
+
+namespace {
+
+/// What a computation asks for: so many periods, `step` at a time, with the tangent every other time or not at all.
+struct Plan {
+  std::size_t periods, step;
+  bool tangent;
+  std::size_t next(std::size_t done) const { return std::min(step, periods - done); }
+  bool with_tangent(std::size_t done) const { return tangent && (done / step) % 2 == 0; }
+};
+
+LaneTask<> follow(LanePlace& lane, const Vector& p, MotionStart start, Plan plan, std::vector<PeriodResult>& out) {
+  lane.take_parameters(p);
+  start.parameters = lane.parameters();
+  while (out.size() < plan.periods) {
+    const std::span<const PeriodResult> next =
+        co_await lane.carry({&start, 1}, plan.next(out.size()), plan.with_tangent(out.size()));
+    out.insert(out.end(), next.begin(), next.end());
+    start.x = out.back().x;
+    start.v = out.back().v;
+  }
+}
+
+std::vector<PeriodResult> follow_alone(const HybridSystem& system, const Vector& p, MotionStart start, const Plan& plan) {
+  ManyMotions many(system);
+  start.parameters = many.add_parameters(p);
+  std::vector<PeriodResult> out, next;
+  while (out.size() < plan.periods) {
+    many.carry({start}, plan.next(out.size()), plan.with_tangent(out.size()), next);
+    out.insert(out.end(), next.begin(), next.end());
+    start.x = out.back().x;
+    start.v = out.back().v;
+  }
+  return out;
+}
+
+bool same_motion(const PeriodResult& a, const PeriodResult& b) {
+  return a.termination == b.termination && a.x == b.x && a.v == b.v && a.impacts == b.impacts;
+}
+
+LaneTask<int> twice(LanePlace& lane, int number) {
+  const Vector state{{0.0, 0.1 * number}};
+  const std::span<const PeriodResult> one = co_await lane.carry(state, 1);
+  if (number == 5) throw std::runtime_error("five");
+  co_return 2 * number + (one.size() == 1 ? 0 : 1);
+}
+
+struct Counted {
+  explicit Counted(int& alive) : alive_(alive) { ++alive_; }
+  Counted(const Counted&) = delete;
+  ~Counted() { --alive_; }
+  int& alive_;
+};
+
+LaneTask<> ask_twice(LanePlace& lane, const Vector& p, int number, int& alive, int& sum) {
+  const Counted counted(alive);
+  lane.take_parameters(p);
+  const int once = co_await twice(lane, number);
+  const int again = co_await twice(lane, number);
+  sum += once + again;
+}
+
+}  // namespace
+
+TEST_CASE("computations in a pool come to what each comes to alone") {
+  const std::string law = GENERATE("newton", "hertz");
+  const HybridSystem system = make_oscillator("linear", law);
+  const std::size_t count = GENERATE(1, 20, 300);  // more than are carried at a time
+  const std::vector<MotionStart> starts = random_starts(count, 2.0);
+  std::vector<Vector> sets;
+  std::vector<Plan> plans;
+  for (std::size_t i = 0; i < count; ++i) {
+    sets.push_back(parameters(system, {{"eta", 0.6 + 0.001 * static_cast<double>(i)}}));
+    plans.push_back({i % 7 == 0 ? 150 : 1 + i % 40, 1 + i % 50, i % 3 == 0});
+  }
+  std::vector<std::vector<PeriodResult>> together(count);
+  ManyMotions many(system);
+  LanePool pool(many);
+  pool.run(count, [&](std::size_t i, LanePlace& lane) { return follow(lane, sets[i], starts[i], plans[i], together[i]); });
+  for (std::size_t i = 0; i < count; ++i) {
+    INFO("computation " << i << " of " << count);
+    CHECK(same_bits(together[i], follow_alone(system, sets[i], starts[i], plans[i])));
+  }
+}
+
+TEST_CASE("a computation in a pool asks for several motions, some of which end") {
+  const HybridSystem system = make_oscillator("linear", "newton");
+  const Vector p = parameters(system, {{"eta", 0.711}, {"r", 0.3}});
+  ManyMotions many(system);
+  const std::size_t set = many.add_parameters(p);
+  const std::vector<MotionStart> starts = {{set, 0.0, 0.0}, {set, 0.4, 0.0}, {set, -0.5, 0.1}};  // one inside the barrier
+  constexpr std::size_t periods = 50;
+  std::vector<PeriodResult> alone, pooled;
+  many.carry(starts, periods, false, alone);
+  const auto ask = [](LanePlace& lane, const std::vector<MotionStart>& asked, std::vector<PeriodResult>& out) -> LaneTask<> {
+    const std::span<const PeriodResult> nothing = co_await lane.carry({}, 3, true);
+    CHECK(nothing.empty());
+    const std::span<const PeriodResult> results = co_await lane.carry(asked, periods, false);
+    out.assign(results.begin(), results.end());
+  };
+  LanePool pool(many);
+  pool.run(1, [&](std::size_t, LanePlace& lane) { return ask(lane, starts, pooled); });
+  REQUIRE(pooled.size() == alone.size());
+  for (std::size_t k = 0; k < alone.size(); ++k) {
+    CHECK(pooled[k].termination == alone[k].termination);
+    CHECK(pooled[k].termination == (k / periods == 1 ? Termination::inadmissible_start : Termination::time));
+    if (k / periods != 1) CHECK(same_motion(pooled[k], alone[k]));
+  }
+}
+
+TEST_CASE("computations wait for each other, and what one throws ends the pool") {
+  const HybridSystem system = make_oscillator("linear", "newton");
+  const Vector p = parameters(system, {});
+  ManyMotions many(system);
+  LanePool pool(many);
+  int alive = 0, sum = 0;
+  pool.run(5, [&](std::size_t i, LanePlace& lane) { return ask_twice(lane, p, static_cast<int>(i), alive, sum); });
+  CHECK(sum == 4 * (0 + 1 + 2 + 3 + 4));
+  CHECK(alive == 0);
+  CHECK_THROWS_WITH(
+      pool.run(400, [&](std::size_t i, LanePlace& lane) { return ask_twice(lane, p, static_cast<int>(i), alive, sum); }), "five");
+  CHECK(alive == 0);
+  pool.run(0, [&](std::size_t i, LanePlace& lane) { return ask_twice(lane, p, static_cast<int>(i), alive, sum); });
+}
