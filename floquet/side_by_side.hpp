@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Motions that are watched: carried side by side in lanes, some forcing periods at a time, or one by one, each until its watch is
-// closed. A Watch has open(), state() (at forcing phase 0) and see(termination, state), which is told of every period while it is
+// Motions that are watched: carried one by one, or in lanes some forcing periods at a time, in a pool or all together, each until
+// its watch is closed. A Watch has open(), state() (at forcing phase 0) and see(termination, state), which is told of every period while it is
 // open.
 #pragma once
 

@@ -47,7 +47,8 @@ template <> struct LanePromise<void> : LanePromiseBase {
   }
 };
 
-/// What it is given by reference has to outlive it.
+/// What it is given by reference has to outlive it. (An aggregate made among the arguments of what is awaited, f({a, b}), g++ 12
+/// destroys twice: give it a name.)
 template <class T> class [[nodiscard]] LaneTask {
  public:
   using promise_type = LanePromise<T>;
