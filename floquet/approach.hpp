@@ -5,14 +5,12 @@
 
 #include <graze/floquet/attractor.hpp>
 #include <graze/floquet/return_watch.hpp>
-#include <graze/floquet/side_by_side.hpp>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <stdexcept>
 #include <utility>
-#include <vector>
 
 namespace graze {
 
@@ -71,24 +69,5 @@ class Approach {
   int periods_ = 0, asks_ = 0;
   bool open_ = true;
 };
-
-/// Carries transients side by side to their ends; sets[k] are the parameters of approaches[k] in `many`. `look` is asked for the
-/// orbits of those that ask, given by their indices.
-template <class Look>
-void carry_approaches(ManyMotions& many, const std::vector<std::size_t>& sets, std::vector<Approach>& approaches,
-                      const AttractorOptions& options, const Look& look) {
-  std::vector<std::size_t> asking;
-  for (;;) {
-    if (!carry_side_by_side(many, sets, approaches, [&] { return cancelled(options); }))
-      for (Approach& approach : approaches)
-        if (approach.open()) approach.stop(Termination::interrupted);
-    asking.clear();
-    for (std::size_t k = 0; k < approaches.size(); ++k)
-      if (approaches[k].asks() > 0) asking.push_back(k);
-    if (asking.empty()) return;
-    auto orbits = look(asking);
-    for (std::size_t k = 0; k < asking.size(); ++k) approaches[asking[k]].answer(std::move(orbits[k]));
-  }
-}
 
 }  // namespace graze

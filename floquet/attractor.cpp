@@ -53,15 +53,20 @@ std::vector<Attractor> approach_each_attractor(const HybridSystem& system, const
     sets.push_back(many.add_parameters(start.p));
     approaches.emplace_back(system, start.p, start.state, options);
   }
-  carry_approaches(many, sets, approaches, options, [&](const std::vector<std::size_t>& asking) {
-    std::vector<std::optional<PeriodicOrbit>> orbits(asking.size());
-    for_each_index(options.lyapunov.all_threads, asking.size(), [&](std::size_t k) {
-      const Approach& approach = approaches[asking[k]];
-      Propagator propagator(system, starts[asking[k]].p, {}, options.lyapunov.flow);
-      orbits[k] = look_for_orbit(propagator, approach.state(), approach.asks(), options);
+  const auto stop = [&] { return cancelled(options); };
+  for (std::vector<std::size_t> asking;; asking.clear()) {
+    if (!carry_side_by_side(many, sets, approaches, stop))
+      for (Approach& approach : approaches)
+        if (approach.open()) approach.stop(Termination::interrupted);
+    for (std::size_t k = 0; k < approaches.size(); ++k)
+      if (approaches[k].asks() > 0) asking.push_back(k);
+    if (asking.empty()) break;
+    for_each_index(options.lyapunov.all_threads, asking.size(), [&](std::size_t i) {
+      Approach& approach = approaches[asking[i]];
+      Propagator propagator(system, starts[asking[i]].p, {}, options.lyapunov.flow);
+      approach.answer(look_for_orbit(propagator, approach.state(), approach.asks(), options));
     });
-    return orbits;
-  });
+  }
   for (Approach& approach : approaches) out.push_back(std::move(approach).result());
   return out;
 }

@@ -2,6 +2,7 @@
 // Time averages on attractors, of one motion or of several side by side, and what they say.
 #include <graze/floquet/approach.hpp>
 #include <graze/floquet/rounds.hpp>
+#include <graze/floquet/side_by_side.hpp>
 #include <graze/lib/in_parallel.hpp>
 
 #include <algorithm>

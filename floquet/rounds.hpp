@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Rounds: what is asked of a motion that has been averaged, and what is done with one that has to be followed on, be it one
-// motion (attractor.cpp) or many side by side (attractors_side_by_side.cpp).
+// motion (attractor.cpp) or one among many in lanes (attractor_in_lanes.cpp).
 #pragma once
 
 #include <graze/floquet/attractor.hpp>

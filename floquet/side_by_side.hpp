@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Motions that are watched: carried one by one, or in lanes some forcing periods at a time, in a pool or all together, each until
-// its watch is closed. A Watch has open(), state() (at forcing phase 0) and see(termination, state), which is told of every period while it is
-// open.
+// its watch is closed. A Watch has open(), state() (at forcing phase 0) and see(termination, state), which is told of every
+// period while it is open.
 #pragma once
 
 #include <graze/lib/lane_pool.hpp>
@@ -25,9 +25,9 @@ template <class Watch, class Cancelled> bool carry_watched(Propagator& propagato
 
 /// Forcing periods that are carried at a time, with so many behind. What is carried in vain where a watch is closed is half of
 /// them on average: many are for those that last.
-inline std::size_t next_stretch(std::size_t carried) {
-  constexpr std::size_t shortest = 4, longest = 64;
-  return std::clamp(carried / 16 * shortest, shortest, longest);
+inline std::size_t next_stretch(std::size_t carried, std::size_t shortest) {
+  constexpr std::size_t longest = 64;
+  return std::clamp(carried / (4 * shortest) * shortest, shortest, longest);
 }
 
 /// The same in a pool.
@@ -36,7 +36,7 @@ template <class Watch, class Cancelled> LaneTask<bool> carry_watched(LanePlace& 
   Vector state(2);
   while (watch.open()) {
     if (cancelled()) co_return false;
-    const std::size_t stretch = next_stretch(carried);
+    const std::size_t stretch = next_stretch(carried, 4);
     carried += stretch;
     const std::span<const PeriodResult> periods = co_await lane.carry(watch.state(), stretch);
     for (const PeriodResult& period : periods) {
@@ -62,7 +62,7 @@ bool carry_side_by_side(ManyMotions& many, const std::vector<std::size_t>& sets,
   Vector state(2);
   while (!cancelled()) {
     if (open.empty()) return true;
-    const std::size_t stretch = next_stretch(carried), together = at_once / stretch;  // of all motions, whatever the others do
+    const std::size_t stretch = next_stretch(carried, 8), together = at_once / stretch;  // of all motions, whatever the others do
     carried += stretch;
     for (std::size_t begin = 0; begin < open.size(); begin += together) {
       const std::size_t end = std::min(open.size(), begin + together);
