@@ -24,11 +24,11 @@
 // How far from it: see the table, rows peak/lanes=N and peak/fused-lanes=N (operations on N numbers at once) and period/*. On an
 // AMD EPYC of 2023 (Zen 4, TSC 2.6 GHz, whose AVX-512 does at once what AVX2 does) a thousand single operations take 87 ns one at
 // a time, 43 in SSE2, 21 in AVX2 and in AVX-512, a thousand fused ones 138, 34 and 34. One lane of Newton has its floor at 89 ns
-// and takes 256; eight lanes at 22 ns and 90 (on average five of them have something to do). One lane of damped Hertz at 1e-10 has
-// its floor at 6.9 x (460 x 0.14 + 640 x 0.09) ns and the flights, 0.9 us, and takes 2.8: each order of a series waits for the one
-// before. Eight lanes have it at 15100 x 0.034 ns and the flights, 0.54 us, and take 0.97: 7.3 of 8 lanes on average are in
+// and takes 280; eight lanes at 22 ns and 92 (on average five of them have something to do). One lane of damped Hertz at 1e-10 has
+// its floor at 6.9 x (460 x 0.14 + 640 x 0.09) ns and the flights, 0.9 us, and takes 2.9: each order of a series waits for the one
+// before. Eight lanes have it at 15100 x 0.034 ns and the flights, 0.54 us, and take 0.87: 7.3 of 8 lanes on average are in
 // contact when a step is taken, and registers wait to be loaded, once for two orders. Eight lanes of the cantilever have theirs at
-// 0.6 us, and take 0.96, 6.7 of them in flight.
+// 0.6 us, and take 0.84, 7.3 of them in flight.
 //
 // What does a forcing period cost, with its 2x2 sensitivity? Over 200 periods on the attractor, every solver at the loosest
 // tolerance that delivers 1e-10. `miscounted`: of 200 runs next to grazing, those with a wrong number of impacts at that
