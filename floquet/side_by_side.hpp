@@ -26,8 +26,7 @@ template <class Watch, class Cancelled> bool carry_watched(Propagator& propagato
 /// Forcing periods that are carried at a time, with so many behind. What is carried in vain where a watch is closed is half of
 /// them on average: many are for those that last.
 inline std::size_t next_stretch(std::size_t carried, std::size_t shortest) {
-  constexpr std::size_t longest = 64;
-  return std::clamp(carried / (4 * shortest) * shortest, shortest, longest);
+  return std::clamp(carried / (4 * shortest) * shortest, shortest, 8 * shortest);
 }
 
 /// The same in a pool.
