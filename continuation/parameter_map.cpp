@@ -84,12 +84,8 @@ class Rows {
       MapPoint& out = strand.out[column];
       if (const AttractorOptions* const finding = begin(*strand.layer, p, neighbour, start, out)) {
         if (options_.cancelled && options_.cancelled()) break;
-        if (lanes_find_attractors(system_, p, *finding)) {
-          const Attractor found = co_await find_attractor_in_lanes(lane, system_, p, start, *finding);
-          take(found, out);
-        } else {
-          take(find_attractor(system_, p, start, *finding), out);
-        }
+        const Attractor found = co_await find_attractor_in_lanes(lane, system_, p, start, *finding);
+        take(found, out);
       }
       if (out.type == MapType::not_run) break;
       const bool arrived = out.type != MapType::inadmissible && out.type != MapType::lost;

@@ -128,13 +128,7 @@ bool goes_on(const HybridSystem& system, const AttractorAt& at, const Vector& be
   LyapunovStop& stop = attractor.time_average.stop;
   const bool open = attractor.type != AttractorType::periodic && stop != LyapunovStop::interrupted;
   if (open && cancelled(options)) stop = LyapunovStop::interrupted;  // it may go on
-  if (!watch || !watch->goes_on()) return false;
-  if (round == most_rounds) {
-    if (watch->always()) attractor.type = AttractorType::undecided;
-    return false;
-  }
-  if (watch->on_an_orbit()) push_off(system, at.p, round, attractor.state);
-  return true;
+  return watch && goes_on(*watch, system, at.p, round, attractor);
 }
 
 }  // namespace

@@ -60,14 +60,15 @@ LaneTask<bool> average(LanePlace& lane, const HybridSystem& system, const Vector
     watch.look_back(begin, periods_each(attractor.time_average));
     co_await carry_watched(lane, watch, stop);
     if (stop()) co_return false;
-    if (watch.goes_on()) {
-      if (round == most_rounds && watch.always()) attractor.type = AttractorType::undecided;
-      if (round < most_rounds && watch.on_an_orbit()) push_off(system, p, round, attractor.state);
-      co_return round < most_rounds;
-    }
+    if (goes_on(watch, system, p, round, attractor)) co_return true;
   }
-  const bool undecided = attractor.type == AttractorType::undecided;
-  co_return undecided&& round < rounds_for_undecided;
+  const bool too_short = attractor.type == AttractorType::undecided && round < rounds_for_undecided;
+  co_return too_short;
+}
+
+/// Whether the lanes know the oscillator, and the options ask for what is done in them.
+bool lanes_do(const HybridSystem& system, const Vector& p, const AttractorOptions& options) {
+  return options.recurrence > 0.0 && options.periods_on_orbit == 0 && ManyMotions::applies(system, p, options.lyapunov.flow);
 }
 
 LaneTask<> find_to(LanePlace& lane, const HybridSystem& system, const AverageStart& start, const AttractorOptions& options,
@@ -77,18 +78,18 @@ LaneTask<> find_to(LanePlace& lane, const HybridSystem& system, const AverageSta
 
 }  // namespace
 
-bool lanes_find_attractors(const HybridSystem& system, const Vector& p, const AttractorOptions& options) {
-  return options.recurrence > 0.0 && options.periods_on_orbit == 0 && ManyMotions::applies(system, p, options.lyapunov.flow);
-}
-
 LaneTask<Attractor> find_attractor_in_lanes(LanePlace& lane, const HybridSystem& system, const Vector& p, const Vector& start,
                                             const AttractorOptions& options) {
+  if (!lanes_do(system, p, options)) {
+    Attractor alone = find_attractor(system, p, start, options);
+    co_return alone;
+  }
   lane.take_parameters(p);
   Attractor attractor = co_await approach(lane, system, p, start, options);
   AttractorOptions longer = options;
   for (int round = 0; attractor.termination == Termination::time && attractor.type != AttractorType::periodic; ++round) {
-    const bool goes_on = co_await average(lane, system, p, round, options, attractor);
-    if (!goes_on || cancelled(options)) break;
+    const bool on = co_await average(lane, system, p, round, options, attractor);
+    if (!on || cancelled(options)) break;
     longer.transient = longer_transient(longer.transient);
     const Vector from = attractor.state;
     attractor = co_await approach(lane, system, p, from, longer);
@@ -101,15 +102,7 @@ std::vector<Attractor> find_each_attractor(const HybridSystem& system, const std
   std::vector<Attractor> out(starts.size());
   ManyMotions many(system, options.lyapunov.flow);
   LanePool pool(many);
-  std::vector<std::size_t> in_lanes;
-  for (std::size_t i = 0; i < starts.size(); ++i) {
-    if (lanes_find_attractors(system, starts[i].p, options))
-      in_lanes.push_back(i);
-    else
-      out[i] = find_attractor(system, starts[i].p, starts[i].state, options);
-  }
-  pool.run(in_lanes.size(),
-           [&](std::size_t k, LanePlace& lane) { return find_to(lane, system, starts[in_lanes[k]], options, out[in_lanes[k]]); });
+  pool.run(starts.size(), [&](std::size_t i, LanePlace& lane) { return find_to(lane, system, starts[i], options, out[i]); });
   return out;
 }
 

@@ -7,11 +7,8 @@
 
 namespace graze {
 
-/// Whether the lanes know the oscillator, and the options ask for what they do: AttractorOptions::recurrence > 0 and
-/// periods_on_orbit = 0.
-bool lanes_find_attractors(const HybridSystem& system, const Vector& p, const AttractorOptions& options);
-
-/// find_attractor there. What comes out does not depend on the others. Orbits come as from look_for_orbit_in_lanes.
+/// find_attractor there, where the lanes know the oscillator, AttractorOptions::recurrence > 0 and periods_on_orbit = 0; else by
+/// itself. What comes out does not depend on the others. Orbits come as from look_for_orbit_in_lanes.
 LaneTask<Attractor> find_attractor_in_lanes(LanePlace& lane, const HybridSystem& system, const Vector& p, const Vector& start,
                                             const AttractorOptions& options);
 

@@ -47,7 +47,6 @@ class Iteration {
       : parameters_(parameters), most_growth_(most_growth), trial_(std::move(guess)) {}
 
   bool open() const { return open_; }
-  bool converged() const { return converged_; }
   std::size_t nodes() const { return trial_.size(); }
   void ask(std::vector<MotionStart>& motions) const {
     for (const Pair& node : trial_) motions.push_back({parameters_, node[0], node[1]});

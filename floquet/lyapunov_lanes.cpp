@@ -17,10 +17,7 @@ namespace {
 /// An average that may stop early is expected to last when it has gone on for so many periods.
 constexpr std::int64_t lasting = ManyMotions::periods_for_table / 4;
 /// Forcing periods between two looks at what has been reached: an eighth of what there was, lest much be carried in vain.
-std::size_t stretch_after(std::size_t carried) {
-  constexpr std::size_t shortest = 32, longest = 256;
-  return std::clamp(carried / 8, shortest, longest);
-}
+constexpr std::size_t shortest_stretch = 32, longest_stretch = 256;
 /// Of the motions side by side, that are worth all threads.
 constexpr std::size_t long_for_threads = 64;
 
@@ -180,7 +177,6 @@ LaneTask<LyapunovSpectrum> lane_spectrum(LanePlace& lane, const HybridSystem& sy
   validate(system, options);
   initial_mode(system, 0.0, start.state, start.p);
   Average average(start, lane.parameters(), options, forcing_period(system, start.p));
-  constexpr std::size_t stretch = 32;  // others may want the lanes
   std::vector<MotionStart> motions;
   while (average.open()) {
     if (options.cancelled && options.cancelled()) {
@@ -190,8 +186,8 @@ LaneTask<LyapunovSpectrum> lane_spectrum(LanePlace& lane, const HybridSystem& sy
     average.announce(lane.motions());
     motions.clear();
     for (const AveragedMotion& motion : average.motions()) motions.push_back(motion.at());
-    const std::span<const PeriodResult> periods = co_await lane.carry(motions, stretch, true);
-    average.add(periods.data(), stretch, 1);
+    const std::span<const PeriodResult> periods = co_await lane.carry(motions, shortest_stretch, true);
+    average.add(periods.data(), shortest_stretch, 1);
   }
   co_return std::move(average).result();
 }
@@ -228,7 +224,7 @@ std::vector<LyapunovSpectrum> lane_spectra(const HybridSystem& system, const std
     }
     if (options.progress && periods > told) options.progress(told = periods);
     if (motions.empty()) break;
-    const std::size_t stretch = stretch_after(carried);
+    const std::size_t stretch = std::clamp(carried / 8, shortest_stretch, longest_stretch);
     many.carry(motions, stretch, true, results);
     carried += stretch;
     const PeriodResult* next = results.data();

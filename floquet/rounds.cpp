@@ -8,17 +8,11 @@
 
 namespace graze {
 
-int longer_transient(int transient) {
-  constexpr int shortest = 300;
-  return 3 * std::max(transient, shortest);
-}
+namespace {
 
-std::optional<PeriodicOrbit> look_for_orbit(Propagator& propagator, const Vector& state, int max_period,
-                                            const AttractorOptions& options) {
-  if (options.recurrence > 0.0) return orbit_of_close_returns(propagator, state, max_period, nearness_of(options));
-  return settling_orbit(propagator, state, max_period);
-}
+constexpr int most_rounds = 3;
 
+/// Not into a barrier.
 void push_off(const HybridSystem& system, const Vector& p, int round, Vector& state) {
   const double far = 1e-4 * std::pow(10.0, round) * (1.0 + state.lpNorm<Eigen::Infinity>());
   for (const double way : {-far, far}) {
@@ -30,6 +24,19 @@ void push_off(const HybridSystem& system, const Vector& p, int round, Vector& st
   }
 }
 
+}  // namespace
+
+int longer_transient(int transient) {
+  constexpr int shortest = 300;
+  return 3 * std::max(transient, shortest);
+}
+
+std::optional<PeriodicOrbit> look_for_orbit(Propagator& propagator, const Vector& state, int max_period,
+                                            const AttractorOptions& options) {
+  if (options.recurrence > 0.0) return orbit_of_close_returns(propagator, state, max_period, nearness_of(options));
+  return settling_orbit(propagator, state, max_period);
+}
+
 std::int64_t periods_each(const LyapunovSpectrum& average) {
   return average.periods / static_cast<std::int64_t>(1 + average.others.size());
 }
@@ -39,6 +46,16 @@ Lingering watch_end(const Attractor& attractor, int period, double T, const Attr
   const double growth = attractor.type == AttractorType::chaotic ? attractor.exponents[0] * T : 0.0;
   const bool can_tell = growth * most > 40.0;
   return {attractor.state, period, nearness_of(options), can_tell ? static_cast<std::int64_t>(40.0 / growth) : 0};
+}
+
+bool goes_on(const Lingering& watch, const HybridSystem& system, const Vector& p, int round, Attractor& attractor) {
+  if (!watch.goes_on()) return false;
+  if (round == most_rounds) {
+    if (watch.always()) attractor.type = AttractorType::undecided;
+    return false;
+  }
+  if (watch.on_an_orbit()) push_off(system, p, round, attractor.state);
+  return true;
 }
 
 void take_average(LyapunovSpectrum average, const AttractorOptions& options, Attractor& attractor) {

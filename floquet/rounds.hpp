@@ -8,8 +8,7 @@
 
 namespace graze {
 
-/// A motion that lingers is followed on so many times, each with a longer transient.
-inline constexpr int most_rounds = 3;
+/// A motion that lingers is followed on a few times, each with a longer transient.
 int longer_transient(int transient);
 /// So is, where averages are short, one that they leave undecided: it may be on a long transient.
 inline constexpr int rounds_for_undecided = 2;
@@ -18,15 +17,16 @@ inline constexpr int rounds_for_undecided = 2;
 std::optional<PeriodicOrbit> look_for_orbit(Propagator& propagator, const Vector& state, int max_period,
                                             const AttractorOptions& options);
 
-/// Off an unstable orbit that it is on, farther each time; not into a barrier.
-void push_off(const HybridSystem& system, const Vector& p, int round, Vector& state);
-
 /// The periods that each of the motions of an average was carried.
 std::int64_t periods_each(const LyapunovSpectrum& average);
 
 /// A watch on the end of an average. A distance as small as rounding grows beyond all bounds in 40 times the time in which the
 /// exponent has it grow e-fold.
 Lingering watch_end(const Attractor& attractor, int period, double T, const AttractorOptions& options);
+
+/// Whether the motion that was watched has to be followed on, from attractor.state: off an unstable orbit that it is on, farther
+/// each round. Where it lingers after the last of them, and always has, it is undecided.
+bool goes_on(const Lingering& watch, const HybridSystem& system, const Vector& p, int round, Attractor& attractor);
 
 /// What the time average over a motion that was not known to be periodic says, if it has not settled.
 void take_average(LyapunovSpectrum average, const AttractorOptions& options, Attractor& attractor);

@@ -45,6 +45,11 @@ LanePlace::Carrying LanePlace::carry(std::span<const MotionStart> motions, std::
   return Carrying(*this);
 }
 
+LanePlace::Carrying LanePlace::carry(const Vector& state, std::size_t periods) {
+  const MotionStart start = at(state);
+  return carry({&start, 1}, periods, false);
+}
+
 /// Adds the next periods of its motions.
 void LanePlace::add_runs(std::size_t periods, std::vector<MotionRun>& runs) {
   periods = std::min(periods, periods_ - carried_);
@@ -70,7 +75,6 @@ void LanePool::carry(std::span<const std::unique_ptr<Member>> members, bool tang
     motions_left[std::min(place.periods_ - place.carried_, most_periods)] += place.starts_.size();
     motions += place.starts_.size();
   }
-  if (motions == 0) return;
   std::size_t periods = 1, work = motions, going_on = motions - motions_left[1];
   while (periods < fewest_periods || (periods < most_periods && work + going_on >= busy * (periods + 1))) {
     work += going_on;

@@ -61,11 +61,6 @@ class LanePlace::Carrying {
   LanePlace& place_;
 };
 
-inline LanePlace::Carrying LanePlace::carry(const Vector& state, std::size_t periods) {
-  const MotionStart start = at(state);
-  return carry({&start, 1}, periods, false);
-}
-
 class LanePool {
  public:
   /// Keep it alive.
