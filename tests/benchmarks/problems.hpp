@@ -112,11 +112,8 @@ template <class Solver> Accuracy accuracy(Solver&& solver, double tolerance, con
 /// what is right (state and sensitivity). Chaos multiplies errors: the worst of them are of the motion, and the same for all
 /// solvers.
 inline constexpr double wanted_accuracy = 1e-10;
-template <class MakeSolver> Accuracy tuned(const MakeSolver& make, const Problem& p) {
-  const auto at = [&](int quarters) {
-    const double tolerance = std::pow(10.0, -0.25 * quarters);
-    return accuracy(make(tolerance), tolerance, p, attractor(p));
-  };
+template <class AccuracyAt> Accuracy tuned(const AccuracyAt& accuracy_at) {
+  const auto at = [&](int quarters) { return accuracy_at(std::pow(10.0, -0.25 * quarters)); };
   const auto good = [](const Accuracy& a) { return a.ninetieth <= wanted_accuracy && a.miscounted <= 20; };
   int quarters = 32;  // 1e-8
   Accuracy best = at(quarters);

@@ -19,7 +19,7 @@ namespace benchmarks {
 template <class Make> const Accuracy& tuning(const Problem& p, const std::string& name, const Make& make) {
   static std::map<std::string, Accuracy> known;
   const auto [entry, is_new] = known.try_emplace(p.name + "/" + name);
-  if (is_new) entry->second = tuned(make, p);
+  if (is_new) entry->second = tuned([&](double tolerance) { return accuracy(make(tolerance), tolerance, p, attractor(p)); });
   return entry->second;
 }
 

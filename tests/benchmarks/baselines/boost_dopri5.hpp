@@ -9,11 +9,12 @@
 
 namespace baselines {
 
-template <Law law, std::size_t N> class BoostDopri5 {
+template <class Field> class BoostDopri5Of {
+  static constexpr std::size_t N = Field::size;
   using Stepper = boost::numeric::odeint::runge_kutta_dopri5<State<N>>;
 
  public:
-  BoostDopri5(const Parameters& p, double tolerance, Watch watch)
+  BoostDopri5Of(const typename Field::Parameters& p, double tolerance, Watch watch)
       : watch_(watch), field_{p}, dense_(boost::numeric::odeint::make_dense_output(tolerance, tolerance, Stepper())) {}
 
   Stretch carry(bool in_contact, double t, double t_end, State<N>& u) {
@@ -68,10 +69,15 @@ template <Law law, std::size_t N> class BoostDopri5 {
   }
 
   Watch watch_;
-  Field<law, N> field_;
+  Field field_;
   typename boost::numeric::odeint::result_of::make_dense_output<Stepper>::type dense_;
   Stepper stepper_;
   double sizes_[2] = {1e-2, 1e-2};  // of steps in flight and in contact, kept from one stretch to the next of its kind
+};
+
+template <Law law, std::size_t N> class BoostDopri5 : public BoostDopri5Of<Field<law, N>> {
+ public:
+  using BoostDopri5Of<Field<law, N>>::BoostDopri5Of;
 };
 
 }  // namespace baselines

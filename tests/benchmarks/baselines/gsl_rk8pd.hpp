@@ -12,24 +12,29 @@
 
 namespace baselines {
 
-template <Law law, std::size_t N> class GslRk8pd {
+/// Whole: the field of everything that is carried; Motion: of the state alone, by which the whole begins.
+template <class Whole, class Motion> class GslRk8pdOf {
+  static constexpr std::size_t N = Whole::size, motion = Motion::size;
+
  public:
-  GslRk8pd(const Parameters& p, double tolerance, Watch watch)
+  GslRk8pdOf(const typename Whole::Parameters& p, double tolerance, Watch watch)
       : watch_(watch), field_{p}, field_of_state_{p}, step_(gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, N)),
-        step_of_state_(gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, 2)), control_(gsl_odeiv2_control_y_new(tolerance, tolerance)),
-        evolve_(gsl_odeiv2_evolve_alloc(N)) {}
+        step_of_state_(gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, motion)),
+        control_(gsl_odeiv2_control_y_new(tolerance, tolerance)), evolve_(gsl_odeiv2_evolve_alloc(N)) {}
 
   Stretch carry(bool in_contact, double t, double t_end, State<N>& u) {
     field_.in_contact = field_of_state_.in_contact = in_contact;
     const double sign = field_.direction(), r = field_.p.r;
-    const gsl_odeiv2_system system{callback<N>, nullptr, N, &field_}, system_of_state{callback<2>, nullptr, 2, &field_of_state_};
+    const gsl_odeiv2_system system{callback<Whole>, nullptr, N, &field_};
+    const gsl_odeiv2_system system_of_state{callback<Motion>, nullptr, motion, &field_of_state_};
     gsl_odeiv2_evolve_reset(evolve_.get());
     gsl_odeiv2_step_reset(step_.get());
     double& h_kept = sizes_[in_contact ? 1 : 0];
     double h = h_kept;
     const auto inside = [&](double t0, const State<N>& from, double s) {
-      State<2> z{from[0], from[1]};
-      double error[2];
+      State<motion> z;
+      std::copy_n(from.begin(), motion, z.begin());
+      double error[motion];
       gsl_odeiv2_step_apply(step_of_state_.get(), t0, s, z.data(), error, nullptr, nullptr, &system_of_state);
       return z;
     };
@@ -40,12 +45,12 @@ template <Law law, std::size_t N> class GslRk8pd {
         return {t, false, true};
       if (t < t_end) h_kept = h;
       const auto guard = [&](double s) {
-        const State<2> z = inside(t_before, before, s);
+        const State<motion> z = inside(t_before, before, s);
         return Guard{sign * (z[0] - r), sign * z[1]};
       };
       const auto speed = [&](double s) {
-        const State<2> z = inside(t_before, before, s);
-        double dz[2];
+        const State<motion> z = inside(t_before, before, s);
+        double dz[motion];
         field_of_state_(t_before + s, z.data(), dz);
         return Guard{sign * z[1], sign * dz[1]};
       };
@@ -61,8 +66,8 @@ template <Law law, std::size_t N> class GslRk8pd {
   }
 
  private:
-  template <std::size_t M> static int callback(double t, const double u[], double du[], void* field) {
-    (*static_cast<const Field<law, M>*>(field))(t, u, du);
+  template <class Field> static int callback(double t, const double u[], double du[], void* field) {
+    (*static_cast<const Field*>(field))(t, u, du);
     return GSL_SUCCESS;
   }
   struct Free {
@@ -71,12 +76,17 @@ template <Law law, std::size_t N> class GslRk8pd {
     void operator()(gsl_odeiv2_evolve* e) const { gsl_odeiv2_evolve_free(e); }
   };
   Watch watch_;
-  Field<law, N> field_;
-  Field<law, 2> field_of_state_;
+  Whole field_;
+  Motion field_of_state_;
   std::unique_ptr<gsl_odeiv2_step, Free> step_, step_of_state_;
   std::unique_ptr<gsl_odeiv2_control, Free> control_;
   std::unique_ptr<gsl_odeiv2_evolve, Free> evolve_;
   double sizes_[2] = {1e-2, 1e-2};  // of steps in flight and in contact, kept from one stretch to the next of its kind
+};
+
+template <Law law, std::size_t N> class GslRk8pd : public GslRk8pdOf<Field<law, N>, Field<law, 2>> {
+ public:
+  using GslRk8pdOf<Field<law, N>, Field<law, 2>>::GslRk8pdOf;
 };
 
 }  // namespace baselines

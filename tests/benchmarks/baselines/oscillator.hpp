@@ -27,6 +27,8 @@ template <std::size_t N> using State = std::array<double, N>;
 
 /// The field of free flight or of contact. Beyond its end (x < r, met by trial steps) contact goes on without force.
 template <Law law, std::size_t N> struct Field {
+  static constexpr std::size_t size = N;
+  using Parameters = baselines::Parameters;
   Parameters p;
   bool in_contact = false;
 

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A chain of m equal masses, each on its own spring and tied to the next, the first one forced and before a rigid stop:
+//     x_i'' + 2 b x_i' + x_i + kappa sum over its neighbours (x_i - x_j) = [i = 1] xi cos(eta t),   x_1 <= r,
+// written by hand as the other baselines are, with what they are carried by. State: (x_1, x_1', x_2, x_2', ...), and if asked for
+// the sensitivity Phi to it by columns.
+#pragma once
+
+#include "oscillator.hpp"
+
+namespace baselines {
+
+struct ChainParameters {
+  double b = 0.05, kappa = 0.5, xi = 1.0, eta = 0.711, r = 1.0, k_r = 0.8;
+};
+
+template <std::size_t masses, bool sensitivity> struct ChainField {
+  static constexpr std::size_t states = 2 * masses, size = states + (sensitivity ? states * states : 0);
+  using Parameters = ChainParameters;
+  Parameters p;
+  bool in_contact = false;  ///< never: a rigid stop
+
+  /// Field without forcing, of the motion and of each column of Phi.
+  void pull(const double* u, double* du) const {
+    for (std::size_t i = 0; i < masses; ++i) {
+      const double here = u[2 * i];
+      double a = -2.0 * p.b * u[2 * i + 1] - here;
+      if (i > 0) a -= p.kappa * (here - u[2 * i - 2]);
+      if (i + 1 < masses) a -= p.kappa * (here - u[2 * i + 2]);
+      du[2 * i] = u[2 * i + 1];
+      du[2 * i + 1] = a;
+    }
+  }
+  void operator()(double t, const double* u, double* du) const {
+    for (std::size_t column = 0; column < size; column += states) pull(u + column, du + column);
+    du[1] += p.xi * std::cos(p.eta * t);
+  }
+  double direction() const { return 1.0; }
+};
+
+/// x_1' -> -k_r x_1' at the stop, and the columns of Phi by its saltation matrix: only the first mass is struck, and its speed
+/// enters no other acceleration, so that all but two rows are those of the identity.
+template <std::size_t masses> void strike_chain(const ChainParameters& p, double t, State<ChainField<masses, true>::size>& u) {
+  using Field = ChainField<masses, true>;
+  const double v = u[1], w = -p.k_r * v;
+  u[0] = p.r;
+  const auto acceleration = [&](double speed) {
+    double a = p.xi * std::cos(p.eta * t) - 2.0 * p.b * speed - p.r;
+    if constexpr (masses > 1) a -= p.kappa * (p.r - u[2]);
+    return a;
+  };
+  const double jump = (acceleration(w) + p.k_r * acceleration(v)) / v;
+  u[1] = w;
+  for (std::size_t column = Field::states; column < Field::size; column += Field::states) {
+    u[column + 1] = jump * u[column] - p.k_r * u[column + 1];
+    u[column] *= -p.k_r;
+  }
+}
+
+/// From t to t_end through all impacts.
+template <std::size_t masses, class Baseline>
+Run run_chain(Baseline& baseline, const ChainParameters& p, double t, double t_end, State<ChainField<masses, true>::size>& u) {
+  Run out;
+  for (; out.impacts < 1000; ++out.impacts) {
+    const Stretch stretch = baseline.carry(false, t, t_end, u);
+    if (stretch.failed) break;
+    if (!stretch.event) return out;
+    strike_chain<masses>(p, t = stretch.t, u);
+  }
+  out.failed = true;
+  return out;
+}
+
+}  // namespace baselines
