@@ -12,28 +12,28 @@
 //
 // Damped Hertz at eta = 0.711, with its 0.7 contacts a period of 12.8 steps each of the series of order 16 at 1e-12 (9.8 at
 // 1e-10). A step in lanes: 11 products of series, of which two are squares, 136 terms each (1370 operations), 36 more an order
-// (580), ten sums of 16, and some 80 for its length: 2190, nearly all fused; 6.9 steps are 15100 a period at 1e-10. One contact by
-// itself goes four quantities at once: 460 of such operations a step, and 640 on single numbers. The flights add 1000. A table of
-// contacts (for long averages at fixed parameters) has 16 x 16 terms at the most in place of the steps: some 800 fused operations
-// with the sensitivity.
+// (580), ten sums of 16, and some 80 for its length: 2190, nearly all fused; 6.9 steps are 15100 a period at 1e-10. One contact
+// by itself goes four quantities at once: 460 of such operations a step, and 640 on single numbers. The flights add 1000. A table
+// of contacts (for long averages at fixed parameters) has 16 x 16 terms at the most in place of the steps: some 800 fused
+// operations with the sensitivity.
 //
 // The cantilever with Newton's law, eta = 0.554, has 1.8 impacts a period and 14.8 steps at 1e-10. A step in lanes: the series of
-// order 16 with its tangent 810 (570 of them fused), its sums 120, that the barrier is not reached 140. An impact: the series once
-// more, its root and sums, the saltation, 1100. Together 17800.
+// order 16 with its tangent 810 (570 of them fused), its sums 120, that the barrier is not reached 140. An impact: the series
+// once more, its root and sums, the saltation, 1100. Together 17800.
 //
 // How far from it: see the table, rows peak/lanes=N and peak/fused-lanes=N (operations on N numbers at once) and period/*. On an
 // AMD EPYC of 2023 (Zen 4, TSC 2.6 GHz, whose AVX-512 does at once what AVX2 does) a thousand single operations take 87 ns one at
 // a time, 43 in SSE2, 21 in AVX2 and in AVX-512, a thousand fused ones 138, 34 and 34. One lane of Newton has its floor at 89 ns
-// and takes 280; eight lanes at 22 ns and 92 (on average five of them have something to do). One lane of damped Hertz at 1e-10 has
-// its floor at 6.9 x (460 x 0.14 + 640 x 0.09) ns and the flights, 0.9 us, and takes 2.9: each order of a series waits for the one
-// before. Eight lanes have it at 15100 x 0.034 ns and the flights, 0.54 us, and take 0.87: 7.3 of 8 lanes on average are in
-// contact when a step is taken, and registers wait to be loaded, once for two orders. Eight lanes of the cantilever have theirs at
-// 0.6 us, and take 0.84, 7.3 of them in flight.
+// and takes 280; eight lanes at 22 ns and 92 (on average five of them have something to do). One lane of damped Hertz at 1e-10
+// has its floor at 6.9 x (460 x 0.14 + 640 x 0.09) ns and the flights, 0.9 us, and takes 2.9: each order of a series waits for
+// the one before. Eight lanes have it at 15100 x 0.034 ns and the flights, 0.54 us, and take 0.87: 7.3 of 8 lanes on average are
+// in contact when a step is taken, and registers wait to be loaded, once for two orders. Eight lanes of the cantilever have
+// theirs at 0.6 us, and take 0.84, 7.3 of them in flight.
 //
 // On an EPYC of 2025 (Zen 5, with AVX-512 at full width) a thousand single operations take 76 ns one at a time, 36 in SSE2, 18 in
 // AVX2 and 9.1 in AVX-512, fused ones 126, 31 and 16. By the same counts one lane of Newton has its floor at 77 ns and takes 235
-// (187 on the same machine before the lanes carried cantilevers too), eight at 9.3 and take 63; one lane of damped Hertz at 0.8 us and takes 2.4, eight at 0.25 and take 0.58;
-// eight of the cantilever at 0.29 and take 0.50.
+// (187 with the program of 22 November 2026, on the same day and machine), eight at 9.3 and take 63; one lane of damped Hertz at
+// 0.8 us and takes 2.4, eight at 0.25 and take 0.58; eight of the cantilever at 0.29 and take 0.50.
 //
 // What does a forcing period cost, with its 2x2 sensitivity? Over 200 periods on the attractor, every solver at the loosest
 // tolerance that delivers 1e-10. `miscounted`: of 200 runs next to grazing, those with a wrong number of impacts at that
