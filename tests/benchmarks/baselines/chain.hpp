@@ -9,13 +9,11 @@
 
 namespace baselines {
 
-struct ChainParameters {
-  double b = 0.05, kappa = 0.5, xi = 1.0, eta = 0.711, r = 1.0, k_r = 0.8;
-};
+template <std::size_t masses> struct ChainParameters { double b = 0.05, kappa = 0.5, xi = 1.0, eta = 0.711, r = 1.0, k_r = 0.8; };
 
 template <std::size_t masses, bool sensitivity> struct ChainField {
   static constexpr std::size_t states = 2 * masses, size = states + (sensitivity ? states * states : 0);
-  using Parameters = ChainParameters;
+  using Parameters = ChainParameters<masses>;
   Parameters p;
   bool in_contact = false;  ///< never: a rigid stop
 
@@ -39,7 +37,7 @@ template <std::size_t masses, bool sensitivity> struct ChainField {
 
 /// x_1' -> -k_r x_1' at the stop, and the columns of Phi by its saltation matrix: only the first mass is struck, and its speed
 /// enters no other acceleration, so that all but two rows are those of the identity.
-template <std::size_t masses> void strike_chain(const ChainParameters& p, double t, State<ChainField<masses, true>::size>& u) {
+template <std::size_t masses> void strike(const ChainParameters<masses>& p, double t, State<ChainField<masses, true>::size>& u) {
   using Field = ChainField<masses, true>;
   const double v = u[1], w = -p.k_r * v;
   u[0] = p.r;
@@ -54,20 +52,6 @@ template <std::size_t masses> void strike_chain(const ChainParameters& p, double
     u[column + 1] = jump * u[column] - p.k_r * u[column + 1];
     u[column] *= -p.k_r;
   }
-}
-
-/// From t to t_end through all impacts.
-template <std::size_t masses, class Baseline>
-Run run_chain(Baseline& baseline, const ChainParameters& p, double t, double t_end, State<ChainField<masses, true>::size>& u) {
-  Run out;
-  for (; out.impacts < 1000; ++out.impacts) {
-    const Stretch stretch = baseline.carry(false, t, t_end, u);
-    if (stretch.failed) break;
-    if (!stretch.event) return out;
-    strike_chain<masses>(p, t = stretch.t, u);
-  }
-  out.failed = true;
-  return out;
 }
 
 }  // namespace baselines

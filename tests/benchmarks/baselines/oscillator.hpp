@@ -132,7 +132,7 @@ template <std::size_t N> void strike(const Parameters& p, double t, State<N>& u)
 
 /// From t to t_end through all events. `Baseline` has `carry(in_contact, t, t_end, u) -> Stretch`: to t_end or to the first
 /// event, where u is then on the barrier.
-template <Law law, std::size_t N, class Baseline>
+template <Law law, std::size_t N, class Baseline, class Parameters>
 Run run(Baseline& baseline, const Parameters& p, double t, double t_end, State<N>& u) {
   Run out;
   bool in_contact = law == Law::hertz && (u[0] > p.r || (u[0] == p.r && u[1] > 0.0));
