@@ -107,7 +107,8 @@ template <std::size_t masses, class Baseline> class BaselineChain {
   baselines::State<Field::size> u_{};
 };
 
-/// 50 forcing periods on the attractor, and what is right at their ends: the general flow at 1e-14; the baselines come within 1e-10 of it.
+/// 50 forcing periods on the attractor, and what is right at their ends: the general flow at 1e-14; the baselines come within
+/// 1e-10 of it.
 struct Known {
   std::vector<Vector> starts;
   std::vector<Result> exact;
