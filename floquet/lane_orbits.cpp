@@ -2,7 +2,6 @@
 #include <graze/floquet/cyclic_blocks.hpp>
 #include <graze/floquet/lane_orbits.hpp>
 #include <graze/floquet/log_product.hpp>
-#include <graze/floquet/shooting.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -43,8 +42,8 @@ struct StepEquations {
 /// One guess on its way: newton() of shooting.cpp, with the evaluations done by others.
 class Iteration {
  public:
-  Iteration(std::size_t parameters, std::vector<Pair> guess, double most_growth)
-      : parameters_(parameters), most_growth_(most_growth), trial_(std::move(guess)) {}
+  Iteration(std::size_t parameters, std::vector<Pair> guess, const LanePatience& patience)
+      : parameters_(parameters), patience_(patience), trial_(std::move(guess)) {}
 
   bool open() const { return open_; }
   std::size_t nodes() const { return trial_.size(); }
@@ -64,7 +63,7 @@ class Iteration {
     }
     const double after = size_of(trial_residual_) / (1.0 + size_of(trial_));
     if (!begun_) {
-      if (!std::isfinite(after) || growth(results, n) > most_growth_) return end(false);
+      if (!std::isfinite(after) || growth(results, n) > patience_.most_growth) return end(false);
       begun_ = true;
       accept(results, after);
       return step(equations);
@@ -145,7 +144,7 @@ class Iteration {
 
   void halve() {
     factor_ *= 0.5;
-    if (++halvings_ > options_.max_halvings) return end(now_ <= options_.acceptance);
+    if (++halvings_ > patience_.max_halvings) return end(now_ <= options_.acceptance);
     try_step();
   }
 
@@ -156,7 +155,7 @@ class Iteration {
 
   ShootingOptions options_;
   std::size_t parameters_;
-  double most_growth_;
+  LanePatience patience_;
   std::vector<Pair> trial_, trial_residual_, nodes_, residual_, step_;
   std::vector<PeriodResult> carried_;  // from nodes_
   double now_ = 0.0, factor_ = 1.0;
@@ -164,8 +163,8 @@ class Iteration {
   bool begun_ = false, open_ = true, converged_ = false;
 };
 
-LaneTask<LaneOrbit> newton(LanePlace& lane, std::vector<Pair> states, double most_growth) {
-  Iteration iteration(lane.parameters(), std::move(states), most_growth);
+LaneTask<LaneOrbit> newton(LanePlace& lane, std::vector<Pair> states, LanePatience patience) {
+  Iteration iteration(lane.parameters(), std::move(states), patience);
   StepEquations equations;
   std::vector<MotionStart> nodes;
   while (iteration.open()) {
@@ -199,20 +198,21 @@ bool same(const LaneOrbit& shorter, const LaneOrbit& orbit) {
   return between(shorter.states[0], orbit.states[0]) < std::clamp(1e-12 / nearest, 1e-10, 1e-6) * scale;
 }
 
-LaneTask<> shoot_to(LanePlace& lane, const LaneGuess& guess, double most_growth, LaneOrbit& orbit) {
+LaneTask<> shoot_to(LanePlace& lane, const LaneGuess& guess, LanePatience patience, LaneOrbit& orbit) {
   lane.take_parameters(guess.parameters);
-  orbit = co_await shoot_in_lanes(lane, guess.states, most_growth);
+  orbit = co_await shoot_in_lanes(lane, guess.states, patience);
 }
 
 }  // namespace
 
-LaneTask<LaneOrbit> shoot_in_lanes(LanePlace& lane, std::vector<std::array<double, 2>> states, double most_growth) {
-  LaneOrbit orbit = co_await newton(lane, std::move(states), most_growth);
+LaneTask<LaneOrbit> shoot_in_lanes(LanePlace& lane, std::vector<std::array<double, 2>> states, LanePatience patience) {
+  LaneOrbit orbit = co_await newton(lane, std::move(states), patience);
+  patience.most_growth = LanePatience{}.most_growth;
   for (const std::size_t shorter : shorter_periods(orbit)) {
     const Pair &first = orbit.states[0], &later = orbit.states[shorter];
     std::vector<Pair> again(orbit.states.begin(), orbit.states.begin() + static_cast<std::ptrdiff_t>(shorter));
     again[0] = {0.5 * (first[0] + later[0]), 0.5 * (first[1] + later[1])};
-    LaneOrbit found = co_await newton(lane, std::move(again), any_growth);
+    LaneOrbit found = co_await newton(lane, std::move(again), patience);
     if (!same(found, orbit)) continue;
     orbit = std::move(found);
     break;
@@ -220,10 +220,10 @@ LaneTask<LaneOrbit> shoot_in_lanes(LanePlace& lane, std::vector<std::array<doubl
   co_return orbit;
 }
 
-std::vector<LaneOrbit> shoot_side_by_side(ManyMotions& many, const std::vector<LaneGuess>& guesses, double most_growth) {
+std::vector<LaneOrbit> shoot_side_by_side(ManyMotions& many, const std::vector<LaneGuess>& guesses, LanePatience patience) {
   std::vector<LaneOrbit> orbits(guesses.size());
   LanePool pool(many);
-  pool.run(guesses.size(), [&](std::size_t i, LanePlace& lane) { return shoot_to(lane, guesses[i], most_growth, orbits[i]); });
+  pool.run(guesses.size(), [&](std::size_t i, LanePlace& lane) { return shoot_to(lane, guesses[i], patience, orbits[i]); });
   return orbits;
 }
 

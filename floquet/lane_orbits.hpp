@@ -6,6 +6,7 @@
 // factor.
 #pragma once
 
+#include <graze/floquet/shooting.hpp>
 #include <graze/lib/lane_pool.hpp>
 
 #include <array>
@@ -31,14 +32,17 @@ struct LaneOrbit {
   bool stable() const { return std::abs(multipliers[0]) < 1.0; }
 };
 
-inline constexpr double any_growth = std::numeric_limits<double>::infinity();
+/// When a guess is given up: at once where the tangent of the motions from its states has an eigenvalue larger than most_growth
+/// over its period, and where a step does not reduce the residual however often it is halved.
+struct LanePatience {
+  double most_growth = std::numeric_limits<double>::infinity();
+  int max_halvings = ShootingOptions{}.max_halvings;
+};
 
-/// The orbit that Newton's method comes to from these states, at the parameters of the place. A guess is given up at once where
-/// the tangent of the motions from its states has an eigenvalue larger than most_growth over its period.
-LaneTask<LaneOrbit> shoot_in_lanes(LanePlace& lane, std::vector<std::array<double, 2>> states, double most_growth = any_growth);
+/// The orbit that Newton's method comes to from these states, at the parameters of the place.
+LaneTask<LaneOrbit> shoot_in_lanes(LanePlace& lane, std::vector<std::array<double, 2>> states, LanePatience patience = {});
 
 /// The same of many guesses side by side.
-std::vector<LaneOrbit> shoot_side_by_side(ManyMotions& many, const std::vector<LaneGuess>& guesses,
-                                          double most_growth = any_growth);
+std::vector<LaneOrbit> shoot_side_by_side(ManyMotions& many, const std::vector<LaneGuess>& guesses, LanePatience patience = {});
 
 }  // namespace graze

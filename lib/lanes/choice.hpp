@@ -20,6 +20,7 @@ struct Choice {
 /// contacts they are rare, and few lanes wait for them) and the end of a flight at the barrier (flights by series end in a step).
 template <class Real> Choice choose(const Memory<Real>& m, bool with_table, bool alone) {
   constexpr std::size_t W = width<Real>;
+  if constexpr (W == 1) return {m.task(0), 1};  // there is nothing to choose
   const int most = static_cast<int>(with_table ? (W + 3) / 4 : alone ? (5 * W + 7) / 8 : (7 * W + 7) / 8);
   constexpr int many = static_cast<int>((5 * W + 7) / 8);
   const int contacts = m.count(Task::contact), crossings = m.count(Task::crossing), flights = m.count(Task::flight),

@@ -91,7 +91,11 @@ template <class Real> struct Memory {
   Real operator[](Coefficient c) const { return take<Real>(coefficient[c]); }
   void set(Field f, const Real& value) { put(field[f], value); }
   template <class Mask> void set(Field f, const Mask& mask, const Real& value) {
-    put(field[f], Real(select(mask, value, take<Real>(field[f]))));
+    if constexpr (W == 1) {
+      if (mask) field[f][0] = value;
+    } else {
+      put(field[f], Real(select(mask, value, take<Real>(field[f]))));
+    }
   }
   /// The lanes at a task: bit by bit, how many, as a mask.
   unsigned at(Task t) const { return static_cast<unsigned>(tasks >> 8 * static_cast<unsigned>(t)) & 0xffU; }

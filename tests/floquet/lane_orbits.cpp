@@ -78,7 +78,7 @@ TEST_CASE("lane orbits: closed forms with one impact, all of them at once") {
   CHECK(stable < static_cast<int>(exact.size()) - 10);
 
   // Given up where their tangent grows too much, and else the same.
-  const std::vector<LaneOrbit> slow = shoot_side_by_side(many, guesses, 3.0);
+  const std::vector<LaneOrbit> slow = shoot_side_by_side(many, guesses, {.most_growth = 3.0});
   int given_up = 0;
   for (std::size_t i = 0; i < exact.size(); ++i) {
     const double growth = std::abs(exact[i].multipliers[0]);
