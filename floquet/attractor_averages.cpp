@@ -48,16 +48,49 @@ std::vector<LyapunovSpectrum> spectra(const HybridSystem& system, const std::vec
   return out;
 }
 
-/// What an average says, with a look at where its motions ended: so many at a time.
-void conclude(const HybridSystem& system, const AttractorAt& at, LyapunovSpectrum average, const AttractorOptions& options,
-              std::size_t together) {
+/// Where the motions of each average are after so many forcing periods more, in all: those side by side are short, and chaos may
+/// be a transient.
+std::vector<std::vector<Vector>> later_states(const HybridSystem& system, const std::vector<AttractorAt>& which,
+                                              const std::vector<LyapunovSpectrum>& averages, const AttractorOptions& options) {
+  constexpr std::size_t in_all = 2000;
+  ManyMotions many(system, options.lyapunov.flow);
+  if (options.lyapunov.all_threads) many.use_all_threads();
+  std::vector<std::vector<Vector>> states(which.size());
+  std::vector<std::size_t> of;
+  std::vector<MotionStart> starts;
+  for (std::size_t i = 0; i < which.size(); ++i) {
+    if (averages[i].others.empty() || averages[i].stop == LyapunovStop::interrupted) {
+      states[i] = {averages[i].state};
+      continue;
+    }
+    const std::size_t set = many.add_parameters(which[i].p);
+    const auto add = [&](const Vector& state) {
+      of.push_back(i);
+      starts.push_back({set, state[0], state[1]});
+    };
+    add(averages[i].state);
+    for (const Vector& state : averages[i].others) add(state);
+  }
+  if (starts.empty()) return states;
+  const std::size_t periods =
+      std::max<std::size_t>(1, in_all / static_cast<std::size_t>(std::count(of.begin(), of.end(), of[0])));
+  std::vector<PeriodResult> results;
+  many.carry(starts, periods, false, results);
+  for (std::size_t k = 0; k < starts.size(); ++k) {
+    const PeriodResult& end = results[(k + 1) * periods - 1];
+    if (end.termination == Termination::time) states[of[k]].push_back(Vector{{end.x, end.v}});
+  }
+  return states;
+}
+
+/// What an average says, with a look at where its motions came to, so many at a time.
+void conclude(const HybridSystem& system, const AttractorAt& at, LyapunovSpectrum average, std::vector<Vector> ends,
+              const AttractorOptions& options, std::size_t together) {
   Attractor& attractor = *at.attractor;
   // Where it was broken off says nothing: the rest may have come to something else.
   if (average.stop == LyapunovStop::interrupted) return take_average(std::move(average), options, attractor);
   attractor.time_average = std::move(average);
   attractor.state = attractor.time_average.state;
-  std::vector<Vector> ends = attractor.time_average.others;
-  ends.insert(ends.begin(), attractor.state);
   if (ends.size() > 1) ends = that_may_settle(system, at.p, ends, options.lyapunov.flow);
   for (std::size_t begin = 0; begin < ends.size(); begin += together) {
     std::vector<std::optional<PeriodicOrbit>> orbits(std::min(together, ends.size() - begin));
@@ -78,30 +111,12 @@ void conclude(const HybridSystem& system, const AttractorAt& at, LyapunovSpectru
 void average(const HybridSystem& system, const std::vector<AttractorAt>& which, const LyapunovOptions& averaging,
              const AttractorOptions& options) {
   std::vector<LyapunovSpectrum> averages = spectra(system, which, averaging);
+  std::vector<std::vector<Vector>> ends = later_states(system, which, averages, options);
   const bool all_threads = options.lyapunov.all_threads;
   const std::size_t together = all_threads && which.size() == 1 ? threads_here() : 1;
-  for_each_index(all_threads, which.size(),
-                 [&](std::size_t i) { conclude(system, which[i], std::move(averages[i]), options, together); });
-}
-
-/// Motions side by side are short. Where they have not settled, one is followed for as long as one that is averaged alone.
-void look_far_on(const HybridSystem& system, const std::vector<AttractorAt>& which, const AttractorOptions& options) {
-  AttractorOptions far = options;
-  far.transient = 2000;
-  std::vector<Attractor*> looked_at;
-  std::vector<AverageStart> starts;
-  for (const AttractorAt& at : which) {
-    const LyapunovStop stop = at.attractor->time_average.stop;
-    if (at.attractor->type == AttractorType::periodic || at.attractor->time_average.others.empty()) continue;
-    if (stop != LyapunovStop::standard_error && stop != LyapunovStop::budget) continue;
-    looked_at.push_back(at.attractor);
-    starts.push_back({at.p, at.attractor->state});
-  }
-  std::vector<Attractor> later = approach_each_attractor(system, starts, far);
-  for (std::size_t i = 0; i < later.size(); ++i) {
-    if (later[i].termination == Termination::interrupted) looked_at[i]->time_average.stop = LyapunovStop::interrupted;
-    if (later[i].orbit) settle_on(*looked_at[i], std::move(*later[i].orbit));
-  }
+  for_each_index(all_threads, which.size(), [&](std::size_t i) {
+    conclude(system, which[i], std::move(averages[i]), std::move(ends[i]), options, together);
+  });
 }
 
 /// Of the motion that was averaged from `begin` on: null where it cannot linger.
@@ -155,7 +170,6 @@ void average_on_each_attractor(const HybridSystem& system, const std::vector<Att
     std::copy_if(open.begin(), open.end(), std::back_inserter(unsure),
                  [&](const AttractorAt& at) { return wants_confirmation(options, *at.attractor); });
     average(system, unsure, averaging, options);
-    look_far_on(system, open, options);
     longer.transient = longer_transient(longer.transient);
     std::vector<AttractorAt> going_on;
     for (std::size_t i = 0; i < open.size(); ++i) {
