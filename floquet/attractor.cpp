@@ -2,7 +2,6 @@
 #include <graze/floquet/approach.hpp>
 #include <graze/floquet/rounds.hpp>
 #include <graze/floquet/side_by_side.hpp>
-#include <graze/lib/in_parallel.hpp>
 
 namespace graze {
 
@@ -37,38 +36,6 @@ Attractor approach_attractor(const HybridSystem& system, const Vector& p, const 
     if (approach.asks() > 0) approach.answer(look_for_orbit(propagator, approach.state(), approach.asks(), options));
   } while (approach.open());
   return std::move(approach).result();
-}
-
-std::vector<Attractor> approach_each_attractor(const HybridSystem& system, const std::vector<AverageStart>& starts,
-                                               const AttractorOptions& options) {
-  std::vector<Attractor> out;
-  if (!lanes_know_each(system, starts, options.lyapunov.flow)) {
-    for (const AverageStart& start : starts) out.push_back(approach_attractor(system, start.p, start.state, options));
-    return out;
-  }
-  ManyMotions many(system, options.lyapunov.flow);
-  std::vector<std::size_t> sets;
-  std::vector<Approach> approaches;
-  for (const AverageStart& start : starts) {
-    sets.push_back(many.add_parameters(start.p));
-    approaches.emplace_back(system, start.p, start.state, options);
-  }
-  const auto stop = [&] { return cancelled(options); };
-  for (std::vector<std::size_t> asking;; asking.clear()) {
-    if (!carry_side_by_side(many, sets, approaches, stop))
-      for (Approach& approach : approaches)
-        if (approach.open()) approach.stop(Termination::interrupted);
-    for (std::size_t k = 0; k < approaches.size(); ++k)
-      if (approaches[k].asks() > 0) asking.push_back(k);
-    if (asking.empty()) break;
-    for_each_index(options.lyapunov.all_threads, asking.size(), [&](std::size_t i) {
-      Approach& approach = approaches[asking[i]];
-      Propagator propagator(system, starts[asking[i]].p, {}, options.lyapunov.flow);
-      approach.answer(look_for_orbit(propagator, approach.state(), approach.asks(), options));
-    });
-  }
-  for (Approach& approach : approaches) out.push_back(std::move(approach).result());
-  return out;
 }
 
 Attractor find_attractor(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options) {

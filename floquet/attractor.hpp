@@ -52,10 +52,8 @@ Attractor approach_attractor(const HybridSystem& system, const Vector& p, const 
 void average_on_attractor(const HybridSystem& system, const Vector& p, Attractor& attractor,
                           const AttractorOptions& options = {});
 
-/// The same of several, side by side in SIMD lanes where they know the oscillator. What one comes out as does not depend on the
-/// others.
-std::vector<Attractor> approach_each_attractor(const HybridSystem& system, const std::vector<AverageStart>& starts,
-                                               const AttractorOptions& options = {});
+/// The second half of several, side by side in SIMD lanes where they know the oscillator. What one comes out as does not depend
+/// on the others.
 struct AttractorAt {
   Vector p;
   Attractor* attractor = nullptr;

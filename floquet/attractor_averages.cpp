@@ -51,34 +51,29 @@ std::vector<LyapunovSpectrum> spectra(const HybridSystem& system, const std::vec
 /// Where the motions of each average are after so many forcing periods more, in all: those side by side are short, and chaos may
 /// be a transient.
 std::vector<std::vector<Vector>> later_states(const HybridSystem& system, const std::vector<AttractorAt>& which,
-                                              const std::vector<LyapunovSpectrum>& averages, const AttractorOptions& options) {
-  constexpr std::size_t in_all = 2000;
-  ManyMotions many(system, options.lyapunov.flow);
-  if (options.lyapunov.all_threads) many.use_all_threads();
+                                              const std::vector<LyapunovSpectrum>& averages, const LyapunovOptions& averaging) {
+  constexpr int in_all = 2000;
+  ManyMotions many(system, averaging.flow);
+  if (averaging.all_threads) many.use_all_threads();
   std::vector<std::vector<Vector>> states(which.size());
-  std::vector<std::size_t> of;
+  std::vector<Vector*> carried;
   std::vector<MotionStart> starts;
   for (std::size_t i = 0; i < which.size(); ++i) {
-    if (averages[i].others.empty() || averages[i].stop == LyapunovStop::interrupted) {
-      states[i] = {averages[i].state};
-      continue;
-    }
+    states[i] = averages[i].others;
+    states[i].insert(states[i].begin(), averages[i].state);
+    if (states[i].size() == 1 || averages[i].stop == LyapunovStop::interrupted) continue;
     const std::size_t set = many.add_parameters(which[i].p);
-    const auto add = [&](const Vector& state) {
-      of.push_back(i);
+    for (Vector& state : states[i]) {
+      carried.push_back(&state);
       starts.push_back({set, state[0], state[1]});
-    };
-    add(averages[i].state);
-    for (const Vector& state : averages[i].others) add(state);
+    }
   }
-  if (starts.empty()) return states;
-  const std::size_t periods =
-      std::max<std::size_t>(1, in_all / static_cast<std::size_t>(std::count(of.begin(), of.end(), of[0])));
+  const auto periods = static_cast<std::size_t>(std::max(1, in_all / averaging.motions));
   std::vector<PeriodResult> results;
   many.carry(starts, periods, false, results);
-  for (std::size_t k = 0; k < starts.size(); ++k) {
+  for (std::size_t k = 0; k < carried.size(); ++k) {
     const PeriodResult& end = results[(k + 1) * periods - 1];
-    if (end.termination == Termination::time) states[of[k]].push_back(Vector{{end.x, end.v}});
+    if (end.termination == Termination::time) *carried[k] << end.x, end.v;
   }
   return states;
 }
@@ -111,7 +106,7 @@ void conclude(const HybridSystem& system, const AttractorAt& at, LyapunovSpectru
 void average(const HybridSystem& system, const std::vector<AttractorAt>& which, const LyapunovOptions& averaging,
              const AttractorOptions& options) {
   std::vector<LyapunovSpectrum> averages = spectra(system, which, averaging);
-  std::vector<std::vector<Vector>> ends = later_states(system, which, averages, options);
+  std::vector<std::vector<Vector>> ends = later_states(system, which, averages, averaging);
   const bool all_threads = options.lyapunov.all_threads;
   const std::size_t together = all_threads && which.size() == 1 ? threads_here() : 1;
   for_each_index(all_threads, which.size(), [&](std::size_t i) {

@@ -226,7 +226,7 @@ class Search {
     ManyMotions many(system_, options_.flow);
     const std::size_t set = many.add_parameters(p_);
     if (scout_.table()) many.use(set, *scout_.table());
-    carry_side_by_side(many, std::vector(watches.size(), set), watches, [this] { return cancelled(); });
+    carry_side_by_side(many, set, watches, [this] { return cancelled(); });
   }
 
   /// Whether a known orbit is so near that it may be the one.

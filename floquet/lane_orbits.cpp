@@ -207,12 +207,12 @@ LaneTask<> shoot_to(LanePlace& lane, const LaneGuess& guess, LanePatience patien
 
 LaneTask<LaneOrbit> shoot_in_lanes(LanePlace& lane, std::vector<std::array<double, 2>> states, LanePatience patience) {
   LaneOrbit orbit = co_await newton(lane, std::move(states), patience);
-  patience.most_growth = LanePatience{}.most_growth;
+  const LanePatience any_growth{.max_halvings = patience.max_halvings};
   for (const std::size_t shorter : shorter_periods(orbit)) {
     const Pair &first = orbit.states[0], &later = orbit.states[shorter];
     std::vector<Pair> again(orbit.states.begin(), orbit.states.begin() + static_cast<std::ptrdiff_t>(shorter));
     again[0] = {0.5 * (first[0] + later[0]), 0.5 * (first[1] + later[1])};
-    LaneOrbit found = co_await newton(lane, std::move(again), patience);
+    LaneOrbit found = co_await newton(lane, std::move(again), any_growth);
     if (!same(found, orbit)) continue;
     orbit = std::move(found);
     break;

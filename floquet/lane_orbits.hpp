@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // LaneOrbit: Newton's method for many periodic orbits side by side: the nodes of all of them, one per forcing period, are motions
 // of one period each, carried in SIMD lanes (ManyMotions). Equations, steps and ends are those of shoot() with its default
-// options, so that both come to the same orbit, within the acceptance of Newton's method. What an orbit is wanted for here is
-// whether it is stable: its multipliers come from trace and determinant of its monodromy matrix, the determinant factor by
-// factor.
+// options (but for LanePatience), so that both come to the same orbit, within the acceptance of Newton's method. What an orbit is
+// wanted for here is whether it is stable: its multipliers come from trace and determinant of its monodromy matrix, the
+// determinant factor by factor.
 #pragma once
 
 #include <graze/floquet/shooting.hpp>

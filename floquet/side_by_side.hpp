@@ -47,10 +47,9 @@ template <class Watch, class Cancelled> LaneTask<bool> carry_watched(LanePlace& 
   co_return true;
 }
 
-/// sets[i] are the parameters of watches[i] in `many`. Ends when none is open (true) or `cancelled` says so (false).
+/// All together, at a parameter set of `many`. Ends when none is open (true) or `cancelled` says so (false).
 template <class Watch, class Cancelled>
-bool carry_side_by_side(ManyMotions& many, const std::vector<std::size_t>& sets, std::vector<Watch>& watches,
-                        const Cancelled& cancelled) {
+bool carry_side_by_side(ManyMotions& many, std::size_t set, std::vector<Watch>& watches, const Cancelled& cancelled) {
   constexpr std::size_t at_once = 2048;  // results that stay in the cache until they are seen
   std::size_t carried = 0;
   std::vector<MotionStart> motions;
@@ -68,7 +67,7 @@ bool carry_side_by_side(ManyMotions& many, const std::vector<std::size_t>& sets,
       motions.clear();
       for (std::size_t k = begin; k < end; ++k) {
         const Vector& at = watches[open[k]].state();
-        motions.push_back({sets[open[k]], at[0], at[1]});
+        motions.push_back({set, at[0], at[1]});
       }
       many.carry(motions, stretch, false, results);
       const PeriodResult* next = results.data();

@@ -91,7 +91,7 @@ template <class Real> struct Memory {
   Real operator[](Coefficient c) const { return take<Real>(coefficient[c]); }
   void set(Field f, const Real& value) { put(field[f], value); }
   template <class Mask> void set(Field f, const Mask& mask, const Real& value) {
-    if constexpr (W == 1) {
+    if constexpr (W == 1) {  // (masks of one lane are branches that the processor foresees)
       if (mask) field[f][0] = value;
     } else {
       put(field[f], Real(select(mask, value, take<Real>(field[f]))));

@@ -102,14 +102,16 @@ TEST_CASE("what an average says does not depend on those beside it") {
   std::vector<AverageStart> starts;
   for (const double eta : {0.7, 0.7095, 0.711, 0.73, 0.7396, 0.745, 0.75, 0.78, 0.95})
     starts.push_back({parameters(system, {{"eta", eta}, {"r", 2.0}}), vector({1.4292500922535618, 0.8555925090162767})});
-  std::vector<Attractor> together = approach_each_attractor(system, starts, options);
+  std::vector<Attractor> reached;
+  for (const AverageStart& start : starts) reached.push_back(approach_attractor(system, start.p, start.state, options));
+  std::vector<Attractor> together = reached;
   std::vector<AttractorAt> which;
   for (std::size_t i = 0; i < starts.size(); ++i) which.push_back({starts[i].p, &together[i]});
   average_on_each_attractor(system, which, options);
   int chaotic = 0, periodic = 0;
   for (std::size_t i = 0; i < starts.size(); ++i) {
     INFO(law << ", eta = " << starts[i].p[oscillator_parameter::eta]);
-    Attractor alone = approach_each_attractor(system, {starts[i]}, options).front();
+    Attractor alone = reached[i];
     average_on_attractor(system, starts[i].p, alone, options);
     CHECK(together[i].type == alone.type);
     CHECK(together[i].period == alone.period);
