@@ -87,13 +87,4 @@ std::optional<MapChunk> chunk_from(std::string_view bytes, const MapPlan& plan, 
   return chunk;
 }
 
-std::optional<MapChunk> compute_chunk(const MapPlan& plan, int number) {
-  MapChunk chunk{plan.first_row(number), plan.rows_of(number), {}};
-  chunk.points = map_rows(plan.problem.system, plan.problem.parameters, plan.grid, layers_of(plan), chunk.first_row, chunk.rows,
-                          plan.options);
-  const bool whole = std::none_of(chunk.points.begin(), chunk.points.end(),
-                                  [](const MapPoint& point) { return point.type == MapType::not_run; });
-  return whole ? std::optional(std::move(chunk)) : std::nullopt;
-}
-
 }  // namespace graze::apps

@@ -29,7 +29,4 @@ std::string chunk_bytes(const MapChunk& chunk, const MapPlan& plan, std::uint64_
 /// nullopt: damaged, of another run, or not the chunk with this number.
 std::optional<MapChunk> chunk_from(std::string_view bytes, const MapPlan& plan, std::uint64_t fingerprint, int number);
 
-/// Computes a chunk of the plan. nullopt: it was cancelled before its end.
-std::optional<MapChunk> compute_chunk(const MapPlan& plan, int number);
-
 }  // namespace graze::apps

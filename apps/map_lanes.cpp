@@ -5,20 +5,40 @@
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
+#include <algorithm>
 #include <exception>
+#include <stdexcept>
+#include <utility>
 
 namespace graze::apps {
 
+namespace {
+
+MapOptions with(MapOptions options, std::function<bool()> cancelled, std::function<void()> progress) {
+  options.cancelled = std::move(cancelled);
+  options.progress = std::move(progress);
+  return options;
+}
+
+}  // namespace
+
 MapLanes::MapLanes(const MapPlan& plan, std::uint64_t fingerprint, int threads)
-    : plan_(plan), fingerprint_(fingerprint), threads_(threads) {
-  plan_.options.cancelled = [this] { return stopped_ || interrupted(); };
-  plan_.options.progress = [this] { ++points_; };
-  thread_ = std::thread([this] {
-    oneapi::tbb::task_arena arena(threads_);
-    arena.execute([this] {
-      oneapi::tbb::parallel_for(
-          0, threads_, [this](int) { lane(); }, oneapi::tbb::simple_partitioner());
-    });
+    : plan_(plan), fingerprint_(fingerprint),
+      work_(plan_.problem.system, plan_.problem.parameters, plan_.grid, layers_of(plan_),
+            with(
+                plan_.options, [this] { return stopped_ || interrupted(); }, [this] { ++points_; }),
+            threads, [this](int first_row, std::vector<MapPoint> points) { finish(first_row, std::move(points)); }) {
+  thread_ = std::thread([this, threads] {
+    try {
+      oneapi::tbb::task_arena arena(threads);
+      arena.execute([this, threads] {
+        oneapi::tbb::parallel_for(
+            0, threads, [this](int) { work_.work(); }, oneapi::tbb::simple_partitioner());
+      });
+    } catch (const std::exception& error) {
+      const std::lock_guard lock(mutex_);
+      error_ = error.what();
+    }
   });
 }
 
@@ -27,25 +47,11 @@ MapLanes::~MapLanes() {
   thread_.join();
 }
 
-void MapLanes::give(int number) {
-  const std::lock_guard lock(mutex_);
-  todo_.push_back(number);
-  given_.notify_one();
-}
-
-void MapLanes::close() {
-  const std::lock_guard lock(mutex_);
-  closed_ = true;
-  given_.notify_all();
-}
-
-int MapLanes::free() const {
-  const std::lock_guard lock(mutex_);
-  return threads_ - in_work_ - static_cast<int>(todo_.size());
-}
+void MapLanes::give(int number) { work_.give(plan_.first_row(number), plan_.rows_of(number)); }
 
 std::optional<FinishedChunk> MapLanes::take() {
   const std::lock_guard lock(mutex_);
+  if (!error_.empty()) throw std::runtime_error("points of the map could not be computed: " + error_);
   if (finished_.empty()) return std::nullopt;
   FinishedChunk chunk = std::move(finished_.front());
   finished_.pop_front();
@@ -58,33 +64,18 @@ void MapLanes::wait(std::chrono::milliseconds longest) {
 }
 
 void MapLanes::stop() {
-  const std::lock_guard lock(mutex_);
   stopped_ = true;
-  given_.notify_all();
+  close();
 }
 
-void MapLanes::lane() {
-  for (;;) {
-    FinishedChunk result;
-    {
-      std::unique_lock lock(mutex_);
-      given_.wait(lock, [this] { return stopped_ || closed_ || !todo_.empty(); });
-      if (stopped_ || todo_.empty()) return;
-      result.number = todo_.front();
-      todo_.pop_front();
-      ++in_work_;
-    }
-    try {
-      if (const auto chunk = compute_chunk(plan_, result.number)) result.bytes = chunk_bytes(*chunk, plan_, fingerprint_);
-    } catch (const std::exception& error) {
-      result.error = error.what();
-    }
-    const std::lock_guard lock(mutex_);
-    --in_work_;
-    if (result.bytes.empty() && result.error.empty()) return;  // cancelled
-    finished_.push_back(std::move(result));
-    done_.notify_one();
-  }
+void MapLanes::finish(int first_row, std::vector<MapPoint> points) {
+  const auto not_run = [](const MapPoint& point) { return point.type == MapType::not_run; };
+  if (std::any_of(points.begin(), points.end(), not_run)) return;  // cancelled
+  const int number = first_row / plan_.chunk_rows;
+  FinishedChunk chunk{number, chunk_bytes({first_row, plan_.rows_of(number), std::move(points)}, plan_, fingerprint_)};
+  const std::lock_guard lock(mutex_);
+  finished_.push_back(std::move(chunk));
+  done_.notify_one();
 }
 
 }  // namespace graze::apps

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// MapLanes: the threads of one process that compute chunks of a map: each takes a chunk, computes it, and lays down its bytes.
-// Towards the end, where there are fewer chunks than threads, the free ones help with the points of the others' chunks.
+// MapLanes: the threads of one process that compute chunks of a map and lay down their bytes. They work on the points of one
+// chunk together, and go on to the next while the last of it take their time.
 #pragma once
 
 #include <graze/apps/map_chunk.hpp>
+
+#include <graze/continuation/map_work.hpp>
 
 #include <atomic>
 #include <chrono>
@@ -18,8 +20,7 @@ namespace graze::apps {
 
 struct FinishedChunk {
   int number = 0;
-  std::string bytes;  ///< empty: it could not be computed
-  std::string error;  ///< then why not
+  std::string bytes;
 };
 
 class MapLanes {
@@ -30,10 +31,11 @@ class MapLanes {
   MapLanes& operator=(const MapLanes&) = delete;
 
   void give(int number);
-  /// No more will be given: threads without a chunk help the others.
-  void close();
-  /// How many more chunks would find a thread.
-  int free() const;
+  /// Whether a thread would find something to do in one more chunk.
+  bool wants_more() const { return work_.wants_more(); }
+  /// No more will be given.
+  void close() { work_.close(); }
+  /// @throws std::runtime_error if the points could not be computed.
   std::optional<FinishedChunk> take();
   /// Returns when a chunk may be finished, or after this time.
   void wait(std::chrono::milliseconds longest);
@@ -43,20 +45,18 @@ class MapLanes {
   void stop();
 
  private:
-  void lane();
+  void finish(int first_row, std::vector<MapPoint> points);
 
-  MapPlan plan_;
-  std::uint64_t fingerprint_;
-  int threads_;
+  const MapPlan plan_;
+  const std::uint64_t fingerprint_;
   std::atomic<bool> stopped_{false};
   std::atomic<std::size_t> points_{0};
-  mutable std::mutex mutex_;
-  std::condition_variable given_, done_;
-  std::deque<int> todo_;
-  bool closed_ = false;
+  std::mutex mutex_;
+  std::condition_variable done_;
   std::deque<FinishedChunk> finished_;
-  int in_work_ = 0;
-  std::thread thread_;  // waits for all lanes
+  std::string error_;
+  MapWork work_;
+  std::thread thread_;  // waits for all that work
 };
 
 }  // namespace graze::apps

@@ -40,7 +40,7 @@ struct LayerOrigin {
 };
 LayerOrigin layer_origin(const MapPlan& plan, int layer);
 
-/// What map_rows is given.
+/// What MapWork is given.
 std::vector<MapLayer> layers_of(const MapPlan& plan);
 
 /// Checks the whole plan before anything is computed. @throws std::invalid_argument.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Messages begin with a letter. From rank 0: P the plan, C a chunk to compute, N no more of them, E end. To it: W a free thread
-// wants a chunk, D a finished one, H still here, F failed, B bye (the last one).
+// Messages begin with a letter. From rank 0: P the plan, C a chunk to compute, N no more of them, E end. To it: W wants a chunk
+// to go on with, D a finished one, H still here, F failed, B bye (the last one).
 #include <graze/apps/interrupt.hpp>
 #include <graze/apps/map_lanes.hpp>
 #include <graze/apps/map_run.hpp>
@@ -46,11 +46,7 @@ class Master {
     Clock::time_point last = Clock::now();
     while (out_.message.empty() && store_.finished() < store_.plan().chunks()) {
       hand_out();
-      bool busy = false;
-      while (auto chunk = lanes_.take()) {
-        busy = true;
-        take(chunk->number, chunk->bytes, chunk->error, 0);
-      }
+      bool busy = take_finished();
       while (auto message = ranks_.receive()) {
         busy = true;
         hear(*message);
@@ -87,7 +83,7 @@ class Master {
  private:
   void hand_out() {
     while (next_ < todo_.size()) {
-      if (lanes_.free() > 0)
+      if (lanes_.wants_more())
         lanes_.give(todo_[next_++]);
       else if (!wanting_.empty()) {
         ranks_.send(wanting_.front(), numbered('C', todo_[next_++]));
@@ -101,10 +97,19 @@ class Master {
     for (int rank = 1; rank < ranks_.count(); ++rank) ranks_.send(rank, "N");
   }
 
-  void take(int number, const std::string& bytes, const std::string& error, int rank) {
-    if (bytes.empty()) {
-      fail(fmt::format("rows {} and following could not be computed{}: {}", store_.plan().first_row(number), on(rank), error));
-    } else if (auto failure = store_.keep(number, bytes)) {
+  /// False if there is none.
+  bool take_finished() {
+    bool any = false;
+    try {
+      for (; const auto chunk = lanes_.take(); any = true) keep(chunk->number, chunk->bytes);
+    } catch (const std::runtime_error& error) {
+      fail(error.what());
+    }
+    return any;
+  }
+
+  void keep(int number, const std::string& bytes) {
+    if (auto failure = store_.keep(number, bytes)) {
       fail(*failure);
       out_.unwritable = true;
     }
@@ -123,7 +128,7 @@ class Master {
       if (!chunk_from(bytes, store_.plan(), store_.fingerprint(), number))
         fail(fmt::format("chunk {} came damaged from rank {}", number, rank));
       else
-        take(number, bytes, {}, rank);
+        keep(number, bytes);
       break;
     }
     case 'F':
@@ -148,8 +153,6 @@ class Master {
   void fail(const std::string& message) {
     if (out_.message.empty()) out_.message = message;
   }
-
-  std::string on(int rank) const { return ranks_.count() > 1 ? fmt::format(" by rank {}", rank) : ""; }
 
   void report() {
     const int chunks = store_.plan().chunks(), finished = store_.finished();
@@ -180,22 +183,24 @@ class Helper {
   Helper(Ranks& ranks, const Json& head, int threads) : ranks_(ranks), plan_(plan_of(head)) {
     plan_.chunk_rows = head.at("chunk_rows");
     lanes_.emplace(plan_, head.at("fingerprint").get<std::uint64_t>(), threads);
-    for (int k = 0; k < threads; ++k) ranks_.send(0, "W");
   }
 
   /// Until rank 0 says that it is the end.
   void run() {
     Clock::time_point last_sign = Clock::now();
-    for (bool told = false;;) {
-      while (auto chunk = lanes_->take()) {
-        if (chunk->bytes.empty()) throw std::runtime_error(chunk->error);
-        ranks_.send(0, numbered('D', chunk->number, chunk->bytes));
+    for (bool told = false, asked = false;;) {
+      while (auto chunk = lanes_->take()) ranks_.send(0, numbered('D', chunk->number, chunk->bytes));
+      if (!asked && lanes_->wants_more()) {
+        asked = true;
         ranks_.send(0, "W");
       }
       while (auto message = ranks_.receive()) {
         const char letter = message->text.front();
         if (letter == 'E') return;
-        if (letter == 'C') lanes_->give(number_of(message->text));
+        if (letter == 'C') {
+          lanes_->give(number_of(message->text));
+          asked = false;
+        }
         if (letter == 'N') lanes_->close();
       }
       if (interrupted() && !told) {

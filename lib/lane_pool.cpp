@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <utility>
 
 namespace graze {
 
@@ -87,8 +88,12 @@ void LanePool::carry(std::span<const std::unique_ptr<Member>> members, bool tang
 }
 
 void LanePool::run(std::size_t count, const std::function<LaneTask<>(std::size_t, LanePlace&)>& make) {
-  std::vector<std::unique_ptr<Member>> members;
   std::size_t begun = 0;
+  run([&](LanePlace& lane, std::size_t) { return begun < count ? std::optional(make(begun++, lane)) : std::nullopt; });
+}
+
+void LanePool::run(const std::function<std::optional<LaneTask<>>(LanePlace&, std::size_t)>& next) {
+  std::vector<std::unique_ptr<Member>> members;
   const auto has_ended = [&](const std::unique_ptr<Member>& member) {
     if (!member->task.ended()) return false;
     member->task.result();
@@ -97,9 +102,11 @@ void LanePool::run(std::size_t count, const std::function<LaneTask<>(std::size_t
   };
   for (;;) {
     std::erase_if(members, has_ended);
-    while (begun < count && members.size() < together) {
+    while (members.size() < together) {
       auto member = std::make_unique<Member>(Member{LanePlace(*this), {}});
-      member->task = make(begun++, member->place);
+      auto task = next(member->place, members.size());
+      if (!task) break;
+      member->task = std::move(*task);
       member->task.begin();
       if (!has_ended(member)) members.push_back(std::move(member));
     }

@@ -66,8 +66,10 @@ class LanePool {
   /// Keep it alive.
   explicit LanePool(ManyMotions& motions) : motions_(motions) {}
 
-  /// Carries the computations make(0, its place) ... make(count - 1, its place) to their ends, of which so many are begun as
-  /// there is room for. @throws what the first of them to throw did.
+  /// Carries computations to their ends. As long as there is room, the next is asked for: next(its place, how many are carried);
+  /// nullopt: there is none now, or, where none is carried, no more. @throws what the first of them to throw did.
+  void run(const std::function<std::optional<LaneTask<>>(LanePlace&, std::size_t carried)>& next);
+  /// The same of make(0, its place) ... make(count - 1, its place).
   void run(std::size_t count, const std::function<LaneTask<>(std::size_t, LanePlace&)>& make);
 
  private:

@@ -49,8 +49,8 @@ ParameterAxis parse_parameter(const Problem& problem, const std::string& text) {
   return {name, axis.from, axis.to, axis.count};
 }
 
-/// Rows of a chunk, all of which go side by side: some hundreds of points, where they do not wait for each other, but enough
-/// chunks to hand out. Of rows that are followed there are enough for the lanes, in an even number of chunks of the same size.
+/// Rows of a chunk: some hundreds of points, where they do not wait for each other, but enough chunks to hand out. Of rows that
+/// are followed there are enough for the lanes, in an even number of chunks of the same size.
 int rows_of_a_chunk(const ParameterGrid& grid, bool followed) {
   const int columns = std::max(1, grid.columns.count), rows = std::max(1, grid.rows.count);
   if (!followed) return std::clamp(std::min(4096 / columns, rows / 8), 1, 16);
@@ -302,8 +302,8 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_choice(app, "--follow", options->follow, {"none", "up", "down", "both"},
              "along each row, a point starts from where its neighbour ended (default none: each from the start)");
   add_count(app, "--chunk", options->chunk_rows, 1,
-            "rows in a chunk: what a thread computes at a time, and is lost if it is killed (default 1, more of short rows in "
-            "large maps, up to 64 that are followed)");
+            "rows in a chunk: what is kept when it is finished, and lost if the program is killed before (default 1, more of short "
+            "rows in large maps, up to 64 that are followed)");
   begin_group(app, "Motions");
   add_count(
       app, "--settle", options->start.settle, 0,

@@ -6,6 +6,7 @@
 #include <graze/lib/oscillator.hpp>
 
 #include "support/checks.hpp"
+#include "support/map_points.hpp"
 #include "support/newton_oscillator.hpp"
 
 #include <catch2/catch.hpp>
@@ -14,7 +15,6 @@
 
 #include <atomic>
 #include <cmath>
-#include <cstring>
 
 using namespace graze;
 using namespace graze::support;
@@ -52,14 +52,6 @@ SweepOptions fine_sweep(double from, double to, SweepDirection direction) {
   options.directions = {direction};
   options.attractor.periods_on_orbit = 0;
   return options;
-}
-
-/// Equal to the last bit, NaN included.
-bool same(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
-
-bool same(const MapPoint& a, const MapPoint& b) {
-  return a.type == b.type && a.period == b.period && a.impacts == b.impacts && same(a.lambda_1, b.lambda_1) &&
-         same(a.standard_error, b.standard_error) && same(a.state[0], b.state[0]) && same(a.state[1], b.state[1]);
 }
 
 }  // namespace

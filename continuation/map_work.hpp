@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// MapWork: rows of a map on their way, on several threads. The threads take points (or rows that are followed) one by one, each
+// as many at a time as keep its lanes full: where rows are given piece by piece, the last points of one piece, which may take
+// long, have those of the next for company.
+#pragma once
+
+#include <graze/continuation/parameter_map.hpp>
+#include <graze/lib/lane_pool.hpp>
+
+#include <atomic>
+#include <condition_variable>
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+namespace graze {
+
+class MapWork {
+ public:
+  /// Takes what was given, and its points, ordered by row, layer, column; by any thread. Those not reached because of
+  /// MapOptions::cancelled are not_run.
+  using Done = std::function<void(int first, std::vector<MapPoint> points)>;
+
+  /// `threads`: that will work. @throws as check_map.
+  MapWork(const HybridSystem& system, const Vector& p, const ParameterGrid& grid, const std::vector<MapLayer>& layers,
+          const MapOptions& options, int threads, Done done);
+  MapWork(const MapWork&) = delete;
+  MapWork& operator=(const MapWork&) = delete;
+
+  /// `count` rows from row `first` on. @throws std::invalid_argument if the map does not have them.
+  void give(int first, int count);
+  /// Whether a thread would find something to do in rows given now. (Of one piece more than there are threads at the most: what
+  /// is in work is lost if the program is killed.)
+  bool wants_more() const;
+  /// No more will be given: threads that find nothing to do need not wait.
+  void close();
+  /// By each thread: until it is closed and nothing is left to begin. @throws what a computation did, and ends the others.
+  void work();
+
+ private:
+  /// Rows that were given at once.
+  struct Piece {
+    int first;
+    std::vector<MapPoint> points;
+    std::size_t left;  ///< strands
+  };
+  /// Points of which each waits for the one before: a row that is followed, or one point.
+  struct Strand {
+    const MapLayer* layer;
+    int row, column, count;  ///< columns from `column` on
+    MapPoint* out;           ///< of the row
+    std::shared_ptr<Piece> piece;
+  };
+
+  std::optional<Strand> draw(std::size_t carried);
+  void end(const Strand& strand);
+  LaneTask<> follow(LanePlace& lane, Strand strand);
+  const AttractorOptions* begin(const MapLayer& layer, const Vector& p, const std::optional<Vector>& neighbour, Vector& start,
+                                MapPoint& out) const;
+  void take(const Attractor& attractor, MapPoint& out) const;
+  bool cancelled() const { return failed_ || (options_.cancelled && options_.cancelled()); }
+
+  const HybridSystem system_;
+  const Vector p_;
+  const ParameterGrid grid_;
+  const std::vector<MapLayer> layers_;
+  const MapOptions options_;
+  const std::size_t threads_;
+  const Done done_;
+  AttractorOptions from_start_, from_neighbour_;
+  Eigen::Index column_ = 0, row_ = 0;
+
+  mutable std::mutex mutex_;  ///< of all below
+  std::condition_variable given_;
+  std::deque<Strand> strands_;  ///< not begun
+  std::size_t begun_ = 0;       ///< and not ended
+  std::size_t pieces_ = 0;      ///< that are not finished
+  bool closed_ = false;
+  std::atomic<bool> failed_ = false;
+};
+
+}  // namespace graze

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Maps that are given piece by piece: their points against those of whole maps, what is begun and what is waited for.
+#include <graze/continuation/map_work.hpp>
+#include <graze/lib/oscillator.hpp>
+
+#include "support/checks.hpp"
+#include "support/map_points.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+using namespace graze;
+using namespace graze::support;
+
+namespace {
+
+const ParameterGrid grid{{"eta", 0.70, 0.76, 12}, {"r", 1.8, 2.1, 6}};
+
+MapLayer from_rest(MapDirection follow) {
+  return {[](const Vector&) { return Vector{{0.0, 0.0}}; }, follow};
+}
+
+const HybridSystem& newton() {
+  static const HybridSystem system = make_oscillator("linear", "newton");
+  return system;
+}
+
+double clearance(const Vector& p) { return p[static_cast<Eigen::Index>(parameter_index(newton().parameters, "r"))]; }
+
+Vector elastic() { return parameters(newton(), {{"b", 0.05}, {"k_r", 1.0}}); }
+
+/// What came of pieces, by their first rows.
+struct Finished {
+  std::mutex mutex;
+  std::map<int, std::vector<MapPoint>> pieces;
+  MapWork::Done taker() {
+    return [this](int first, std::vector<MapPoint> points) {
+      const std::lock_guard lock(mutex);
+      pieces[first] = std::move(points);
+    };
+  }
+};
+
+}  // namespace
+
+TEST_CASE("map work: pieces come to what the whole map comes to, on any number of threads") {
+  const MapDirection follow = GENERATE(MapDirection::none, MapDirection::down);
+  const int threads = GENERATE(1, 3);
+  const std::vector<MapLayer> layers = {from_rest(follow), from_rest(MapDirection::up)};
+  const std::vector<MapPoint> whole = map_rows(newton(), elastic(), grid, layers, 0, 6);
+  Finished finished;
+  MapWork map(newton(), elastic(), grid, layers, {}, threads, finished.taker());
+  map.give(4, 2);
+  map.give(0, 1);
+  std::vector<std::thread> workers;
+  for (int k = 0; k < threads; ++k) workers.emplace_back([&map] { map.work(); });
+  map.give(1, 3);  // to threads that work, or wait
+  map.give(2, 0);
+  map.close();
+  for (std::thread& worker : workers) worker.join();
+  std::vector<MapPoint> together;
+  REQUIRE(finished.pieces.size() == 3);
+  for (const auto& [first, points] : finished.pieces) together.insert(together.end(), points.begin(), points.end());
+  REQUIRE(together.size() == whole.size());
+  CHECK(std::equal(whole.begin(), whole.end(), together.begin(), [](const auto& a, const auto& b) { return same(a, b); }));
+}
+
+TEST_CASE("map work: the next piece is begun while the last of the one before take their time") {
+  std::vector<int> rows;  // in which points were begun
+  const MapLayer layer{[&rows](const Vector& p) {
+                         rows.push_back(static_cast<int>(std::lround((clearance(p) - 1.8) / 0.06)));
+                         return Vector{{0.0, 0.0}};
+                       },
+                       MapDirection::none};
+  Finished finished;
+  std::vector<std::size_t> begun_at_end;
+  MapWork map(newton(), elastic(), grid, {layer}, {}, 1,
+              [&](int, const std::vector<MapPoint>&) { begun_at_end.push_back(rows.size()); });
+  CHECK(map.wants_more());
+  map.give(0, 1);
+  CHECK(map.wants_more());  // few points: it will soon be through with them
+  map.give(1, 5);
+  CHECK_FALSE(map.wants_more());
+  map.close();
+  map.work();
+  REQUIRE(begun_at_end.size() == 2);
+  CHECK(begun_at_end[0] > 12);  // points of the second piece before the end of the first
+  CHECK(std::is_sorted(rows.begin(), rows.end()));
+  CHECK(rows.size() == 72);
+}
+
+TEST_CASE("map work: what a computation throws ends the others, and those that wait") {
+  const MapLayer thrower{[](const Vector& p) -> Vector {
+                           if (clearance(p) > 1.9) throw std::runtime_error("no start");
+                           return Vector{{0.0, 0.0}};
+                         },
+                         MapDirection::none};
+  MapWork map(newton(), elastic(), grid, {thrower}, {}, 2, [](int, const std::vector<MapPoint>&) {});
+  std::atomic<int> thrown{0};
+  const auto work = [&] {
+    try {
+      map.work();
+    } catch (const std::runtime_error& error) {
+      thrown += error.what() == std::string("no start") ? 1 : 0;
+    }
+  };
+  std::thread waits(work), works(work);
+  map.give(0, 6);  // it is not closed
+  waits.join();
+  works.join();
+  CHECK(thrown >= 1);
+  CHECK_THROWS_AS(map.give(4, 3), std::invalid_argument);
+}

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Points of maps that should be the same.
+#pragma once
+
+#include <graze/continuation/parameter_map.hpp>
+
+#include <cstring>
+
+namespace graze::support {
+
+/// Equal to the last bit, NaN included.
+inline bool same(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+inline bool same(const MapPoint& a, const MapPoint& b) {
+  return a.type == b.type && a.period == b.period && a.impacts == b.impacts && same(a.lambda_1, b.lambda_1) &&
+         same(a.standard_error, b.standard_error) && same(a.state[0], b.state[0]) && same(a.state[1], b.state[1]);
+}
+
+}  // namespace graze::support
