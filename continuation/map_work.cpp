@@ -93,9 +93,9 @@ void MapWork::work() try {
 std::optional<MapWork::Strand> MapWork::draw(std::size_t carried) {
   std::unique_lock lock(mutex_);
   if (carried == 0) given_.wait(lock, [this] { return failed_ || closed_ || !strands_.empty(); });
-  const std::size_t of_all = share(strands_.size() + begun_, threads_);
-  const std::size_t of_unbegun = std::max(enough, share(strands_.size(), threads_));
-  if (failed_ || strands_.empty() || carried >= std::min(of_all, of_unbegun)) return std::nullopt;
+  std::size_t most = share(strands_.size() + begun_, threads_);
+  if (threads_ > 1) most = std::min(most, std::max(enough, share(strands_.size(), threads_)));
+  if (failed_ || strands_.empty() || carried >= most) return std::nullopt;
   Strand strand = std::move(strands_.front());
   strands_.pop_front();
   ++begun_;
