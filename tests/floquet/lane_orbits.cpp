@@ -90,6 +90,27 @@ TEST_CASE("lane orbits: closed forms with one impact, all of them at once") {
   CHECK(given_up >= 10);
 }
 
+TEST_CASE("lane orbits: before a fold, a guess is given up the sooner the fewer times a step is halved") {
+  for (const double k_r : {1.0, 0.7})
+    for (const double eta : {1.3, 1.7}) {
+      INFO("k_r " << k_r << " eta " << eta);
+      OneImpactParameters at{0.05, 1.0, eta, 1.0, k_r};
+      const OneImpactFamily family = one_impact_family(at, 1);
+      REQUIRE(family.fold_speed() > 0.05);
+      at.xi = family.xi_fold();
+      const OneImpactOrbit fold = one_impact_orbit(at, 1, family.fold_speed());
+      at.xi *= 0.98;
+      REQUIRE(one_impact_orbits(at, 1).empty());
+      const auto periods = [&](LanePatience patience) {
+        ManyMotions many(newton_oscillator());
+        const LaneGuess guess = guess_at(many.add_parameters(parameters_of(at)), fold, 0.0);
+        CHECK_FALSE(shoot_side_by_side(many, {guess}, patience).front().converged);
+        return many.carried();
+      };
+      CHECK(periods({.max_halvings = 6}) < periods({}));
+    }
+}
+
 TEST_CASE("lane orbits: of a Hertz stop, as shoot() finds them, alone and among others") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   ManyMotions many(system);

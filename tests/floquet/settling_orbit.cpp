@@ -54,8 +54,9 @@ TEST_CASE("a motion that passes by a stable orbit is not settling on it") {
   CHECK_FALSE(settling_orbit(system_with_both(), with_both(), chaotic, 12));
 }
 
-TEST_CASE("motions whose tangents grow for long are not worth a look") {
-  const std::vector<Vector> states = {chaotic, beside_orbit, later(chaotic, 100), later(beside_orbit, 5)};
+TEST_CASE("motions that end, or whose tangents grow for long, are not worth a look") {
+  const Vector inside_barrier = vector({2.5, 0.0});
+  const std::vector<Vector> states = {chaotic, beside_orbit, later(chaotic, 100), later(beside_orbit, 5), inside_barrier};
   const std::vector<Vector> left = that_may_settle(system_with_both(), with_both(), states);
   REQUIRE(left.size() == 2);
   CHECK(left[0] == states[1]);
