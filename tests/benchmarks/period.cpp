@@ -32,7 +32,7 @@
 //
 // On an EPYC of 2025 (Zen 5, with AVX-512 at full width) a thousand single operations take 76 ns one at a time, 36 in SSE2, 18 in
 // AVX2 and 9.1 in AVX-512, fused ones 126, 31 and 16. By the same counts one lane of Newton has its floor at 77 ns and takes 235
-// (187 with the program of 22 November 2026, on the same day and machine), eight at 9.3 and take 63; one lane of damped Hertz at
+// (before it became a tenth shorter, by the same measurement on a Xeon), eight at 9.3 and take 63; one lane of damped Hertz at
 // 0.8 us and takes 2.4, eight at 0.25 and take 0.58; eight of the cantilever at 0.29 and take 0.50.
 //
 // What does a forcing period cost, with its 2x2 sensitivity? Over 200 periods on the attractor, every solver at the loosest
