@@ -83,13 +83,14 @@ class Master {
  private:
   void hand_out() {
     while (next_ < todo_.size()) {
-      if (lanes_.wants_more())
-        lanes_.give(todo_[next_++]);
-      else if (!wanting_.empty()) {
+      if (!wanting_.empty()) {
         ranks_.send(wanting_.front(), numbered('C', todo_[next_++]));
         wanting_.pop_front();
-      } else
+      } else if (lanes_.wants_more()) {
+        lanes_.give(todo_[next_++]);
+      } else {
         return;
+      }
     }
     if (closed_) return;
     closed_ = true;

@@ -94,6 +94,7 @@ void LanePool::run(std::size_t count, const std::function<LaneTask<>(std::size_t
 
 void LanePool::run(const std::function<std::optional<LaneTask<>>(LanePlace&, std::size_t)>& next) {
   std::vector<std::unique_ptr<Member>> members;
+  std::unique_ptr<Member> fresh;
   const auto has_ended = [&](const std::unique_ptr<Member>& member) {
     if (!member->task.ended()) return false;
     member->task.result();
@@ -103,12 +104,13 @@ void LanePool::run(const std::function<std::optional<LaneTask<>>(LanePlace&, std
   for (;;) {
     std::erase_if(members, has_ended);
     while (members.size() < together) {
-      auto member = std::make_unique<Member>(Member{LanePlace(*this), {}});
-      auto task = next(member->place, members.size());
+      if (!fresh) fresh = std::make_unique<Member>(Member{LanePlace(*this), {}});
+      auto task = next(fresh->place, members.size());
       if (!task) break;
-      member->task = std::move(*task);
-      member->task.begin();
-      if (!has_ended(member)) members.push_back(std::move(member));
+      fresh->task = std::move(*task);
+      fresh->task.begin();
+      if (!has_ended(fresh)) members.push_back(std::move(fresh));
+      fresh = nullptr;
     }
     if (members.empty()) return;
     std::size_t tangents = 0, plain = 0;
