@@ -39,6 +39,14 @@ void AveragedMotion::end_interval(int interval, Growths& growths) {
   periods_ = 0;
 }
 
+void AveragedMotion::pass(std::span<const PeriodResult> results) {
+  // Where one ends, the others say the same.
+  termination_ = results.back().termination;
+  if (termination_ != Termination::time) return;
+  at_.x = results.back().x;
+  at_.v = results.back().v;
+}
+
 void AveragedMotion::add(std::span<const PeriodResult> results, bool counted, int interval) {
   Growths growths;
   const auto to_means = [&] {

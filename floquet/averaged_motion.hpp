@@ -22,6 +22,9 @@ class AveragedMotion {
   /// What its next periods did to it. Those that are not `counted` turn the vector alone.
   void add(std::span<const PeriodResult> results, bool counted, int interval);
 
+  /// The same of periods without a tangent, before all others.
+  void pass(std::span<const PeriodResult> results);
+
   /// Where it is now.
   const MotionStart& at() const { return at_; }
   /// Of the growth of a direction from one orthonormalisation (`interval` periods) to the next; whether it is lost: it fell to

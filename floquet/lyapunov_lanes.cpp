@@ -18,6 +18,8 @@ namespace {
 constexpr std::int64_t lasting = ManyMotions::periods_for_table / 4;
 /// Forcing periods between two looks at what has been reached: an eighth of what there was, lest much be carried in vain.
 constexpr std::size_t shortest_stretch = 32, longest_stretch = 256;
+/// What is left of `parting` with a tangent, to turn it: chaos aligns tangent vectors sooner than it parts motions.
+constexpr std::int64_t turning = 60;
 /// Of the motions side by side, that are worth all threads.
 constexpr std::size_t long_for_threads = 64;
 
@@ -29,7 +31,8 @@ class Average {
     const double apart = 1e-7 * (1.0 + std::abs(start.state[0]));
     for (int i = 0; i < std::max(1, options.motions); ++i)
       motions_.emplace_back(MotionStart{set, start.state[0] - apart * i, start.state[1]});
-    uncounted_ = std::max<std::int64_t>(options.aligning, motions_.size() > 1 ? parting : 0);
+    uncounted_ = std::max<std::int64_t>(options.aligning, motions_.size() > 1 ? turning : 0);
+    to_part_ = motions_.size() > 1 ? std::max<std::int64_t>(0, parting - uncounted_) : 0;
     out_.stop = LyapunovStop::budget;
     out_.state = start.state;
     open_ = options.max_periods >= options.interval * static_cast<std::int64_t>(motions_.size());
@@ -46,8 +49,15 @@ class Average {
     many.expect(motions_.front().at().parameters, options_.max_periods - out_.periods);
   }
 
+  /// What is to be carried next: whether with tangents, and for how many of `periods` periods.
+  bool with_tangents() const { return to_part_ == 0; }
+  std::size_t part_of(std::size_t periods) const {
+    return with_tangents() ? periods : std::min(periods, static_cast<std::size_t>(to_part_));
+  }
+
   /// What `periods` more did to its motions, one after the other.
   void add(const PeriodResult* results, std::size_t periods, std::size_t threads) {
+    if (!with_tangents()) return part(results, periods);
     for (std::size_t k = 0; k < periods && open_;) {
       const std::size_t n = std::min<std::size_t>(periods - k, static_cast<std::size_t>(until_look()));
       const bool counted = uncounted_ == 0;
@@ -65,7 +75,7 @@ class Average {
         look();
       }
     }
-    out_.state = Vector{{motions_.front().at().x, motions_.front().at().v}};
+    out_.state = state();
   }
 
   void stop(LyapunovStop reason) {
@@ -95,6 +105,15 @@ class Average {
     const std::int64_t intervals = options_.change > 0.0 || lost_[0] ? 1 : first.means(0).until_batch_ends();
     return std::max<std::int64_t>(1, std::min(intervals * options_.interval - first.periods_open(), to_end));
   }
+
+  void part(const PeriodResult* results, std::size_t periods) {
+    for (std::size_t i = 0; i < motions_.size(); ++i) motions_[i].pass({&results[i * periods], periods});
+    to_part_ -= static_cast<std::int64_t>(periods);
+    if (gather(); out_.termination != Termination::time) stop(LyapunovStop::failed);
+    out_.state = state();
+  }
+
+  Vector state() const { return Vector{{motions_.front().at().x, motions_.front().at().v}}; }
 
   /// From all motions.
   void gather() {
@@ -158,7 +177,7 @@ class Average {
   const LyapunovOptions& options_;
   double interval_time_;
   std::vector<AveragedMotion> motions_;
-  std::int64_t uncounted_ = 0;
+  std::int64_t to_part_ = 0, uncounted_ = 0;
   std::array<bool, 2> lost_{};
   std::array<double, 2> last_{};
   bool open_ = true, announced_ = false;
@@ -186,8 +205,9 @@ LaneTask<LyapunovSpectrum> lane_spectrum(LanePlace& lane, const HybridSystem& sy
     average.announce(lane.motions());
     motions.clear();
     for (const AveragedMotion& motion : average.motions()) motions.push_back(motion.at());
-    const std::span<const PeriodResult> periods = co_await lane.carry(motions, shortest_stretch, true);
-    average.add(periods.data(), shortest_stretch, 1);
+    const std::size_t stretch = average.part_of(shortest_stretch);
+    const std::span<const PeriodResult> periods = co_await lane.carry(motions, stretch, average.with_tangents());
+    average.add(periods.data(), stretch, 1);
   }
   co_return std::move(average).result();
 }
@@ -224,15 +244,18 @@ std::vector<LyapunovSpectrum> lane_spectra(const HybridSystem& system, const std
     }
     if (options.progress && periods > told) options.progress(told = periods);
     if (motions.empty()) break;
-    const std::size_t stretch = std::clamp(carried / 8, shortest_stretch, longest_stretch);
-    many.carry(motions, stretch, true, results);
+    open.clear();
+    for (Average& average : averages)
+      if (average.open()) open.emplace_back(&average, nullptr);
+    // All have the same options, and part for as long.
+    const Average& any = *open.front().first;
+    const std::size_t stretch = any.part_of(std::clamp(carried / 8, shortest_stretch, longest_stretch));
+    many.carry(motions, stretch, any.with_tangents(), results);
     carried += stretch;
     const PeriodResult* next = results.data();
-    open.clear();
-    for (Average& average : averages) {
-      if (!average.open()) continue;
-      open.emplace_back(&average, next);
-      next += average.motions().size() * stretch;
+    for (auto& [average, its_results] : open) {
+      its_results = next;
+      next += average->motions().size() * stretch;
     }
     const std::size_t threads_of_one = threads / std::min(open.size(), threads);
     for_each_index(options.all_threads, open.size(),

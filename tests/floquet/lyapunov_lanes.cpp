@@ -157,3 +157,22 @@ TEST_CASE("the number of motions is checked") {
   CHECK_THROWS_WITH(lyapunov_spectrum(system, default_parameters(system.parameters), vector({0.0, 0.0}), options),
                     "motions is 0; allowed is a whole number >= 1");
 }
+
+TEST_CASE("an average ends with its motions, and where it is cancelled, before they have parted") {
+  const HybridSystem system = make_oscillator("linear", "hertz");
+  const Vector p = parameters(system, {{"b", 0.05}, {"eta", 0.711}, {"r", 2.0}, {"k_H", 100.0}, {"b_H", 0.1}});
+  LyapunovOptions options;
+  options.motions = 16;
+  int asked = 0;
+  options.cancelled = [&asked] { return ++asked > 3; };
+  const LyapunovSpectrum cancelled = lyapunov_spectrum(system, p, vector({-0.379, -0.717}), options);
+  CHECK(cancelled.stop == LyapunovStop::interrupted);
+  CHECK(cancelled.periods == 0);
+  CHECK(cancelled.state != vector({-0.379, -0.717}));
+  options.cancelled = {};
+  options.flow.max_steps = 2;  // of a contact
+  const LyapunovSpectrum failed = lyapunov_spectrum(system, p, vector({-0.379, -0.717}), options);
+  CHECK(failed.stop == LyapunovStop::failed);
+  CHECK(failed.termination != Termination::time);
+  CHECK(failed.periods == 0);
+}
