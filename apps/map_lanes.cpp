@@ -37,7 +37,7 @@ MapLanes::MapLanes(const MapPlan& plan, std::uint64_t fingerprint, int threads)
       });
     } catch (const std::exception& error) {
       const std::lock_guard lock(mutex_);
-      error_ = error.what();
+      error_ = std::string("points of the map could not be computed: ") + error.what();
     }
   });
 }
@@ -51,7 +51,7 @@ void MapLanes::give(int number) { work_.give(plan_.first_row(number), plan_.rows
 
 std::optional<FinishedChunk> MapLanes::take() {
   const std::lock_guard lock(mutex_);
-  if (!error_.empty()) throw std::runtime_error("points of the map could not be computed: " + error_);
+  if (finished_.empty() && !error_.empty()) throw std::runtime_error(error_);
   if (finished_.empty()) return std::nullopt;
   FinishedChunk chunk = std::move(finished_.front());
   finished_.pop_front();
@@ -71,7 +71,7 @@ void MapLanes::stop() {
 void MapLanes::finish(int first_row, std::vector<MapPoint> points) {
   const auto not_run = [](const MapPoint& point) { return point.type == MapType::not_run; };
   if (std::any_of(points.begin(), points.end(), not_run)) return;  // cancelled
-  const int number = first_row / plan_.chunk_rows;
+  const int number = plan_.chunk_of(first_row);
   FinishedChunk chunk{number, chunk_bytes({first_row, plan_.rows_of(number), std::move(points)}, plan_, fingerprint_)};
   const std::lock_guard lock(mutex_);
   finished_.push_back(std::move(chunk));

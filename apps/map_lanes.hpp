@@ -35,7 +35,7 @@ class MapLanes {
   bool wants_more() const { return work_.wants_more(); }
   /// No more will be given.
   void close() { work_.close(); }
-  /// @throws std::runtime_error if the points could not be computed.
+  /// @throws std::runtime_error if the points of others could not be computed.
   std::optional<FinishedChunk> take();
   /// Returns when a chunk may be finished, or after this time.
   void wait(std::chrono::milliseconds longest);

@@ -28,6 +28,7 @@ struct MapPlan {
   int layers() const { return static_cast<int>(starts.size() * map_directions(follow).size()); }
   int chunks() const { return (grid.rows.count + chunk_rows - 1) / chunk_rows; }
   int first_row(int chunk) const { return chunk * chunk_rows; }
+  int chunk_of(int row) const { return row / chunk_rows; }
   int rows_of(int chunk) const { return std::min(chunk_rows, grid.rows.count - first_row(chunk)); }
   /// Points of all layers together.
   double points() const { return static_cast<double>(layers()) * grid.columns.count * grid.rows.count; }

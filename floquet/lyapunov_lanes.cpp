@@ -228,38 +228,35 @@ std::vector<LyapunovSpectrum> lane_spectra(const HybridSystem& system, const std
   }
   std::vector<MotionStart> motions;
   std::vector<PeriodResult> results;
-  std::vector<std::pair<Average*, const PeriodResult*>> open;
+  struct Open {
+    Average* average;
+    std::size_t first;  ///< of its motions
+  };
+  std::vector<Open> open;
   std::int64_t told = 0;
   std::size_t carried = 0;
   for (;;) {
     const bool cancelled = options.cancelled && options.cancelled();
     motions.clear();
+    open.clear();
     std::int64_t periods = 0;
     for (Average& average : averages) {
-      if (cancelled) average.stop(LyapunovStop::interrupted);
-      if (average.open()) average.announce(many);
-      if (average.open())
-        for (const AveragedMotion& motion : average.motions()) motions.push_back(motion.at());
       periods += average.periods();
+      if (cancelled) average.stop(LyapunovStop::interrupted);
+      if (!average.open()) continue;
+      average.announce(many);
+      open.push_back({&average, motions.size()});
+      for (const AveragedMotion& motion : average.motions()) motions.push_back(motion.at());
     }
     if (options.progress && periods > told) options.progress(told = periods);
-    if (motions.empty()) break;
-    open.clear();
-    for (Average& average : averages)
-      if (average.open()) open.emplace_back(&average, nullptr);
-    // All have the same options, and part for as long.
-    const Average& any = *open.front().first;
+    if (open.empty()) break;
+    const Average& any = *open.front().average;  // all have the same options, and part for as long
     const std::size_t stretch = any.part_of(std::clamp(carried / 8, shortest_stretch, longest_stretch));
     many.carry(motions, stretch, any.with_tangents(), results);
     carried += stretch;
-    const PeriodResult* next = results.data();
-    for (auto& [average, its_results] : open) {
-      its_results = next;
-      next += average->motions().size() * stretch;
-    }
     const std::size_t threads_of_one = threads / std::min(open.size(), threads);
     for_each_index(options.all_threads, open.size(),
-                   [&](std::size_t i) { open[i].first->add(open[i].second, stretch, threads_of_one); });
+                   [&](std::size_t i) { open[i].average->add(&results[open[i].first * stretch], stretch, threads_of_one); });
   }
   std::vector<LyapunovSpectrum> spectra;
   for (Average& average : averages) spectra.push_back(std::move(average).result());

@@ -22,7 +22,8 @@ bool lanes_know_each(const HybridSystem& system, const std::vector<AverageStart>
 
 /// LyapunovOptions::motions of each start, carried side by side until each has met the options' rule. Those beyond the first of
 /// a start begin next to it (1e-7 (1 + |x|) further from the barrier each) and are carried for `parting` periods, not counted,
-/// in which chaos parts them, and the last of which turn their tangent vectors. @throws std::invalid_argument as lyapunov_spectrum does, and where ManyMotions does not apply.
+/// in which chaos parts them, and the last of which turn their tangent vectors. @throws std::invalid_argument as
+/// lyapunov_spectrum does, and where ManyMotions does not apply.
 std::vector<LyapunovSpectrum> lane_spectra(const HybridSystem& system, const std::vector<AverageStart>& starts,
                                            const LyapunovOptions& options);
 

@@ -93,7 +93,7 @@ MapPlan plan_from(const Options& options, const Console& console) {
 MapRows rows_of(const MapStore& store) {
   return [&store, number = -1, chunk = MapChunk()](int row) mutable {
     const MapPlan& plan = store.plan();
-    const int wanted = row / plan.chunk_rows;
+    const int wanted = plan.chunk_of(row);
     if (wanted != number) {
       chunk = store.has(wanted) ? store.chunk(wanted) : MapChunk();
       number = wanted;
@@ -301,9 +301,10 @@ std::function<int(const Console&)> setup(CLI::App& app) {
             "initial state at forcing phase 0; repeatable, each is a layer of the map (default: the file's, else at rest)");
   add_choice(app, "--follow", options->follow, {"none", "up", "down", "both"},
              "along each row, a point starts from where its neighbour ended (default none: each from the start)");
-  add_count(app, "--chunk", options->chunk_rows, 1,
-            "rows in a chunk: what is kept when it is finished, and lost if the program is killed before (default 1, more of short "
-            "rows in large maps, up to 64 that are followed)");
+  add_count(
+      app, "--chunk", options->chunk_rows, 1,
+      "rows in a chunk: what is kept when it is finished, and lost if the program is killed before (default 1, more of short "
+      "rows in large maps, up to 64 that are followed)");
   begin_group(app, "Motions");
   add_count(
       app, "--settle", options->start.settle, 0,

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Maps that are given piece by piece: their points against those of whole maps, what is begun and what is waited for.
 #include <graze/continuation/map_work.hpp>
-#include <graze/lib/oscillator.hpp>
 
 #include "support/checks.hpp"
 #include "support/map_points.hpp"
+#include "support/newton_oscillator.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -25,18 +25,9 @@ namespace {
 
 const ParameterGrid grid{{"eta", 0.70, 0.76, 12}, {"r", 1.8, 2.1, 6}};
 
-MapLayer from_rest(MapDirection follow) {
-  return {[](const Vector&) { return Vector{{0.0, 0.0}}; }, follow};
-}
+double clearance(const Vector& p) { return p[static_cast<Eigen::Index>(parameter_index(newton_oscillator().parameters, "r"))]; }
 
-const HybridSystem& newton() {
-  static const HybridSystem system = make_oscillator("linear", "newton");
-  return system;
-}
-
-double clearance(const Vector& p) { return p[static_cast<Eigen::Index>(parameter_index(newton().parameters, "r"))]; }
-
-Vector elastic() { return parameters(newton(), {{"b", 0.05}, {"k_r", 1.0}}); }
+Vector elastic() { return parameters(newton_oscillator(), {{"b", 0.05}, {"k_r", 1.0}}); }
 
 /// What came of pieces, by their first rows.
 struct Finished {
@@ -56,9 +47,9 @@ TEST_CASE("map work: pieces come to what the whole map comes to, on any number o
   const MapDirection follow = GENERATE(MapDirection::none, MapDirection::down);
   const int threads = GENERATE(1, 3);
   const std::vector<MapLayer> layers = {from_rest(follow), from_rest(MapDirection::up)};
-  const std::vector<MapPoint> whole = map_rows(newton(), elastic(), grid, layers, 0, 6);
+  const std::vector<MapPoint> whole = map_rows(newton_oscillator(), elastic(), grid, layers, 0, 6);
   Finished finished;
-  MapWork map(newton(), elastic(), grid, layers, {}, threads, finished.taker());
+  MapWork map(newton_oscillator(), elastic(), grid, layers, {}, threads, finished.taker());
   map.give(4, 2);
   map.give(0, 1);
   std::vector<std::thread> workers;
@@ -83,7 +74,7 @@ TEST_CASE("map work: the next piece is begun while the last of the one before ta
                        MapDirection::none};
   Finished finished;
   std::vector<std::size_t> begun_at_end;
-  MapWork map(newton(), elastic(), grid, {layer}, {}, 1,
+  MapWork map(newton_oscillator(), elastic(), grid, {layer}, {}, 1,
               [&](int, const std::vector<MapPoint>&) { begun_at_end.push_back(rows.size()); });
   CHECK(map.wants_more());
   map.give(0, 1);
@@ -104,7 +95,7 @@ TEST_CASE("map work: what a computation throws ends the others, and those that w
                            return Vector{{0.0, 0.0}};
                          },
                          MapDirection::none};
-  MapWork map(newton(), elastic(), grid, {thrower}, {}, 2, [](int, const std::vector<MapPoint>&) {});
+  MapWork map(newton_oscillator(), elastic(), grid, {thrower}, {}, 2, [](int, const std::vector<MapPoint>&) {});
   std::atomic<int> thrown{0};
   const auto work = [&] {
     try {

@@ -31,10 +31,6 @@ Vector hertz_parameters(double eta = 0.95, double r = 2.0) {
   return parameters(damped_hertz(), {{"b", 0.05}, {"eta", eta}, {"r", r}, {"k_H", 100.0}, {"b_H", 0.1}});
 }
 
-MapLayer from_rest(MapDirection follow = MapDirection::none) {
-  return {[](const Vector&) { return Vector{{0.0, 0.0}}; }, follow};
-}
-
 std::vector<MapPoint> in_arena(int threads, const ParameterGrid& grid, const std::vector<MapLayer>& layers, int first,
                                int count) {
   oneapi::tbb::task_arena arena(threads);

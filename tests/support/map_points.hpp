@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Points of maps that should be the same.
+// Layers of maps, and points that should be the same.
 #pragma once
 
 #include <graze/continuation/parameter_map.hpp>
@@ -7,6 +7,10 @@
 #include <cstring>
 
 namespace graze::support {
+
+inline MapLayer from_rest(MapDirection follow = MapDirection::none) {
+  return {[](const Vector&) { return Vector{{0.0, 0.0}}; }, follow};
+}
 
 /// Equal to the last bit, NaN included.
 inline bool same(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
