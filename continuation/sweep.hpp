@@ -2,10 +2,9 @@
 // Sweep: the attractor followed from one value of a parameter to the next, up, down or both ways: what a laboratory sees, with
 // its hysteresis. Each value starts from the state in which the one before ended.
 //
-// Where the motion is not periodic, the time averages (which take long) of several values and the values behind them are computed
-// side by side: the next value starts from the state after transient and samples. Should an average end on a stable orbit after
-// all, the values behind it are computed again, from that orbit. So the result is that of one value after the other, on any
-// number of threads.
+// Where the motion is not periodic, the next value starts from the state after transient and samples. Time averages, which take
+// long, are taken side by side, of many rows (SweepWork). On smooth branches of orbits the values ahead are computed side by
+// side, too (SweepChain).
 #pragma once
 
 #include <graze/floquet/attractor.hpp>

@@ -52,15 +52,6 @@ Attractor approach_attractor(const HybridSystem& system, const Vector& p, const 
 void average_on_attractor(const HybridSystem& system, const Vector& p, Attractor& attractor,
                           const AttractorOptions& options = {});
 
-/// The second half of several, side by side in SIMD lanes where they know the oscillator. What one comes out as does not depend
-/// on the others.
-struct AttractorAt {
-  Vector p;
-  Attractor* attractor = nullptr;
-};
-void average_on_each_attractor(const HybridSystem& system, const std::vector<AttractorAt>& which,
-                               const AttractorOptions& options = {});
-
 /// Makes it the periodic attractor that a stable orbit is.
 void settle_on(Attractor& attractor, PeriodicOrbit orbit);
 

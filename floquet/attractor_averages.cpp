@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Time averages on attractors, of one motion or of several side by side, and what they say.
+// The time average on an attractor, of one motion or of several side by side, and what it says.
 #include <graze/floquet/approach.hpp>
 #include <graze/floquet/rounds.hpp>
 #include <graze/floquet/side_by_side.hpp>
 #include <graze/lib/in_parallel.hpp>
 
 #include <algorithm>
-#include <iterator>
 #include <numbers>
 
 namespace graze {
@@ -25,72 +24,66 @@ std::int64_t expected_periods(const LyapunovOptions& averaging) {
   return static_cast<std::int64_t>(
       std::min(static_cast<double>(averaging.max_periods), per_error > 0.0 ? 1.0 / (per_error * per_error) : 1e18));
 }
+}  // namespace
+
 int motions_in_chaos(const LyapunovOptions& averaging) {
   if (averaging.change > 0.0 || averaging.max_periods < budget_for_many) return 1;
   const std::int64_t wanted = expected_periods(averaging) / (10 * parting);
   return static_cast<int>(std::clamp(wanted / motions_of_a_thread * motions_of_a_thread, motions_of_a_thread, most_motions));
 }
 
-void average_on_orbit(const HybridSystem& system, const AttractorAt& at, const AttractorOptions& options) {
+int motions_in_company(const LyapunovOptions& averaging) {
+  const int alone = motions_in_chaos(averaging);
+  return expected_periods(averaging) < 4 * parting * alone ? 1 : alone;
+}
+
+namespace {
+
+void average_on_orbit(const HybridSystem& system, const Vector& p, Attractor& attractor, const AttractorOptions& options) {
   LyapunovOptions averaging = options.lyapunov;
   averaging.max_periods = std::min<std::int64_t>(averaging.max_periods, options.periods_on_orbit);
   if (averaging.max_periods >= averaging.interval)
-    at.attractor->time_average = lyapunov_spectrum(system, at.p, at.attractor->state, averaging);
+    attractor.time_average = lyapunov_spectrum(system, p, attractor.state, averaging);
 }
 
-std::vector<LyapunovSpectrum> spectra(const HybridSystem& system, const std::vector<AttractorAt>& which,
-                                      const LyapunovOptions& averaging) {
-  std::vector<AverageStart> starts;
-  for (const AttractorAt& at : which) starts.push_back({at.p, at.attractor->state});
-  if (averaging.motions > 1 && lanes_know_each(system, starts, averaging.flow)) return lane_spectra(system, starts, averaging);
-  std::vector<LyapunovSpectrum> out;
-  for (const AverageStart& start : starts) out.push_back(lyapunov_spectrum(system, start.p, start.state, averaging));
-  return out;
-}
-
-/// Where the motions of each average are after so many forcing periods more, in all: those side by side are short, and chaos may
-/// be a transient.
-std::vector<std::vector<Vector>> later_states(const HybridSystem& system, const std::vector<AttractorAt>& which,
-                                              const std::vector<LyapunovSpectrum>& averages, const LyapunovOptions& averaging) {
+/// Where the motions of an average are after so many forcing periods more, in all: those side by side are short, and chaos may be
+/// a transient.
+std::vector<Vector> later_states(const HybridSystem& system, const Vector& p, const LyapunovSpectrum& average,
+                                 const LyapunovOptions& averaging) {
   constexpr int in_all = 2000;
+  std::vector<Vector> states = average.others;
+  states.insert(states.begin(), average.state);
+  if (states.size() == 1 || average.stop == LyapunovStop::interrupted) return states;
   ManyMotions many(system, averaging.flow);
   if (averaging.all_threads) many.use_all_threads();
-  std::vector<std::vector<Vector>> states(which.size());
-  std::vector<Vector*> carried;
+  const std::size_t set = many.add_parameters(p);
   std::vector<MotionStart> starts;
-  for (std::size_t i = 0; i < which.size(); ++i) {
-    states[i] = averages[i].others;
-    states[i].insert(states[i].begin(), averages[i].state);
-    if (states[i].size() == 1 || averages[i].stop == LyapunovStop::interrupted) continue;
-    const std::size_t set = many.add_parameters(which[i].p);
-    for (Vector& state : states[i]) {
-      carried.push_back(&state);
-      starts.push_back({set, state[0], state[1]});
-    }
-  }
+  for (const Vector& state : states) starts.push_back({set, state[0], state[1]});
   const auto periods = static_cast<std::size_t>(std::max(1, in_all / averaging.motions));
   std::vector<PeriodResult> results;
   many.carry(starts, periods, false, results);
-  for (std::size_t k = 0; k < carried.size(); ++k) {
+  for (std::size_t k = 0; k < states.size(); ++k) {
     const PeriodResult& end = results[(k + 1) * periods - 1];
-    if (end.termination == Termination::time) *carried[k] << end.x, end.v;
+    if (end.termination == Termination::time) states[k] << end.x, end.v;
   }
   return states;
 }
 
-/// What an average says, with a look at where its motions came to, so many at a time.
-void conclude(const HybridSystem& system, const AttractorAt& at, LyapunovSpectrum average, std::vector<Vector> ends,
-              const AttractorOptions& options, std::size_t together) {
-  Attractor& attractor = *at.attractor;
+/// A time average, and what it says, with a look at where its motions came to.
+void average(const HybridSystem& system, const Vector& p, Attractor& attractor, const LyapunovOptions& averaging,
+             const AttractorOptions& options) {
+  LyapunovSpectrum average = lyapunov_spectrum(system, p, attractor.state, averaging);
   // Where it was broken off says nothing: the rest may have come to something else.
   if (average.stop == LyapunovStop::interrupted) return take_average(std::move(average), options, attractor);
+  std::vector<Vector> ends = later_states(system, p, average, averaging);
   attractor.time_average = std::move(average);
   attractor.state = attractor.time_average.state;
-  if (ends.size() > 1) ends = that_may_settle(system, at.p, ends, options.lyapunov.flow);
+  if (ends.size() > 1) ends = that_may_settle(system, p, ends, options.lyapunov.flow);
+  const std::size_t together = options.lyapunov.all_threads ? threads_here() : 1;
   for (std::size_t begin = 0; begin < ends.size(); begin += together) {
     std::vector<std::optional<PeriodicOrbit>> orbits(std::min(together, ends.size() - begin));
     in_parallel(orbits.size(), [&](std::size_t i) {
-      Propagator propagator(system, at.p, {}, options.lyapunov.flow);
+      Propagator propagator(system, p, {}, options.lyapunov.flow);
       orbits[i] = look_for_orbit(propagator, ends[begin + i], options.max_period, options);
     });
     if (cancelled(options)) {  // not all of them were looked at
@@ -101,17 +94,6 @@ void conclude(const HybridSystem& system, const AttractorAt& at, LyapunovSpectru
       if (orbit) return settle_on(attractor, std::move(*orbit));
   }
   take_average(std::move(attractor.time_average), options, attractor);
-}
-
-void average(const HybridSystem& system, const std::vector<AttractorAt>& which, const LyapunovOptions& averaging,
-             const AttractorOptions& options) {
-  std::vector<LyapunovSpectrum> averages = spectra(system, which, averaging);
-  std::vector<std::vector<Vector>> ends = later_states(system, which, averages, averaging);
-  const bool all_threads = options.lyapunov.all_threads;
-  const std::size_t together = all_threads && which.size() == 1 ? threads_here() : 1;
-  for_each_index(all_threads, which.size(), [&](std::size_t i) {
-    conclude(system, which[i], std::move(averages[i]), std::move(ends[i]), options, together);
-  });
 }
 
 /// Of the motion that was averaged from `begin` on: null where it cannot linger.
@@ -132,56 +114,31 @@ std::optional<Lingering> lingering(const HybridSystem& system, const Vector& p, 
 }
 
 /// Whether the motion that was averaged from `begin` on has to be followed on.
-bool goes_on(const HybridSystem& system, const AttractorAt& at, const Vector& begin, int round, const AttractorOptions& options) {
-  Attractor& attractor = *at.attractor;
-  const std::optional<Lingering> watch = lingering(system, at.p, begin, attractor, options);
+bool goes_on(const HybridSystem& system, const Vector& p, const Vector& begin, int round, const AttractorOptions& options,
+             Attractor& attractor) {
+  const std::optional<Lingering> watch = lingering(system, p, begin, attractor, options);
   LyapunovStop& stop = attractor.time_average.stop;
   const bool open = attractor.type != AttractorType::periodic && stop != LyapunovStop::interrupted;
   if (open && cancelled(options)) stop = LyapunovStop::interrupted;  // it may go on
-  return watch && goes_on(*watch, system, at.p, round, attractor);
+  return watch && goes_on(*watch, system, p, round, attractor);
 }
 
 }  // namespace
 
-void average_on_each_attractor(const HybridSystem& system, const std::vector<AttractorAt>& which,
-                               const AttractorOptions& options) {
-  std::vector<AttractorAt> open;
-  for (const AttractorAt& at : which) {
-    if (at.attractor->termination != Termination::time) continue;
-    if (at.attractor->type == AttractorType::periodic)
-      average_on_orbit(system, at, options);
-    else
-      open.push_back(at);
-  }
+void average_on_attractor(const HybridSystem& system, const Vector& p, Attractor& attractor, const AttractorOptions& options) {
   LyapunovOptions averaging = options.lyapunov;
   averaging.significance = options.significance;  // long enough to tell chaos, too
   averaging.motions = std::max(averaging.motions, motions_in_chaos(averaging));
   AttractorOptions longer = options;
-  for (int round = 0; !open.empty(); ++round) {
-    std::vector<Vector> begin;
-    for (const AttractorAt& at : open) begin.push_back(at.attractor->state);
-    average(system, open, averaging, options);
-    std::vector<AttractorAt> unsure;
-    std::copy_if(open.begin(), open.end(), std::back_inserter(unsure),
-                 [&](const AttractorAt& at) { return wants_confirmation(options, *at.attractor); });
-    average(system, unsure, averaging, options);
+  for (int round = 0; attractor.termination == Termination::time && attractor.type != AttractorType::periodic; ++round) {
+    const Vector begin = attractor.state;
+    average(system, p, attractor, averaging, options);
+    if (wants_confirmation(options, attractor)) average(system, p, attractor, averaging, options);
+    if (!goes_on(system, p, begin, round, options, attractor)) return;
     longer.transient = longer_transient(longer.transient);
-    std::vector<AttractorAt> going_on;
-    for (std::size_t i = 0; i < open.size(); ++i) {
-      if (!goes_on(system, open[i], begin[i], round, options)) continue;
-      Attractor& attractor = *open[i].attractor;
-      attractor = approach_attractor(system, open[i].p, attractor.state, longer);
-      if (attractor.type == AttractorType::periodic)
-        average_on_orbit(system, open[i], options);
-      else if (attractor.termination == Termination::time)
-        going_on.push_back(open[i]);
-    }
-    open = std::move(going_on);
+    attractor = approach_attractor(system, p, attractor.state, longer);
   }
-}
-
-void average_on_attractor(const HybridSystem& system, const Vector& p, Attractor& attractor, const AttractorOptions& options) {
-  average_on_each_attractor(system, {{p, &attractor}}, options);
+  if (attractor.termination == Termination::time) average_on_orbit(system, p, attractor, options);
 }
 
 }  // namespace graze

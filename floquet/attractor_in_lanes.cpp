@@ -8,6 +8,9 @@ namespace graze {
 
 namespace {
 
+/// Where an average takes so many periods, it is looked whether its motion has settled meanwhile, and after twice as many again.
+constexpr std::int64_t look_at_average = 2000;
+
 /// Asked before forcing periods are carried.
 struct Stop {
   const AttractorOptions& options;
@@ -43,8 +46,16 @@ LaneTask<bool> average(LanePlace& lane, const HybridSystem& system, const Vector
   averaging.significance = options.significance;
   for (bool again = false;; again = true) {
     const AverageStart start{p, attractor.state};
-    LyapunovSpectrum spectrum = co_await lane_spectrum(lane, system, start, averaging);
-    take_average(std::move(spectrum), options, attractor);
+    LaneAverage average(lane, system, start, averaging);
+    for (std::int64_t periods = look_at_average;; periods *= 2) {
+      const bool open = co_await average.carry(lane, periods);
+      if (!open) break;
+      SettlingLook looked = co_await look(lane, system, p, average.state(), options.max_period, options);
+      if (!looked.orbit) continue;
+      settle_on(attractor, std::move(*looked.orbit));
+      co_return false;
+    }
+    take_average(std::move(average).result(), options, attractor);
     if (again || !wants_confirmation(options, attractor)) break;
   }
   if (stop()) co_return false;  // where averages were broken off says nothing

@@ -100,8 +100,7 @@ double kaplan_yorke_dimension(const std::vector<double>& exponents) {
 LyapunovSpectrum lyapunov_spectrum(const HybridSystem& system, const Vector& p, const Vector& state,
                                    const LyapunovOptions& options) {
   validate(system, options);
-  if (options.motions > 1 && ManyMotions::applies(system, p, options.flow))
-    return std::move(lane_spectra(system, {{p, state}}, options).front());
+  if (options.motions > 1 && ManyMotions::applies(system, p, options.flow)) return lane_spectrum(system, {p, state}, options);
   initial_mode(system, 0.0, state, p);
   LyapunovSpectrum out;
   out.state = state;

@@ -39,7 +39,11 @@ class Average {
   }
 
   bool open() const { return open_; }
-  const std::vector<AveragedMotion>& motions() const { return motions_; }
+  /// Where its motions are.
+  void ask(std::vector<MotionStart>& motions) const {
+    motions.clear();
+    for (const AveragedMotion& motion : motions_) motions.push_back(motion.at());
+  }
 
   /// Tells `many` what is still to come, once that is known.
   void announce(ManyMotions& many) {
@@ -75,7 +79,7 @@ class Average {
         look();
       }
     }
-    out_.state = state();
+    out_.state = first_state();
   }
 
   void stop(LyapunovStop reason) {
@@ -83,6 +87,8 @@ class Average {
     open_ = false;
   }
   std::int64_t periods() const { return out_.periods; }
+  const Vector& state() const { return out_.state; }
+  bool cancelled() const { return options_.cancelled && options_.cancelled(); }
 
   LyapunovSpectrum result() && {
     const auto correlation = [&](std::size_t i) {
@@ -110,10 +116,10 @@ class Average {
     for (std::size_t i = 0; i < motions_.size(); ++i) motions_[i].pass({&results[i * periods], periods});
     to_part_ -= static_cast<std::int64_t>(periods);
     if (gather(); out_.termination != Termination::time) stop(LyapunovStop::failed);
-    out_.state = state();
+    out_.state = first_state();
   }
 
-  Vector state() const { return Vector{{motions_.front().at().x, motions_.front().at().v}}; }
+  Vector first_state() const { return Vector{{motions_.front().at().x, motions_.front().at().v}}; }
 
   /// From all motions.
   void gather() {
@@ -186,81 +192,67 @@ class Average {
 
 }  // namespace
 
-bool lanes_know_each(const HybridSystem& system, const std::vector<AverageStart>& starts, const FlowOptions& flow) {
-  return !starts.empty() && std::all_of(starts.begin(), starts.end(),
-                                        [&](const AverageStart& start) { return ManyMotions::applies(system, start.p, flow); });
-}
+class LaneAverage::Motions : public Average {
+ public:
+  using Average::Average;
+  std::vector<MotionStart> next;
+};
 
-LaneTask<LyapunovSpectrum> lane_spectrum(LanePlace& lane, const HybridSystem& system, const AverageStart& start,
-                                         const LyapunovOptions& options) {
+LaneAverage::LaneAverage(const LanePlace& lane, const HybridSystem& system, const AverageStart& start,
+                         const LyapunovOptions& options) {
   validate(system, options);
   initial_mode(system, 0.0, start.state, start.p);
-  Average average(start, lane.parameters(), options, forcing_period(system, start.p));
-  std::vector<MotionStart> motions;
-  while (average.open()) {
-    if (options.cancelled && options.cancelled()) {
+  motions_ = std::make_unique<Motions>(start, lane.parameters(), options, forcing_period(system, start.p));
+}
+
+LaneAverage::~LaneAverage() = default;
+
+LaneTask<bool> LaneAverage::carry(LanePlace& lane, std::int64_t periods) {
+  Motions& average = *motions_;
+  while (average.open() && average.periods() < periods) {
+    if (average.cancelled()) {
       average.stop(LyapunovStop::interrupted);
       break;
     }
     average.announce(lane.motions());
-    motions.clear();
-    for (const AveragedMotion& motion : average.motions()) motions.push_back(motion.at());
+    average.ask(average.next);
     const std::size_t stretch = average.part_of(shortest_stretch);
-    const std::span<const PeriodResult> periods = co_await lane.carry(motions, stretch, average.with_tangents());
-    average.add(periods.data(), stretch, 1);
+    const std::span<const PeriodResult> carried = co_await lane.carry(average.next, stretch, average.with_tangents());
+    average.add(carried.data(), stretch, 1);
   }
-  co_return std::move(average).result();
+  co_return average.open();
 }
 
-std::vector<LyapunovSpectrum> lane_spectra(const HybridSystem& system, const std::vector<AverageStart>& starts,
-                                           const LyapunovOptions& options) {
+const Vector& LaneAverage::state() const { return motions_->state(); }
+
+LyapunovSpectrum LaneAverage::result() && { return std::move(*motions_).result(); }
+
+LyapunovSpectrum lane_spectrum(const HybridSystem& system, const AverageStart& start, const LyapunovOptions& options) {
   validate(system, options);
+  initial_mode(system, 0.0, start.state, start.p);
   ManyMotions many(system, options.flow);
   if (options.all_threads) many.use_all_threads();
   const std::size_t threads = options.all_threads ? threads_here() : 1;
-  std::vector<Average> averages;
-  averages.reserve(starts.size());
-  for (const AverageStart& start : starts) {
-    initial_mode(system, 0.0, start.state, start.p);
-    const std::size_t set = many.add_parameters(start.p);
-    if (options.table) many.use(set, *options.table);
-    averages.emplace_back(start, set, options, forcing_period(system, start.p));
-  }
+  const std::size_t set = many.add_parameters(start.p);
+  if (options.table) many.use(set, *options.table);
+  Average average(start, set, options, forcing_period(system, start.p));
   std::vector<MotionStart> motions;
   std::vector<PeriodResult> results;
-  struct Open {
-    Average* average;
-    std::size_t first;  ///< of its motions
-  };
-  std::vector<Open> open;
   std::int64_t told = 0;
-  std::size_t carried = 0;
-  for (;;) {
-    const bool cancelled = options.cancelled && options.cancelled();
-    motions.clear();
-    open.clear();
-    std::int64_t periods = 0;
-    for (Average& average : averages) {
-      periods += average.periods();
-      if (cancelled) average.stop(LyapunovStop::interrupted);
-      if (!average.open()) continue;
-      average.announce(many);
-      open.push_back({&average, motions.size()});
-      for (const AveragedMotion& motion : average.motions()) motions.push_back(motion.at());
+  for (std::size_t carried = 0; average.open();) {
+    if (average.cancelled()) {
+      average.stop(LyapunovStop::interrupted);
+      break;
     }
-    if (options.progress && periods > told) options.progress(told = periods);
-    if (open.empty()) break;
-    const Average& any = *open.front().average;  // all have the same options, and part for as long
-    const std::size_t stretch = any.part_of(std::clamp(carried / 8, shortest_stretch, longest_stretch));
-    many.carry(motions, stretch, any.with_tangents(), results);
+    average.announce(many);
+    average.ask(motions);
+    const std::size_t stretch = average.part_of(std::clamp(carried / 8, shortest_stretch, longest_stretch));
+    many.carry(motions, stretch, average.with_tangents(), results);
     carried += stretch;
-    const std::size_t threads_of_one = threads / std::min(open.size(), threads);
-    for_each_index(options.all_threads, open.size(),
-                   [&](std::size_t i) { open[i].average->add(&results[open[i].first * stretch], stretch, threads_of_one); });
+    average.add(results.data(), stretch, threads);
+    if (options.progress && average.periods() > told) options.progress(told = average.periods());
   }
-  std::vector<LyapunovSpectrum> spectra;
-  for (Average& average : averages) spectra.push_back(std::move(average).result());
-  return spectra;
+  return std::move(average).result();
 }
 
 }  // namespace graze

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Time averages of many motions side by side (ManyMotions), for oscillators that the lanes know: over one motion each of many
-// parameter sets, or over several motions of one, whose average is that over the attractor sooner.
+// Time averages in SIMD lanes (ManyMotions), for oscillators that they know: over several motions side by side, whose average is
+// that over the attractor sooner, or over motions that share the lanes with those of other averages.
 //
 // Of two directions the first is carried along, u' = Phi u / |Phi u| with growth ln|Phi u|; what the second grows by is
 // ln|det Phi| less that (the same numbers as from QR).
@@ -17,19 +17,30 @@ struct AverageStart {
   Vector state;  ///< at forcing phase 0
 };
 
-/// Whether the lanes know the oscillator at all of these, of which there must be one.
-bool lanes_know_each(const HybridSystem& system, const std::vector<AverageStart>& starts, const FlowOptions& flow);
+/// Over LyapunovOptions::motions, side by side until they have met the options' rule. Those beyond the first begin next to it
+/// (1e-7 (1 + |x|) further from the barrier each) and are carried for `parting` periods, not counted, in which chaos parts them,
+/// and the last of which turn their tangent vectors. @throws std::invalid_argument as lyapunov_spectrum does, and where
+/// ManyMotions does not apply.
+LyapunovSpectrum lane_spectrum(const HybridSystem& system, const AverageStart& start, const LyapunovOptions& options);
 
-/// LyapunovOptions::motions of each start, carried side by side until each has met the options' rule. Those beyond the first of
-/// a start begin next to it (1e-7 (1 + |x|) further from the barrier each) and are carried for `parting` periods, not counted,
-/// in which chaos parts them, and the last of which turn their tangent vectors. @throws std::invalid_argument as
-/// lyapunov_spectrum does, and where ManyMotions does not apply.
-std::vector<LyapunovSpectrum> lane_spectra(const HybridSystem& system, const std::vector<AverageStart>& starts,
-                                           const LyapunovOptions& options);
+/// The same at a place in a pool, with stops on the way. (Keep the options alive.)
+class LaneAverage {
+ public:
+  LaneAverage(const LanePlace& lane, const HybridSystem& system, const AverageStart& start, const LyapunovOptions& options);
+  LaneAverage(const LaneAverage&) = delete;
+  LaneAverage& operator=(const LaneAverage&) = delete;
+  ~LaneAverage();
 
-/// The same of one start, at the parameters of its place.
-LaneTask<LyapunovSpectrum> lane_spectrum(LanePlace& lane, const HybridSystem& system, const AverageStart& start,
-                                         const LyapunovOptions& options);
+  /// Until it ends (false), or has averaged over so many periods (true).
+  LaneTask<bool> carry(LanePlace& lane, std::int64_t periods);
+  /// Where its first motion is.
+  const Vector& state() const;
+  LyapunovSpectrum result() &&;
+
+ private:
+  class Motions;
+  std::unique_ptr<Motions> motions_;
+};
 
 inline constexpr std::int64_t parting = 300;
 

@@ -28,6 +28,11 @@ Lingering watch_end(const Attractor& attractor, int period, double T, const Attr
 /// each round. Where it lingers after the last of them, and always has, it is undecided.
 bool goes_on(const Lingering& watch, const HybridSystem& system, const Vector& p, int round, Attractor& attractor);
 
+/// LyapunovOptions::motions of an average over what may be chaotic: where it is taken by itself, and where others are taken
+/// beside it, which fill the lanes unless it is long.
+int motions_in_chaos(const LyapunovOptions& averaging);
+int motions_in_company(const LyapunovOptions& averaging);
+
 /// What the time average over a motion that was not known to be periodic says, if it has not settled.
 void take_average(LyapunovSpectrum average, const AttractorOptions& options, Attractor& attractor);
 

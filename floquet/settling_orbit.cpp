@@ -193,7 +193,7 @@ PeriodicOrbit plain_orbit(const HybridSystem& system, const Vector& p, const Lan
   for (const Pair& state : found.states) orbit.states.push_back(vector_of(state));
   orbit.nodes = orbit.states;
   orbit.state = orbit.states.front();
-  orbit.impacts = found.impacts;
+  orbit.impacts = orbit.isolated_impacts = found.impacts;  // the lanes leave it to shoot() if it sticks
   orbit.newton.status = NewtonStatus::converged;
   orbit.admissible = Admissibility::admissible;  // its stretches between nodes are free runs
   orbit.multipliers.valid = true;
@@ -205,6 +205,15 @@ PeriodicOrbit plain_orbit(const HybridSystem& system, const Vector& p, const Lan
 }
 
 }  // namespace
+
+LaneTask<std::optional<PeriodicOrbit>> orbit_approached_in_lanes(LanePlace& lane, const HybridSystem& system, const Vector& p,
+                                                                 const LaneOrbit& orbit, const Vector& state) {
+  if (verdict(orbit, state) != Verdict::yes) co_return std::nullopt;
+  NearOrbit motion(orbit, state, std::abs(orbit.multipliers.front()), orbit.states.size());
+  co_await carry_watched(lane, motion, never);
+  if (!motion.comes_closer()) co_return std::nullopt;
+  co_return plain_orbit(system, p, orbit);
+}
 
 LaneTask<SettlingLook> look_for_orbit_in_lanes(LanePlace& lane, const HybridSystem& system, const Vector& p, const Vector& state,
                                                int max_period, double nearness, const FlowOptions& flow) {
@@ -228,9 +237,7 @@ LaneTask<SettlingLook> look_for_orbit_in_lanes(LanePlace& lane, const HybridSyst
       Propagator propagator(system, p, {}, flow);
       out.orbit = stable_orbit_near(propagator, nodes, n);
     } else if (says == Verdict::yes) {
-      NearOrbit motion(orbit, state, std::abs(orbit.multipliers.front()), orbit.states.size());
-      co_await carry_watched(lane, motion, never);
-      if (motion.comes_closer()) out.orbit = plain_orbit(system, p, orbit);
+      out.orbit = co_await orbit_approached_in_lanes(lane, system, p, orbit, state);
     }
     if (out.orbit) break;
   }

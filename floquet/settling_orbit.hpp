@@ -2,8 +2,7 @@
 // The stable orbit that a motion is settling on, known by Newton's method and not by a tolerance on its samples.
 #pragma once
 
-#include <graze/floquet/shooting.hpp>
-#include <graze/lib/lane_pool.hpp>
+#include <graze/floquet/lane_orbits.hpp>
 
 #include <optional>
 #include <vector>
@@ -37,6 +36,11 @@ struct SettlingLook {
 /// (lane_orbits.hpp), it comes without events, signature, monodromy matrix and checks.
 LaneTask<SettlingLook> look_for_orbit_in_lanes(LanePlace& lane, const HybridSystem& system, const Vector& p, const Vector& state,
                                                int max_period, double nearness, const FlowOptions& flow = {});
+
+/// An orbit found in lanes (few_halvings), if the motion at `state`, near it, comes closer to it, and it is stable and not
+/// delicate; at the parameters of the place. It comes as from look_for_orbit_in_lanes.
+LaneTask<std::optional<PeriodicOrbit>> orbit_approached_in_lanes(LanePlace& lane, const HybridSystem& system, const Vector& p,
+                                                                 const LaneOrbit& orbit, const Vector& state);
 
 /// Those of some states, of the same parameters, from which a motion may be settling on a stable orbit: its tangent does not grow
 /// for long. (In chaos it does; to find that out for all is less work than settling_orbit has with a few.) Carried in lanes.

@@ -42,13 +42,16 @@ LanePlace::Carrying LanePlace::carry(std::span<const MotionStart> motions, std::
   periods_ = periods;
   carried_ = 0;
   tangent_ = tangent;
+  speeds_ = nullptr;
   results_.resize(motions.size() * periods);
   return Carrying(*this);
 }
 
-LanePlace::Carrying LanePlace::carry(const Vector& state, std::size_t periods) {
+LanePlace::Carrying LanePlace::carry(const Vector& state, std::size_t periods, ImpactSpeeds* speeds) {
   const MotionStart start = at(state);
-  return carry({&start, 1}, periods, false);
+  const Carrying carrying = carry({&start, 1}, periods, false);
+  speeds_ = speeds;
+  return carrying;
 }
 
 /// Adds the next periods of its motions.
@@ -57,9 +60,9 @@ void LanePlace::add_runs(std::size_t periods, std::vector<MotionRun>& runs) {
   for (std::size_t m = 0; m < starts_.size(); ++m) {
     PeriodResult* const next = &results_[m * periods_ + carried_];
     if (carried_ == 0)
-      runs.push_back({starts_[m], periods, next});
+      runs.push_back({starts_[m], periods, next, speeds_});
     else if (next[-1].termination == Termination::time)
-      runs.push_back({{starts_[m].parameters, next[-1].x, next[-1].v}, periods, next});
+      runs.push_back({{starts_[m].parameters, next[-1].x, next[-1].v}, periods, next, speeds_});
     else
       std::fill_n(next, periods, PeriodResult{.termination = next[-1].termination});
   }
@@ -76,8 +79,9 @@ void LanePool::carry(std::span<const std::unique_ptr<Member>> members, bool tang
     motions_left[std::min(place.periods_ - place.carried_, most_periods)] += place.starts_.size();
     motions += place.starts_.size();
   }
+  const std::size_t all = std::min(busy, motions);
   std::size_t periods = 1, work = motions, going_on = motions - motions_left[1];
-  while (periods < fewest_periods || (periods < most_periods && work + going_on >= busy * (periods + 1))) {
+  while (periods < fewest_periods || (periods < most_periods && work + going_on >= all * (periods + 1))) {
     work += going_on;
     going_on -= motions_left[++periods];
   }

@@ -34,7 +34,7 @@ class LanePlace {
   class Carrying;
   /// co_await: what `periods` forcing periods did to these motions, as in ManyMotions::carry; good until the next time.
   Carrying carry(std::span<const MotionStart> motions, std::size_t periods, bool tangent);
-  Carrying carry(const Vector& state, std::size_t periods);
+  Carrying carry(const Vector& state, std::size_t periods, ImpactSpeeds* speeds = nullptr);
 
  private:
   friend class LanePool;
@@ -46,6 +46,7 @@ class LanePlace {
   std::vector<MotionStart> starts_;
   std::size_t periods_ = 0, carried_ = 0;
   bool tangent_ = false;
+  ImpactSpeeds* speeds_ = nullptr;
   std::vector<PeriodResult> results_;
   std::coroutine_handle<> waiting_;
 };

@@ -40,6 +40,14 @@ SpeedRange speeds_of(const lanes::SpeedsMet& met) {
 
 }  // namespace
 
+ImpactSpeeds::ImpactSpeeds() {
+  add = [](lanes::ImpactNotes& notes, double speed) {
+    auto& self = static_cast<ImpactSpeeds&>(notes);
+    self.list_.resize(self.count++);
+    self.list_.push_back(speed);
+  };
+}
+
 struct ManyMotions::Set {
   Vector p;
   lanes::Oscillator oscillator;
@@ -125,8 +133,12 @@ bool ManyMotions::do_left_over(const lanes::Motion& motion, std::size_t period, 
   if (!set.propagator) set.propagator = std::make_unique<Propagator>(*system_, set.p, std::vector<std::size_t>{}, options_);
   const bool first = period == 0;
   const Vector at{{first ? motion.x : motion.results[period - 1].x, first ? motion.v : motion.results[period - 1].v}};
-  graze::carry(*set.propagator, 0.0, set.period, at, {.sensitivity = tangent ? Sensitivity::state : Sensitivity::none},
-               transition_);
+  const TransitionOptions carrying{.sensitivity = tangent ? Sensitivity::state : Sensitivity::none,
+                                   .keep_events = motion.notes != nullptr};
+  graze::carry(*set.propagator, 0.0, set.period, at, carrying, transition_);
+  if (motion.notes)
+    for (const EventRecord& event : transition_.events)
+      if (begins_contact(event.kind)) motion.notes->add(*motion.notes, event.normal_speed);
   PeriodResult& out = motion.results[period] = {};
   out.termination = transition_.termination;
   out.by_propagator = true;
@@ -192,7 +204,7 @@ void ManyMotions::carry(std::span<const MotionRun> runs, bool tangent) {
       motions.push_back({one.done == 0 ? start.x : next[-1].x, one.done == 0 ? start.v : next[-1].v, start.parameters,
                          &set.oscillator.coefficients, set.oscillator.grid.get(), &set.oscillator.pressed,
                          set.oscillator.pressed_grid.get(), set.awaits_table ? std::min(left, periods_between_looks) : left, next,
-                         set.table ? &set.pieces : nullptr, set.awaits_table ? &set.met : nullptr});
+                         set.table ? &set.pieces : nullptr, set.awaits_table ? &set.met : nullptr, one.run->speeds});
     }
     const auto linear = static_cast<std::size_t>(std::partition_point(going.begin(), going.end(), is_linear) - going.begin());
     carried.assign(motions.size(), 0);

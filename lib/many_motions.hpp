@@ -32,11 +32,23 @@ struct MotionStart {
 /// What one forcing period did to a motion; termination `time`: all is well.
 using PeriodResult = lanes::Period;
 
+/// Speeds of impacts and of entries into contact, one after the other.
+class ImpactSpeeds : public lanes::ImpactNotes {
+ public:
+  ImpactSpeeds();
+  /// Those written down.
+  std::vector<double> list() const { return {list_.begin(), list_.begin() + static_cast<std::ptrdiff_t>(count)}; }
+
+ private:
+  std::vector<double> list_;
+};
+
 /// A motion to be carried over so many forcing periods, and where it is written down what each of them did.
 struct MotionRun {
   MotionStart start;
   std::size_t periods = 0;
   PeriodResult* results = nullptr;
+  ImpactSpeeds* speeds = nullptr;  ///< and at what speeds it hit the barrier; may be null
 };
 
 class ManyMotions {

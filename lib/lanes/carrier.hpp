@@ -26,6 +26,7 @@ template <class Flight> class Carrier {
     for (std::size_t i = 0; i < job.count; ++i) {
       tables_ = tables_ || job.motions[i].table;
       met_ = met_ || job.motions[i].met;
+      notes_ = notes_ || job.motions[i].notes;
     }
     Starts starts;
     for (std::size_t lane = 0; lane < W; ++lane) next_motion(lane, starts);
@@ -66,6 +67,7 @@ template <class Flight> class Carrier {
 
   void hit(Landing<Real> landing) {
     landing.where = memory_.count_impacts(landing.where);
+    if (notes_) note_impacts(landing);
     if (job_.law == Law::restitution) return rebound<Flight>(memory_, landing);
     if (job_.law == Law::linear_elastic) return change_sides<Flight>(memory_, landing, job_.motions);
     Mask<Real> touching = landing.where;
@@ -74,6 +76,17 @@ template <class Flight> class Carrier {
       if (tables_) touching = touching & !pass_known(landing);
     }
     if (any(touching)) touch(memory_, touching, Real(0.0), landing.v, landing.c, landing.s);
+  }
+
+  void note_impacts(const Landing<Real>& landing) {
+    alignas(64) double speed[W];
+    put(speed, landing.v);
+    for_each(landing.where, [&](std::size_t lane) {
+      ImpactNotes* const notes = job_.motions[memory_.motion[lane]].notes;
+      if (!notes || memory_.coefficient[side][lane] < 0.0) return;
+      WideRegisters::leave();
+      notes->add(*notes, speed[lane]);
+    });
   }
 
   /// Contacts that the table knows.
@@ -150,6 +163,7 @@ template <class Flight> class Carrier {
   /// Lets the motion of a lane begin a period at (x, v).
   void place(std::size_t lane, const Motion& motion, double x, double v, Starts& starts) {
     memory_.impacts[lane] = 0;
+    if (motion.notes) motion.notes->before = motion.notes->count;
     const double into = x - (*motion.coefficients)[barrier];
     memory_.load(lane, motion, job_.law == Law::linear_elastic && into > 0.0);
     if (job_.law == Law::restitution && into > 0.0) return memory_.assign(lane, Task::given_up);
@@ -169,6 +183,7 @@ template <class Flight> class Carrier {
     for_each(memory_.is(Task::given_up), [&](std::size_t lane) {
       const Motion& motion = job_.motions[memory_.motion[lane]];
       const std::size_t period = memory_.period[lane];
+      if (motion.notes) motion.notes->count = motion.notes->before;
       WideRegisters::leave();
       const bool done = job_.do_given_up && job_.do_given_up(job_.whom, job_, motion, period);
       if (!done || ++memory_.period[lane] == motion.periods) return end_motion(lane, starts);
@@ -180,7 +195,7 @@ template <class Flight> class Carrier {
   const Job& job_;
   std::size_t& taken_;
   double ratio_ = 1.0;
-  bool tables_ = false, met_ = false;
+  bool tables_ = false, met_ = false, notes_ = false;
   Memory<Real> memory_;
 };
 

@@ -66,6 +66,13 @@ struct SpeedsMet {
   std::array<std::int64_t, count> of_band{};
 };
 
+/// Where the speeds of impacts and of entries into contact are written down. (Those of a period that is given up are not: the
+/// next comes in their place.)
+struct ImpactNotes {
+  void (*add)(ImpactNotes& notes, double speed) = nullptr;  ///< as number `count`
+  std::size_t count = 0, before = 0;                        ///< and when the period began
+};
+
 /// What one forcing period did to one motion.
 struct Period {
   double x = 0.0, v = 0.0;      ///< at its end
@@ -88,6 +95,7 @@ struct Motion {
   Period* results = nullptr;             ///< of as many periods
   const ContactPieces* table = nullptr;  ///< of contacts; may be null
   SpeedsMet* met = nullptr;              ///< what to write the speeds of entry down in; may be null
+  ImpactNotes* notes = nullptr;          ///< may be null
 };
 
 enum class Law { restitution, hertz, linear_elastic };

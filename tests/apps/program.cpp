@@ -297,12 +297,12 @@ TEST_CASE("Ctrl-C keeps what was computed and exits with 130") {
 TEST_CASE("whoever asks the program to end, what was computed is kept (under nohup a terminal that closes asks nothing)") {
   const TemporaryFolder folder;
   const std::string out = folder.file("r.json");
-  const std::string sweep = "sweep " + newton + " --from 0.7 --to 0.76 --step 0.00003 --json " + out;
+  const std::string sweep = "sweep " + newton + " --from 0.7 --to 0.76 --step 0.000006 --json " + out;
   const auto before = std::signal(SIGHUP, SIG_DFL);  // these tests may run under nohup themselves, and hand that on
   for (const int signal : {SIGTERM, SIGHUP}) {
     const Outcome outcome = spawn(sweep, signal, 0.4);
     CHECK(outcome.code == 130);
-    CHECK_THAT(outcome.err, Contains("interrupted after ") && Contains(" of 2001 values"));
+    CHECK_THAT(outcome.err, Contains("interrupted after ") && Contains(" of 10001 values"));
     const Json json = Json::parse(read_file(out), nullptr, false);
     REQUIRE_FALSE(json.is_discarded());
     CHECK(json["status"] == "interrupted");

@@ -5,7 +5,7 @@
 #include <graze/continuation/sweep.hpp>
 #include <graze/lib/oscillator.hpp>
 
-#include "support/checks.hpp"
+#include "support/damped_hertz.hpp"
 #include "support/map_points.hpp"
 #include "support/newton_oscillator.hpp"
 
@@ -22,32 +22,12 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-const HybridSystem& damped_hertz() {
-  static const HybridSystem system = make_oscillator("linear", "hertz");
-  return system;
-}
-
-Vector hertz_parameters(double eta = 0.95, double r = 2.0) {
-  return parameters(damped_hertz(), {{"b", 0.05}, {"eta", eta}, {"r", r}, {"k_H", 100.0}, {"b_H", 0.1}});
-}
-
 std::vector<MapPoint> in_arena(int threads, const ParameterGrid& grid, const std::vector<MapLayer>& layers, int first,
                                int count) {
   oneapi::tbb::task_arena arena(threads);
   std::vector<MapPoint> points;
   arena.execute([&] { points = map_rows(damped_hertz(), hertz_parameters(), grid, layers, first, count); });
   return points;
-}
-
-/// By 1e-4, with the exponents of orbits from their multipliers alone.
-SweepOptions fine_sweep(double from, double to, SweepDirection direction) {
-  SweepOptions options;
-  options.from = from;
-  options.to = to;
-  options.step = 0.0001;
-  options.directions = {direction};
-  options.attractor.periods_on_orbit = 0;
-  return options;
 }
 
 }  // namespace
@@ -184,86 +164,6 @@ TEST_CASE("map: a transient that grows for a while is not taken for chaos") {
   CHECK(point.type == MapType::periodic);
   CHECK(point.period == 2);
   CHECK(point.lambda_1 == Approx(-0.05));
-}
-
-TEST_CASE("sweep: past a period doubling it goes on with the doubled orbit") {
-  // The PD is at eta = 0.919542643. The end of a row is an orbit to rounding, and the next one's unstable orbit is near.
-  const std::vector<SweepRow> rows =
-      sweep(damped_hertz(), hertz_parameters(), Vector{{0.0, 0.0}}, fine_sweep(0.9190, 0.9198, SweepDirection::down));
-  REQUIRE(rows.size() == 9);
-  for (const SweepRow& row : rows) {
-    INFO(row.value);
-    CHECK(row.attractor.type == AttractorType::periodic);
-    CHECK(row.attractor.period == (row.value > 0.919542643 ? 1 : 2));
-  }
-}
-
-TEST_CASE("sweep: a row has the states and impacts of its orbit, and what describes it") {
-  const std::vector<SweepRow> rows =
-      sweep(damped_hertz(), hertz_parameters(), Vector{{0.0, 0.0}}, fine_sweep(0.9190, 0.9194, SweepDirection::down));
-  for (const SweepRow& row : rows) {
-    INFO(row.value);
-    REQUIRE(row.attractor.orbit);
-    const PeriodicOrbit& orbit = *row.attractor.orbit;
-    CHECK(orbit.period == 2);
-    CHECK(orbit.multipliers.stable());
-    CHECK(orbit.events.empty());
-    CHECK(orbit.monodromy.factors.empty());
-    REQUIRE(row.states.size() == 2);
-    // The impacts of a free run from the first state, which comes back.
-    Propagator propagator(damped_hertz(), hertz_parameters(row.value));
-    const double T = forcing_period(damped_hertz(), hertz_parameters(row.value));
-    Transition run;
-    carry(propagator, 0.0, 2.0 * T, row.states[0], {.sensitivity = Sensitivity::none, .keep_events = true}, run);
-    CHECK((run.x1 - row.states[0]).norm() < 1e-11);
-    CHECK((row.end - row.states[0]).norm() < 1e-11);
-    std::vector<double> speeds;
-    for (const EventRecord& event : run.events)
-      if (begins_contact(event.kind)) speeds.push_back(event.normal_speed);
-    REQUIRE(row.impact_speeds.size() == speeds.size());
-    for (std::size_t k = 0; k < speeds.size(); ++k) CHECK(row.impact_speeds[k] == Approx(speeds[k]).epsilon(1e-11));
-  }
-}
-
-TEST_CASE("sweep: a slow way off an unstable orbit is not taken for chaos") {
-  // Past the doubling of a 1/1 orbit; after the transients asked for the motion is still near it, after some thousand periods on
-  // 2/1.
-  const Vector p = parameters(newton_oscillator(), {{"b", 0.02}, {"r", 1.0748}, {"k_r", 1.0}, {"xi", 0.5}, {"eta", 0.94318}});
-  for (const int transient : {10, 30, 100}) {
-    SweepOptions options = fine_sweep(0.528355, 0.588355, SweepDirection::up);
-    options.parameter = "k_r";
-    options.step = 0.02;
-    options.attractor.transient = transient;
-    options.attractor.lyapunov.max_periods = 20000;
-    options.attractor.lyapunov.standard_error = 1e-3;
-    const std::vector<SweepRow> rows = sweep(newton_oscillator(), p, Vector{{0.0, 0.0}}, options);
-    REQUIRE(rows.size() == 4);
-    INFO("transient " << transient);
-    CHECK(rows[1].attractor.type == AttractorType::periodic);
-    CHECK(rows[1].attractor.period == 2);
-    CHECK(rows[1].attractor.impacts == 1);
-  }
-}
-
-TEST_CASE("sweep: of an orbit and itself twice over the single one is found") {
-  // After 24 periods the motion is nearer than after 12: its multiplier is -0.98.
-  const Vector p = parameters(newton_oscillator(), {{"b", 0.005}, {"r", 0.0}, {"k_r", 0.7}, {"xi", 1.0}});
-  SweepOptions options = fine_sweep(1.0206608428392157, 1.0236608428392158, SweepDirection::up);
-  options.step = 0.0003;
-  const std::vector<SweepRow> rows = sweep(newton_oscillator(), p, Vector{{0.0, 0.0}}, options);
-  REQUIRE(rows.size() >= 10);
-  CHECK(rows[9].attractor.period == 12);
-  CHECK(rows[9].attractor.impacts == 17);
-}
-
-TEST_CASE("sweep: chaos in narrow bands is not taken for a motion that lingers") {
-  // The cascade of the cantilever's 4/2 orbit ends in bands so narrow that the motion repeats itself to 2e-3 for good.
-  const HybridSystem system = make_oscillator("cantilever", "linear");
-  const Vector p = parameters(system, {{"b", 0.026}, {"xi", 0.08}, {"r", 0.079}, {"beta", 36.0 / 35.0}, {"k_S", 25.0}});
-  const std::vector<SweepRow> rows = sweep(system, p, Vector{{0.0, 0.0}}, fine_sweep(0.5904, 0.5905, SweepDirection::up));
-  REQUIRE(rows.size() == 2);
-  for (const SweepRow& row : rows) CHECK(row.attractor.type == AttractorType::chaotic);
-  CHECK(rows[1].attractor.exponents[0] < 0.008);
 }
 
 TEST_CASE("map: starts inside a barrier, and points that were not reached, say so") {

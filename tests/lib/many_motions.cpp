@@ -332,3 +332,58 @@ TEST_CASE("a few motions take fewer lanes, to the same result") {
     }
   }
 }
+
+TEST_CASE("lanes write down the speeds of impacts and of entries into contact") {
+  const auto [model, law] = GENERATE(table<const char*, const char*>({{"linear", "newton"},
+                                                                      {"linear", "hertz"},
+                                                                      {"linear", "linear"},
+                                                                      {"cantilever", "newton"},
+                                                                      {"cantilever", "hertz"},
+                                                                      {"cantilever", "linear"}}));
+  const HybridSystem system = make_oscillator(model, law);
+  ManyMotions many(system);
+  const bool chatters = law == std::string("newton");
+  const Vector p = chatters ? parameters(system, {{"eta", 0.711}, {"r", 0.1}, {"k_r", 0.4}})
+                            : parameters(system, {{"eta", 0.711}, {"r", 0.5}});
+  many.add_parameters(p);
+  const auto starts = random_starts(40, 0.3, 1);
+  constexpr std::size_t periods = 6;
+  std::vector<PeriodResult> results(starts.size() * periods);
+  std::vector<ImpactSpeeds> speeds(starts.size());
+  std::vector<MotionRun> runs;
+  for (const std::size_t part : {std::size_t{2}, std::size_t{4}}) {  // it goes on where it was
+    runs.clear();
+    for (std::size_t m = 0; m < starts.size(); ++m) {
+      const PeriodResult* const last = part == 2 ? nullptr : &results[m * periods + 1];
+      const MotionStart start = last ? MotionStart{0, last->x, last->v} : starts[m];
+      runs.push_back({start, part, &results[m * periods + (last ? 2 : 0)], m % 5 == 4 ? nullptr : &speeds[m]});
+    }
+    many.carry(runs, false);
+  }
+  std::size_t compared = 0;
+  Propagator propagator(system, p);
+  const double T = forcing_period(system, p);
+  for (std::size_t m = 0; m < starts.size(); ++m) {
+    INFO(model << ", " << law << ", motion " << m);
+    if (results[m * periods].termination != Termination::time) continue;  // it began inside the barrier
+    std::vector<double> alone;
+    Vector x{{starts[m].x, starts[m].v}};
+    Transition one;
+    for (std::size_t k = 0; k < periods; ++k) {  // from where the lanes were, lest differences grow
+      carry(propagator, 0.0, T, x, {.sensitivity = Sensitivity::none, .keep_events = true}, one);
+      for (const EventRecord& event : one.events)
+        if (begins_contact(event.kind)) alone.push_back(event.normal_speed);
+      x << results[m * periods + k].x, results[m * periods + k].v;
+    }
+    const std::vector<double> list = speeds[m].list();
+    if (m % 5 == 4) {
+      CHECK(list.empty());
+      continue;
+    }
+    REQUIRE(list.size() == alone.size());
+    for (std::size_t i = 0; i < list.size(); ++i) CHECK(list[i] == Approx(alone[i]).margin(1e-10));
+    compared += list.size();
+  }
+  CHECK(compared > 100);
+  if (chatters) CHECK(many.left_over() > 50);  // their speeds are written down once
+}

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/continuation/orbits_ahead.hpp>
+#include <graze/floquet/settling_orbit.hpp>
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <utility>
+
+namespace graze {
+
+namespace {
+
+using States = std::vector<Vector>;
+
+/// The same orbit, from that of its states on from which it is closest to another.
+States turned_to(const States& other, const States& states) {
+  const std::size_t n = states.size();
+  States best;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t first = 0; first < n; ++first) {
+    double apart = 0.0;
+    for (std::size_t k = 0; k < n; ++k) apart = std::max(apart, (states[(first + k) % n] - other[k]).lpNorm<Eigen::Infinity>());
+    if (apart >= least) continue;
+    least = apart;
+    best.clear();
+    for (std::size_t k = 0; k < n; ++k) best.push_back(states[(first + k) % n]);
+  }
+  return best;
+}
+
+/// The polynomial through orbits at equidistant values, by its backward differences at the last of them.
+class Extrapolation {
+ public:
+  explicit Extrapolation(const std::vector<States>& before) {
+    std::vector<States> row;  // the last first
+    for (auto orbit = before.rbegin(); orbit != before.rend() && row.size() < most_orbits_before; ++orbit)
+      row.push_back(row.empty() ? *orbit : turned_to(row.back(), *orbit));
+    while (!row.empty()) {
+      differences_.push_back(row.front());
+      for (std::size_t i = 0; i + 1 < row.size(); ++i)
+        for (std::size_t k = 0; k < row[i].size(); ++k) row[i][k] -= row[i + 1][k];
+      row.pop_back();
+    }
+  }
+  /// So many values behind the last.
+  States at(std::size_t steps) const {
+    States states = differences_.front();
+    double weight = 1.0;  // binomial(steps + j - 1, j)
+    for (std::size_t j = 1; j < differences_.size(); ++j) {
+      weight *= static_cast<double>(steps + j - 1) / static_cast<double>(j);
+      for (std::size_t k = 0; k < states.size(); ++k) states[k] += weight * differences_[j][k];
+    }
+    return states;
+  }
+
+ private:
+  std::vector<States> differences_;
+};
+
+LaneTask<> shoot_to(LanePlace& lane, const Vector& p, const States& guess, LaneOrbit& orbit) {
+  lane.take_parameters(p);
+  std::vector<std::array<double, 2>> states;
+  for (const Vector& state : guess) states.push_back({state[0], state[1]});
+  constexpr int few_halvings = 2;  // what is not near is left to the motion
+  const LanePatience patience{.max_halvings = few_halvings};
+  orbit = co_await shoot_in_lanes(lane, std::move(states), patience);
+}
+
+LaneTask<> approach(LanePlace& lane, const HybridSystem& system, const Vector& p, const LaneOrbit& orbit, Vector from,
+                    std::optional<PeriodicOrbit>& reached) {
+  lane.take_parameters(p);
+  reached = co_await orbit_approached_in_lanes(lane, system, p, orbit, from);
+}
+
+Vector begin_of(const LaneOrbit& orbit) { return Vector{{orbit.states.front()[0], orbit.states.front()[1]}}; }
+
+}  // namespace
+
+std::vector<PeriodicOrbit> orbits_ahead(const HybridSystem& system, const std::vector<std::vector<Vector>>& before,
+                                        const std::vector<Vector>& next, const FlowOptions& flow) {
+  const auto known = [&](const Vector& p) { return ManyMotions::applies(system, p, flow); };
+  if (before.size() < 2 || !std::all_of(next.begin(), next.end(), known)) return {};
+  const Extrapolation extrapolation(before);
+  ManyMotions many(system, flow);
+  LanePool pool(many);
+  std::vector<States> guesses;
+  for (std::size_t i = 0; i < next.size(); ++i) guesses.push_back(extrapolation.at(i + 1));
+  std::vector<LaneOrbit> found(next.size());
+  pool.run(next.size(), [&](std::size_t i, LanePlace& lane) { return shoot_to(lane, next[i], guesses[i], found[i]); });
+  const auto missing = std::find_if(found.begin(), found.end(), [](const LaneOrbit& orbit) { return !orbit.converged; });
+  found.erase(missing, found.end());
+  std::vector<std::optional<PeriodicOrbit>> reached(found.size());
+  pool.run(found.size(), [&](std::size_t i, LanePlace& lane) {
+    return approach(lane, system, next[i], found[i], i == 0 ? before.back().front() : begin_of(found[i - 1]), reached[i]);
+  });
+  std::vector<PeriodicOrbit> orbits;
+  for (auto& orbit : reached) {
+    if (!orbit) break;
+    orbits.push_back(std::move(*orbit));
+  }
+  return orbits;
+}
+
+}  // namespace graze

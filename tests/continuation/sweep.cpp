@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Sweeps: rows against orbits and motions computed for themselves, from any of their rows on and on any number of threads; orbits
+// of the values ahead; motions that linger.
+#include <graze/continuation/orbits_ahead.hpp>
+#include <graze/continuation/sweep.hpp>
+
+#include "support/damped_hertz.hpp"
+#include "support/newton_oscillator.hpp"
+#include "support/two_sided_oscillator.hpp"
+
+#include <catch2/catch.hpp>
+#include <oneapi/tbb/global_control.h>
+
+#include <atomic>
+#include <cmath>
+
+using namespace graze;
+using namespace graze::support;
+
+namespace {
+
+/// By 1e-4, with the exponents of orbits from their multipliers alone.
+SweepOptions fine_sweep(double from, double to, SweepDirection direction) {
+  SweepOptions options;
+  options.from = from;
+  options.to = to;
+  options.step = 0.0001;
+  options.directions = {direction};
+  options.attractor.periods_on_orbit = 0;
+  return options;
+}
+
+/// With short averages.
+SweepOptions coarse_averages(SweepOptions options) {
+  options.attractor.transient = 100;
+  options.attractor.lyapunov.standard_error = 5e-3;
+  options.attractor.lyapunov.min_periods = 200;
+  options.attractor.lyapunov.max_periods = 4000;
+  options.samples = 20;
+  return options;
+}
+
+bool same(const SweepRow& a, const SweepRow& b) {
+  return a.value == b.value && a.direction == b.direction && a.attractor.type == b.attractor.type &&
+         a.attractor.period == b.attractor.period && a.attractor.impacts == b.attractor.impacts &&
+         a.attractor.state == b.attractor.state && a.attractor.exponents == b.attractor.exponents &&
+         a.attractor.standard_errors == b.attractor.standard_errors && a.states == b.states && a.end == b.end &&
+         a.impact_speeds == b.impact_speeds;
+}
+
+bool same(const std::vector<SweepRow>& a, const std::vector<SweepRow>& b) {
+  return a.size() == b.size() &&
+         std::equal(a.begin(), a.end(), b.begin(), [](const SweepRow& one, const SweepRow& other) { return same(one, other); });
+}
+
+/// Orbits, chaos, and rows that look chaotic until their averages end on orbits.
+std::vector<SweepRow> varied(const SweepOptions& options, const std::vector<SweepRow>& so_far = {}) {
+  return sweep(damped_hertz(), hertz_parameters(), Vector{{0.0, 0.0}}, options, so_far);
+}
+SweepOptions varied_options() {
+  SweepOptions options = coarse_averages(fine_sweep(0.7300, 0.7410, SweepDirection::up));
+  options.step = 0.0002;
+  return options;
+}
+
+}  // namespace
+
+TEST_CASE("sweep: past a period doubling it goes on with the doubled orbit") {
+  // The PD is at eta = 0.919542643. The end of a row is an orbit to rounding, and the next one's unstable orbit is near.
+  const std::vector<SweepRow> rows =
+      sweep(damped_hertz(), hertz_parameters(), Vector{{0.0, 0.0}}, fine_sweep(0.9190, 0.9198, SweepDirection::down));
+  REQUIRE(rows.size() == 9);
+  for (const SweepRow& row : rows) {
+    INFO(row.value);
+    CHECK(row.attractor.type == AttractorType::periodic);
+    CHECK(row.attractor.period == (row.value > 0.919542643 ? 1 : 2));
+  }
+}
+
+TEST_CASE("sweep: a row has the states and impacts of its orbit, and what describes it") {
+  const std::vector<SweepRow> rows =
+      sweep(damped_hertz(), hertz_parameters(), Vector{{0.0, 0.0}}, fine_sweep(0.9190, 0.9194, SweepDirection::down));
+  for (const SweepRow& row : rows) {
+    INFO(row.value);
+    REQUIRE(row.attractor.orbit);
+    const PeriodicOrbit& orbit = *row.attractor.orbit;
+    CHECK(orbit.period == 2);
+    CHECK(orbit.multipliers.stable());
+    CHECK(orbit.events.empty());
+    CHECK(orbit.monodromy.factors.empty());
+    REQUIRE(row.states.size() == 2);
+    // The impacts of a free run from the first state, which comes back.
+    Propagator propagator(damped_hertz(), hertz_parameters(row.value));
+    const double T = forcing_period(damped_hertz(), hertz_parameters(row.value));
+    Transition run;
+    carry(propagator, 0.0, 2.0 * T, row.states[0], {.sensitivity = Sensitivity::none, .keep_events = true}, run);
+    CHECK((run.x1 - row.states[0]).norm() < 1e-11);
+    CHECK((row.end - row.states[0]).norm() < 1e-11);
+    std::vector<double> speeds;
+    for (const EventRecord& event : run.events)
+      if (begins_contact(event.kind)) speeds.push_back(event.normal_speed);
+    REQUIRE(row.impact_speeds.size() == speeds.size());
+    for (std::size_t k = 0; k < speeds.size(); ++k) CHECK(row.impact_speeds[k] == Approx(speeds[k]).epsilon(1e-11));
+  }
+}
+
+TEST_CASE("sweep: a slow way off an unstable orbit is not taken for chaos") {
+  // Past the doubling of a 1/1 orbit; after the transients asked for the motion is still near it, after some thousand periods on
+  // 2/1.
+  const Vector p = parameters(newton_oscillator(), {{"b", 0.02}, {"r", 1.0748}, {"k_r", 1.0}, {"xi", 0.5}, {"eta", 0.94318}});
+  for (const int transient : {10, 30, 100}) {
+    SweepOptions options = fine_sweep(0.528355, 0.588355, SweepDirection::up);
+    options.parameter = "k_r";
+    options.step = 0.02;
+    options.attractor.transient = transient;
+    options.attractor.lyapunov.max_periods = 20000;
+    options.attractor.lyapunov.standard_error = 1e-3;
+    const std::vector<SweepRow> rows = sweep(newton_oscillator(), p, Vector{{0.0, 0.0}}, options);
+    REQUIRE(rows.size() == 4);
+    INFO("transient " << transient);
+    CHECK(rows[1].attractor.type == AttractorType::periodic);
+    CHECK(rows[1].attractor.period == 2);
+    CHECK(rows[1].attractor.impacts == 1);
+  }
+}
+
+TEST_CASE("sweep: of an orbit and itself twice over the single one is found") {
+  // After 24 periods the motion is nearer than after 12: its multiplier is -0.98.
+  const Vector p = parameters(newton_oscillator(), {{"b", 0.005}, {"r", 0.0}, {"k_r", 0.7}, {"xi", 1.0}});
+  SweepOptions options = fine_sweep(1.0206608428392157, 1.0236608428392158, SweepDirection::up);
+  options.step = 0.0003;
+  const std::vector<SweepRow> rows = sweep(newton_oscillator(), p, Vector{{0.0, 0.0}}, options);
+  REQUIRE(rows.size() >= 10);
+  CHECK(rows[9].attractor.period == 12);
+  CHECK(rows[9].attractor.impacts == 17);
+}
+
+TEST_CASE("sweep: chaos in narrow bands is not taken for a motion that lingers") {
+  // The cascade of the cantilever's 4/2 orbit ends in bands so narrow that the motion repeats itself to 2e-3 for good.
+  const HybridSystem system = make_oscillator("cantilever", "linear");
+  const Vector p = parameters(system, {{"b", 0.026}, {"xi", 0.08}, {"r", 0.079}, {"beta", 36.0 / 35.0}, {"k_S", 25.0}});
+  const std::vector<SweepRow> rows = sweep(system, p, Vector{{0.0, 0.0}}, fine_sweep(0.5904, 0.5905, SweepDirection::up));
+  REQUIRE(rows.size() == 2);
+  for (const SweepRow& row : rows) CHECK(row.attractor.type == AttractorType::chaotic);
+  CHECK(rows[1].attractor.exponents[0] < 0.008);
+}
+
+TEST_CASE("sweep: it goes on from any of its rows, to the last bit") {
+  const std::vector<SweepRow> whole = varied(varied_options());
+  REQUIRE(whole.size() == 56);
+  const auto chaotic = [](const SweepRow& row) { return row.attractor.type == AttractorType::chaotic; };
+  CHECK(std::count_if(whole.begin(), whole.end(), chaotic) > 10);
+  CHECK(std::count_if(whole.begin(), whole.end(), chaotic) < 50);
+  for (std::size_t kept = 1; kept < whole.size(); kept += 6) {  // before, at and behind the begins of blocks
+    INFO(kept);
+    CHECK(same(varied(varied_options(), {whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(kept)}), whole));
+  }
+}
+
+TEST_CASE("sweep: it is the same on any number of threads, to the last bit") {
+  SweepOptions options = varied_options();
+  options.directions = {SweepDirection::up, SweepDirection::down};
+  const std::vector<SweepRow> one = varied(options);
+  const oneapi::tbb::global_control more_than_processors(oneapi::tbb::global_control::max_allowed_parallelism, 5);
+  for (const int threads : {2, 3, 5}) {
+    options.threads = threads;
+    CHECK(same(varied(options), one));
+  }
+}
+
+TEST_CASE("sweep: where it is cancelled, the rows before are kept and are those of the whole") {
+  const std::vector<SweepRow> whole = varied(varied_options());
+  for (const int most : {1, 20, 300, 3000}) {
+    std::atomic<int> asked = 0;
+    SweepOptions options = varied_options();
+    options.threads = 2;
+    options.cancelled = [&] { return ++asked > most; };
+    const std::vector<SweepRow> part = varied(options);
+    INFO(most << ": " << part.size());
+    REQUIRE(part.size() < whole.size());
+    CHECK(same(part, {whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(part.size())}));
+    options.cancelled = {};
+    CHECK(same(varied(options, part), whole));
+  }
+}
+
+TEST_CASE("sweep: on a smooth branch each row is what the motion on the one before comes to") {
+  const auto [from, to, direction] = GENERATE(table<double, double, SweepDirection>(
+      {{0.930, 0.936, SweepDirection::up}, {0.915, 0.921, SweepDirection::down}, {0.760, 0.766, SweepDirection::up}}));
+  const std::vector<SweepRow> rows =
+      sweep(damped_hertz(), hertz_parameters(), Vector{{0.0, 0.0}}, fine_sweep(from, to, direction));
+  REQUIRE(rows.size() == 61);
+  AttractorOptions alone;
+  alone.periods_on_orbit = 0;
+  for (std::size_t k = 1; k < rows.size(); ++k) {
+    const Attractor reached = find_attractor(damped_hertz(), hertz_parameters(rows[k].value), rows[k - 1].end, alone);
+    const Attractor& attractor = rows[k].attractor;
+    INFO(rows[k].value);
+    REQUIRE(reached.type == AttractorType::periodic);
+    CHECK(attractor.period == reached.period);
+    CHECK(attractor.impacts == reached.impacts);
+    for (std::size_t i = 0; i < 2; ++i) CHECK(attractor.exponents[i] == Approx(reached.exponents[i]).margin(1e-9));
+    double apart = 1.0;
+    for (const Vector& state : reached.orbit->states) apart = std::min(apart, (state - attractor.state).norm());
+    CHECK(apart < 1e-9);
+  }
+}
+
+TEST_CASE("sweep: oscillators that the lanes do not know are followed alone") {
+  const HybridSystem system = two_sided_oscillator(true);
+  const Vector p = default_parameters(system.parameters);
+  SweepOptions options = coarse_averages(fine_sweep(1.0, 1.01, SweepDirection::up));
+  options.parameter = system.parameters[*system.forcing_frequency].name;
+  options.step = 0.002;
+  const std::vector<SweepRow> one = sweep(system, p, Vector::Zero(static_cast<Eigen::Index>(system.states)), options);
+  options.threads = 2;
+  CHECK(one.size() == 6);
+  CHECK(same(sweep(system, p, Vector::Zero(static_cast<Eigen::Index>(system.states)), options), one));
+}
+
+TEST_CASE("orbits ahead are those of Newton's method, up to where the branch loses its stability") {
+  // The PD is at eta = 0.919542643.
+  constexpr double begin = 0.9230, step = -0.0002;
+  const auto orbit_at = [](double eta) { return shoot(damped_hertz(), hertz_parameters(eta), Vector{{2.05, 1.4}}, 1); };
+  std::vector<std::vector<Vector>> before;
+  for (int k = 0; k < 5; ++k) before.push_back(orbit_at(begin + k * step).states);
+  std::vector<Vector> next;
+  for (int k = 5; k < 25; ++k) next.push_back(hertz_parameters(begin + k * step));
+  const std::vector<PeriodicOrbit> ahead = orbits_ahead(damped_hertz(), before, next);
+  REQUIRE(ahead.size() == 13);  // to 0.9196
+  for (std::size_t k = 0; k < ahead.size(); ++k) {
+    const PeriodicOrbit orbit = orbit_at(begin + (5 + static_cast<double>(k)) * step);
+    CHECK((ahead[k].state - orbit.state).norm() < 1e-11);
+    CHECK(ahead[k].impacts == 1);
+    CHECK(ahead[k].isolated_impacts == 1);
+    for (std::size_t i = 0; i < 2; ++i) CHECK(std::abs(ahead[k].multipliers.values[i] - orbit.multipliers.values[i]) < 1e-10);
+  }
+  CHECK(orbits_ahead(damped_hertz(), {before.back()}, next).empty());
+  FlowOptions general;
+  general.kind = FlowKind::general;
+  CHECK(orbits_ahead(damped_hertz(), before, next, general).empty());
+}
+
+TEST_CASE("orbits ahead begin where those before them do") {
+  // An orbit of period 2, given once from its first and once from its second state on.
+  constexpr double begin = 0.915, step = 0.0001;
+  std::vector<std::vector<Vector>> before;
+  std::vector<Vector> next;
+  for (int k = 0; k < 4; ++k) {
+    const Attractor attractor = find_attractor(damped_hertz(), hertz_parameters(begin + k * step), Vector{{0.0, 0.0}});
+    REQUIRE(attractor.period == 2);
+    before.push_back(attractor.orbit->states);
+    // From the upper one on, every other time.
+    if ((before.back()[0][0] < before.back()[1][0]) == (k % 2 == 0)) std::swap(before.back()[0], before.back()[1]);
+    next.push_back(hertz_parameters(begin + (k + 4) * step));
+  }
+  const std::vector<PeriodicOrbit> ahead = orbits_ahead(damped_hertz(), before, next);
+  REQUIRE(ahead.size() == 4);
+  for (const PeriodicOrbit& orbit : ahead) {
+    CHECK((orbit.states[0] - before.back()[0]).norm() < 0.3 * (orbit.states[0] - orbit.states[1]).norm());
+    CHECK((orbit.states[1] - before.back()[1]).norm() < 0.3 * (orbit.states[0] - orbit.states[1]).norm());
+  }
+}
