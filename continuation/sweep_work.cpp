@@ -16,6 +16,7 @@ constexpr double repeats = 1e-4;
 constexpr std::int64_t turning = 60;
 /// So many motions fill the lanes of a thread. What it would begin beyond them may be in vain.
 constexpr std::size_t enough = 32;
+constexpr std::size_t fewest = 8;
 /// And so may be rows behind the last that is open.
 constexpr std::size_t far_ahead = 64;
 
@@ -37,7 +38,8 @@ bool broken_off(LyapunovStop stop) {
 SweepWork::SweepWork(const HybridSystem& system, const Vector& p, const Vector& start, const SweepOptions& options,
                      const std::vector<SweepRow>& so_far)
     : system_(system), options_(with_looks(options)),
-      rows_of_a_thread_(std::max<std::size_t>(1, enough / static_cast<std::size_t>(options_.attractor.lyapunov.motions))) {
+      enough_(std::max<std::size_t>(1, enough / static_cast<std::size_t>(options_.attractor.lyapunov.motions))),
+      rows_of_a_thread_(enough_) {
   for (const SweepDirection direction : options_.directions) {
     Way& way = ways_.emplace_back(Way{{system_, p, start, options_, direction}, {}, {}});
     for (const SweepRow& row : so_far)
@@ -90,8 +92,8 @@ bool SweepWork::far_ahead_of_open(const Way& way) const {
 /// else to do; it waits if it has nothing to do itself.
 std::shared_ptr<SweepWork::Entry> SweepWork::draw(std::size_t carried) {
   std::unique_lock lock(mutex_);
-  if (carried >= rows_of_a_thread_) return nullptr;
   for (;;) {
+    if (carried >= rows_of_a_thread_) return nullptr;
     if (cancelled()) return nullptr;
     std::size_t waiting = 0;
     bool unfinished = false;
@@ -216,6 +218,7 @@ void SweepWork::finish(Entry& entry, SweepRow row) {
     way.ended = broken;
   }
   if (broken) return;
+  rows_of_a_thread_ = std::min(rows_of_a_thread_ + 1, enough_);
   entry.row = std::move(row);
   entry.done = true;
   --way.open;
@@ -226,6 +229,7 @@ void SweepWork::finish(Entry& entry, SweepRow row) {
 /// Rows from this one on.
 void SweepWork::take_back(Way& way, std::size_t from) {
   ++way.taken_back;
+  rows_of_a_thread_ = std::max(rows_of_a_thread_ / 2, std::min(enough_, fewest));
   if (!way.followed) way.chain.forget();
   for (std::size_t k = from; k < way.entries.size(); ++k) {
     Entry& entry = *way.entries[k];

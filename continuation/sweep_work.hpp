@@ -71,14 +71,15 @@ class SweepWork {
 
   const HybridSystem& system_;
   const SweepOptions options_;
-  const std::size_t rows_of_a_thread_;  ///< at a time
+  const std::size_t enough_;  ///< rows fill the lanes of a thread
   std::deque<Way> ways_;
 
   std::mutex mutex_;  ///< of all below, and of what the ways have but for their chains
   std::condition_variable news_;
-  std::size_t idle_ = 0;   ///< threads that have nothing to do
-  std::size_t begun_ = 0;  ///< rows that the threads are at
-  std::size_t done_ = 0;   ///< rows
+  std::size_t rows_of_a_thread_;  ///< at a time: the fewer, the more rows have been taken back lately
+  std::size_t idle_ = 0;          ///< threads that have nothing to do
+  std::size_t begun_ = 0;         ///< rows that the threads are at
+  std::size_t done_ = 0;          ///< rows
   std::atomic<bool> failed_ = false;
 };
 

@@ -12,6 +12,7 @@
 #include <graze/lib/detail/hertz_step.hpp>
 #include <graze/lib/lanes/contact_law.hpp>
 #include <graze/lib/lanes/power_series.hpp>
+#include <graze/lib/lanes/quads.hpp>
 #include <graze/lib/lanes/two_orders.hpp>
 
 #include <array>
@@ -41,6 +42,7 @@ template <class Real, bool Tangent, bool Cubic, std::size_t Order> class Contact
       z_1_[0] = z.z_1;
       p_0_[0] = z.p_0;
       p_1_[0] = z.p_1;
+      if constexpr (in_quads<Real>) quads_.columns[0] = {z.p_0, z.p_1, z.z_0, z.z_1};
     }
     expand(Terms(law, Cubic), std::make_index_sequence<order / 2>());
   }
@@ -101,6 +103,48 @@ template <class Real, bool Tangent, bool Cubic, std::size_t Order> class Contact
 
   /// Coefficients k + 1 and k + 2 of everything from those up to k.
   template <std::size_t k> [[gnu::always_inline]] void next_two(const Terms& q) {
+    if constexpr (in_quads<Real>)
+      next_two_in_quads<k>(q);
+    else
+      next_two_one_by_one<k>(q);
+  }
+
+  template <std::size_t k> [[gnu::always_inline]] void next_two_in_quads(const Terms& q) {
+    const TwoOrders<Quad, k, 1, false> powers(quads_.left, quads_.right);
+    const TwoOrders<Pair, k, 0, true> squares(quads_.roots);
+    const TwoOrders<Real, with_y7 ? k : 0, 1, false> seventh(y4_.data() + 1, y3_.data() + 1);
+    const auto products = [](const auto& of_powers, const auto& of_squares, double y3w) __attribute__((always_inline)) {
+      const auto [yc, ys, yw, yu] = numbers(of_powers);
+      const auto [yy, uu] = numbers(of_squares);
+      return Products{yc, ys, yy, yu, uu, yw, y3w};
+    };
+    const auto tangent_products = [](const auto& of_tangent) __attribute__((always_inline)) {
+      const auto [yp_0, yp_1, fz_0, fz_1] = numbers(of_tangent);
+      return TangentProducts{yp_0, yp_1, fz_0, fz_1};
+    };
+    close<k>(q, products(powers.first(), squares.first_square(), seventh.first()));
+    put_in_quads<k>();
+    if constexpr (Tangent) {
+      const TwoOrders<Quad, k + 1, 1, false> tangent(quads_.factors, quads_.columns);
+      close_tangent<k>(tangent_products(tangent.first()));
+      quads_.columns[k + 1] = {p_0_[k + 1], p_1_[k + 1], z_0_[k + 1], z_1_[k + 1]};
+      close<k + 1>(q, products(powers.second(), squares.second_square(), seventh.second()));
+      put_in_quads<k + 1>();
+      close_tangent<k + 1>(tangent_products(tangent.second()));
+      quads_.columns[k + 2] = {p_0_[k + 2], p_1_[k + 2], z_0_[k + 2], z_1_[k + 2]};
+    } else {
+      close<k + 1>(q, products(powers.second(), squares.second_square(), seventh.second()));
+      put_in_quads<k + 1>();
+    }
+  }
+  template <std::size_t k> [[gnu::always_inline]] void put_in_quads() {
+    quads_.left[k] = {y_[k + 1], y_[k + 1], y_[k + 1], u_[k + 1]};
+    quads_.right[k] = {c_[k], s_[k], y4_[k + 1], y_[k + 1]};
+    quads_.roots[k] = {y_[k + 1], u_[k + 1]};
+    if constexpr (Tangent) quads_.factors[k] = {y_[k], y_[k], f_[k], f_[k]};
+  }
+
+  template <std::size_t k> [[gnu::always_inline]] void next_two_one_by_one(const Terms& q) {
     const Real *const y = y_.data() + 1, *const u = u_.data() + 1, *const w = y4_.data() + 1;
     const TwoOrders<Real, k, 2, false> forced(y, c_.data(), s_.data());
     const TwoOrders<Real, k, 1, true> fifth(y, w), third(u, y);
@@ -155,6 +199,7 @@ template <class Real, bool Tangent, bool Cubic, std::size_t Order> class Contact
   }
 
   using Coefficients = std::array<Real, order + 1>;
+  [[no_unique_address]] ContactQuads<in_quads<Real>, Order> quads_;
   Real b2_, loss_;
   ContactState<Real> start_;
   // Powers of the depth's root: u = y^2, y3, y4, y5, y7; time and the integral of y^4, but for the first.

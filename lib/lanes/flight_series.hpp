@@ -5,6 +5,7 @@
 #pragma once
 
 #include <graze/lib/lanes/power_series.hpp>
+#include <graze/lib/lanes/quads.hpp>
 #include <graze/lib/lanes/two_orders.hpp>
 
 #include <array>
@@ -32,6 +33,7 @@ template <class Real, bool Tangent, std::size_t Order> class FlightSeries {
     bend_[0] = -law.beta * (x_[0] * x_[0]);
     if constexpr (Tangent)
       for (std::size_t i = 0; i < 4; ++i) Phi_[i][0] = z.Phi[i];
+    if constexpr (with_quads) put_in_quads(0);
     const Real force_c = law.amplitude * z.c, force_s = law.amplitude * z.s;
     constexpr double third = 1.0 / 3.0;
     const Constants constants{-law.b2,        -law.k,          -third * law.b2,
@@ -96,7 +98,17 @@ template <class Real, bool Tangent, std::size_t Order> class FlightSeries {
   /// Coefficients k + 1 and k + 2 of everything from those up to k; bend_ = -beta x^2.
   template <std::size_t k> [[gnu::always_inline]] void next_two(const FlightLaw<Real>& law, const Constants& q) {
     const TwoOrders<Real, k, 0, true, true> squares(x_.data() + 1);
-    if constexpr (Tangent) {
+    if constexpr (with_quads) {
+      const TwoOrders<Quad, k + 1, 1, false, true> products(quads_.bend, quads_.columns);
+      const auto sums = [](const Quad& of_products, double square) __attribute__((always_inline)) {
+        const auto [cube, d_0, d_1, nothing] = numbers(of_products);
+        return Products{cube, {d_0, d_1}, square};
+      };
+      close<k>(law, q, sums(products.first(), squares.first_square()));
+      put_in_quads(k + 1);
+      close<k + 1>(law, q, sums(products.second(), squares.second_square()));
+      put_in_quads(k + 2);
+    } else if constexpr (Tangent) {
       const TwoOrders<Real, k + 1, 3, false, true> products(bend_.data(), x_.data(), Phi_[0].data(), Phi_[1].data());
       close<k>(law, q, {products.first(0), {products.first(1), products.first(2)}, squares.first_square()});
       close<k + 1>(law, q, {products.second(0), {products.second(1), products.second(2)}, squares.second_square()});
@@ -104,6 +116,14 @@ template <class Real, bool Tangent, std::size_t Order> class FlightSeries {
       const TwoOrders<Real, k + 1, 1, false, true> cubes(bend_.data(), x_.data());
       close<k>(law, q, {cubes.first(), {}, squares.first_square()});
       close<k + 1>(law, q, {cubes.second(), {}, squares.second_square()});
+    }
+  }
+
+  static constexpr bool with_quads = Tangent && in_quads<Real>;
+  [[gnu::always_inline]] void put_in_quads(std::size_t k) {
+    if constexpr (with_quads) {
+      quads_.bend[k] = Quad(bend_[k]);
+      quads_.columns[k] = {x_[k], Phi_[0][k], Phi_[1][k], 0.0};
     }
   }
 
@@ -127,6 +147,7 @@ template <class Real, bool Tangent, std::size_t Order> class FlightSeries {
       }
   }
 
+  [[no_unique_address]] FlightQuads<with_quads, Order> quads_;
   Real gap_, c_, s_;
   Coefficients x_, v_, turn_, bend_, Phi_[4];  // turn: w^k/k!
 };
