@@ -77,7 +77,7 @@ void MapWork::close() {
 
 void MapWork::work() try {
   ManyMotions many(system_, from_start_.lyapunov.flow);
-  LanePool(many).run([&](LanePlace& lane, std::size_t carried) -> std::optional<LaneTask<>> {
+  LanePool(many, &exchange_).run([&](LanePlace& lane, std::size_t carried) -> std::optional<LaneTask<>> {
     auto strand = draw(carried);
     if (!strand) return std::nullopt;
     return follow(lane, std::move(*strand));
@@ -92,7 +92,14 @@ void MapWork::work() try {
 /// What is begun next by a thread that carries so many; it waits for something to do if it has nothing.
 std::optional<MapWork::Strand> MapWork::draw(std::size_t carried) {
   std::unique_lock lock(mutex_);
-  if (carried == 0) given_.wait(lock, [this] { return failed_ || closed_ || !strands_.empty(); });
+  if (carried == 0 && strands_.empty() && !exchange_.has_some()) {
+    exchange_.begin_waiting();
+    given_.wait(lock, [this] {
+      return failed_ || !strands_.empty() || exchange_.has_some() || (closed_ && begun_ == 0);
+    });
+    exchange_.end_waiting();
+  }
+  if (carried == 0 && exchange_.has_some()) return std::nullopt;
   std::size_t most = share(strands_.size() + begun_, threads_);
   if (threads_ > 1) most = std::min(most, std::max(enough, share(strands_.size(), threads_)));
   if (failed_ || strands_.empty() || carried >= most) return std::nullopt;
@@ -105,7 +112,7 @@ std::optional<MapWork::Strand> MapWork::draw(std::size_t carried) {
 void MapWork::end(const Strand& strand) {
   {
     const std::lock_guard lock(mutex_);
-    --begun_;
+    if (--begun_ == 0) given_.notify_all();
     if (--strand.piece->left > 0) return;
     --pieces_;
   }

@@ -5,7 +5,7 @@
 #pragma once
 
 #include <graze/continuation/parameter_map.hpp>
-#include <graze/lib/lane_pool.hpp>
+#include <graze/lib/lane_exchange.hpp>
 
 #include <atomic>
 #include <condition_variable>
@@ -76,6 +76,10 @@ class MapWork {
 
   mutable std::mutex mutex_;  ///< of all below
   std::condition_variable given_;
+  LaneExchange exchange_{[this] {
+    const std::lock_guard lock(mutex_);
+    given_.notify_all();
+  }};
   std::deque<Strand> strands_;  ///< not begun
   std::size_t begun_ = 0;       ///< and not ended
   std::size_t pieces_ = 0;      ///< that are not finished

@@ -52,7 +52,7 @@ bool SweepWork::goes_on(const Way& way) const { return !way.ended && way.entries
 
 void SweepWork::work() try {
   ManyMotions many(system_, options_.attractor.lyapunov.flow);
-  LanePool(many).run([&](LanePlace& lane, std::size_t carried) -> std::optional<LaneTask<>> {
+  LanePool(many, &exchange_).run([&](LanePlace& lane, std::size_t carried) -> std::optional<LaneTask<>> {
     auto entry = draw(carried);
     if (!entry) return std::nullopt;
     return settle(lane, std::move(entry));
@@ -94,7 +94,7 @@ std::shared_ptr<SweepWork::Entry> SweepWork::draw(std::size_t carried) {
   std::unique_lock lock(mutex_);
   for (;;) {
     if (carried >= rows_of_a_thread_) return nullptr;
-    if (cancelled()) return nullptr;
+    if (cancelled() || (carried == 0 && exchange_.has_some())) return nullptr;
     std::size_t waiting = 0;
     bool unfinished = false;
     for (const Way& way : ways_) {
@@ -112,7 +112,9 @@ std::shared_ptr<SweepWork::Entry> SweepWork::draw(std::size_t carried) {
     }
     if (carried > 0) return nullptr;
     ++idle_;
+    exchange_.begin_waiting();
     news_.wait(lock);
+    exchange_.end_waiting();
     --idle_;
   }
 }

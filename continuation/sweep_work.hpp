@@ -9,7 +9,7 @@
 
 #include <graze/continuation/orbits_ahead.hpp>
 #include <graze/continuation/sweep_chain.hpp>
-#include <graze/lib/lane_pool.hpp>
+#include <graze/lib/lane_exchange.hpp>
 
 #include <atomic>
 #include <condition_variable>
@@ -76,6 +76,10 @@ class SweepWork {
 
   std::mutex mutex_;  ///< of all below, and of what the ways have but for their chains
   std::condition_variable news_;
+  LaneExchange exchange_{[this] {
+    const std::lock_guard lock(mutex_);
+    news_.notify_all();
+  }};
   std::size_t rows_of_a_thread_;  ///< at a time: the fewer, the more rows have been taken back lately
   std::size_t idle_ = 0;          ///< threads that have nothing to do
   std::size_t begun_ = 0;         ///< rows that the threads are at

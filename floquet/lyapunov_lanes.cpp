@@ -46,11 +46,11 @@ class Average {
   }
 
   /// Tells `many` what is still to come, once that is known.
-  void announce(ManyMotions& many) {
+  void announce(ManyMotions& many, std::size_t parameters) {
     const bool to_the_end = options_.standard_error == 0.0 && options_.change == 0.0;
     if (announced_ || (!to_the_end && out_.periods < lasting)) return;
     announced_ = true;
-    many.expect(motions_.front().at().parameters, options_.max_periods - out_.periods);
+    many.expect(parameters, options_.max_periods - out_.periods);
   }
 
   /// What is to be carried next: whether with tangents, and for how many of `periods` periods.
@@ -214,7 +214,7 @@ LaneTask<bool> LaneAverage::carry(LanePlace& lane, std::int64_t periods) {
       average.stop(LyapunovStop::interrupted);
       break;
     }
-    average.announce(lane.motions());
+    average.announce(lane.motions(), lane.parameters());
     average.ask(average.next);
     const std::size_t stretch = average.part_of(shortest_stretch);
     const std::span<const PeriodResult> carried = co_await lane.carry(average.next, stretch, average.with_tangents());
@@ -244,7 +244,7 @@ LyapunovSpectrum lane_spectrum(const HybridSystem& system, const AverageStart& s
       average.stop(LyapunovStop::interrupted);
       break;
     }
-    average.announce(many);
+    average.announce(many, set);
     average.ask(motions);
     const std::size_t stretch = average.part_of(std::clamp(carried / 8, shortest_stretch, longest_stretch));
     many.carry(motions, stretch, average.with_tangents(), results);

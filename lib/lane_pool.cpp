@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/lib/lane_pool.hpp>
+#include <graze/lib/lane_exchange.hpp>
 
 #include <algorithm>
 #include <array>
@@ -22,14 +22,34 @@ struct LanePool::Member {
   LaneTask<> task;
 };
 
+/// A computation on its way to another pool, with its parameters.
+struct LaneExchange::Parcel {
+  std::unique_ptr<LanePool::Member> member;
+  std::optional<ManyMotions::Taken> parameters;
+};
+
+LaneExchange::LaneExchange(std::function<void()> wake) : wake_(std::move(wake)) {}
+LaneExchange::~LaneExchange() = default;
+
+void LaneExchange::put(std::vector<Parcel> parcels) {
+  {
+    const std::lock_guard lock(mutex_);
+    std::move(parcels.begin(), parcels.end(), std::back_inserter(parcels_));
+    has_some_ = true;
+  }
+  wake_();
+}
+
+std::vector<LaneExchange::Parcel> LaneExchange::get() {
+  const std::lock_guard lock(mutex_);
+  has_some_ = false;
+  return std::exchange(parcels_, {});
+}
+
 ManyMotions& LanePlace::motions() const { return pool_->motions_; }
 
 void LanePlace::take_parameters(const Vector& p) {
-  std::vector<std::size_t>& free = pool_->free_parameters_;
-  if (!own_parameters_ && !free.empty()) {
-    own_parameters_ = free.back();
-    free.pop_back();
-  }
+  if (!own_parameters_) own_parameters_ = pool_->free_place();
   if (own_parameters_)
     motions().change_parameters(*own_parameters_, p);
   else
@@ -60,13 +80,44 @@ void LanePlace::add_runs(std::size_t periods, std::vector<MotionRun>& runs) {
   for (std::size_t m = 0; m < starts_.size(); ++m) {
     PeriodResult* const next = &results_[m * periods_ + carried_];
     if (carried_ == 0)
-      runs.push_back({starts_[m], periods, next, speeds_});
+      runs.push_back({{parameters_, starts_[m].x, starts_[m].v}, periods, next, speeds_});
     else if (next[-1].termination == Termination::time)
-      runs.push_back({{starts_[m].parameters, next[-1].x, next[-1].v}, periods, next, speeds_});
+      runs.push_back({{parameters_, next[-1].x, next[-1].v}, periods, next, speeds_});
     else
       std::fill_n(next, periods, PeriodResult{.termination = next[-1].termination});
   }
   carried_ += periods;
+}
+
+/// The number of a parameter set that nobody has.
+std::optional<std::size_t> LanePool::free_place() {
+  if (free_parameters_.empty()) return std::nullopt;
+  const std::size_t place = free_parameters_.back();
+  free_parameters_.pop_back();
+  return place;
+}
+
+/// Every other member to a pool that has none.
+void LanePool::give(std::vector<std::unique_ptr<Member>>& members) {
+  std::vector<LaneExchange::Parcel> parcels;
+  for (std::size_t i = 1; i < members.size(); i += 2) {
+    LaneExchange::Parcel& parcel = parcels.emplace_back(std::move(members[i]));
+    const std::optional<std::size_t>& own = parcel.member->place.own_parameters_;
+    if (!own) continue;
+    parcel.parameters = motions_.take(*own);
+    free_parameters_.push_back(*own);
+  }
+  std::erase(members, nullptr);
+  exchange_->put(std::move(parcels));
+}
+
+void LanePool::take(std::vector<std::unique_ptr<Member>>& members) {
+  for (LaneExchange::Parcel& parcel : exchange_->get()) {
+    LanePlace& place = parcel.member->place;
+    place.pool_ = this;
+    if (parcel.parameters) place.parameters_ = *(place.own_parameters_ = motions_.add(std::move(*parcel.parameters), free_place()));
+    members.push_back(std::move(parcel.member));
+  }
 }
 
 void LanePool::carry(std::span<const std::unique_ptr<Member>> members, bool tangent) {
@@ -107,6 +158,7 @@ void LanePool::run(const std::function<std::optional<LaneTask<>>(LanePlace&, std
   };
   for (;;) {
     std::erase_if(members, has_ended);
+    if (exchange_ && members.size() > 1 && exchange_->wants()) give(members);
     while (members.size() < together) {
       if (!fresh) fresh = std::make_unique<Member>(Member{LanePlace(*this), {}});
       auto task = next(fresh->place, members.size());
@@ -116,6 +168,7 @@ void LanePool::run(const std::function<std::optional<LaneTask<>>(LanePlace&, std
       if (!has_ended(fresh)) members.push_back(std::move(fresh));
       fresh = nullptr;
     }
+    if (members.empty() && exchange_) take(members);
     if (members.empty()) return;
     std::size_t tangents = 0, plain = 0;
     for (const auto& member : members) (member->place.tangent_ ? tangents : plain) += member->place.starts_.size();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // LanePool: many computations that share the SIMD lanes of a thread (ManyMotions), each at its own pace. Where one takes long,
-// the others do not wait for it, and its motion has their company.
+// the others do not wait for it, and its motion has their company. The pools of several threads may hand them over to each other
+// (lane_exchange.hpp).
 #pragma once
 
 #include <graze/lib/lane_task.hpp>
@@ -17,6 +18,7 @@
 namespace graze {
 
 class LanePool;
+class LaneExchange;
 
 /// A computation's place in a pool: what it asks for, and what it is given.
 class LanePlace {
@@ -64,21 +66,27 @@ class LanePlace::Carrying {
 
 class LanePool {
  public:
-  /// Keep it alive.
-  explicit LanePool(ManyMotions& motions) : motions_(motions) {}
+  /// Keep them alive.
+  explicit LanePool(ManyMotions& motions, LaneExchange* exchange = nullptr) : motions_(motions), exchange_(exchange) {}
 
   /// Carries computations to their ends. As long as there is room, the next is asked for: next(its place, how many are carried);
-  /// nullopt: there is none now, or, where none is carried, no more. @throws what the first of them to throw did.
+  /// nullopt: there is none now, or, where none is carried and the exchange has nothing, no more. @throws what the first of them
+  /// to throw did.
   void run(const std::function<std::optional<LaneTask<>>(LanePlace&, std::size_t carried)>& next);
   /// The same of make(0, its place) ... make(count - 1, its place).
   void run(std::size_t count, const std::function<LaneTask<>(std::size_t, LanePlace&)>& make);
 
  private:
   friend class LanePlace;
+  friend class LaneExchange;
   struct Member;
+  void give(std::vector<std::unique_ptr<Member>>& members);
+  void take(std::vector<std::unique_ptr<Member>>& members);
+  std::optional<std::size_t> free_place();
   void carry(std::span<const std::unique_ptr<Member>> members, bool tangent);
 
   ManyMotions& motions_;
+  LaneExchange* exchange_;
   std::vector<std::size_t> free_parameters_;  ///< parameter sets that nobody has
   std::vector<MotionRun> runs_;
 };

@@ -72,15 +72,18 @@ ManyMotions::ManyMotions(const HybridSystem& system, const FlowOptions& options,
 
 ManyMotions::~ManyMotions() = default;
 
-std::unique_ptr<ManyMotions::Set> ManyMotions::make_set(const Vector& p) const {
+void ManyMotions::DeleteSet::operator()(Set* set) const { delete set; }
+
+ManyMotions::OwnSet ManyMotions::make_set(const Vector& p) {
   check_parameters(system_->parameters, p);
   const auto oscillator = options_.kind == FlowKind::automatic ? lanes::lane_oscillator(*system_, p) : std::nullopt;
-  if (!oscillator || (!sets_.empty() && sets_.front()->oscillator.law != oscillator->law))
+  if (!oscillator || (law_ && *law_ != oscillator->law))
     throw std::invalid_argument(
         fmt::format("{} at these parameters is not an oscillator that the lanes know (linear and underdamped or with a cubic "
                     "spring, one barrier with restitution, of Hertz's law or linear elastic); carry its motions one by one",
                     system_->name));
-  return std::make_unique<Set>(Set{p, *oscillator, forcing_period(*system_, p)});
+  law_ = oscillator->law;
+  return OwnSet(new Set{p, *oscillator, forcing_period(*system_, p)});
 }
 
 std::size_t ManyMotions::add_parameters(const Vector& p) {
@@ -89,14 +92,32 @@ std::size_t ManyMotions::add_parameters(const Vector& p) {
 }
 
 void ManyMotions::change_parameters(std::size_t parameters, const Vector& p) {
-  set_of(parameters);
+  check_set(parameters);
   sets_[parameters] = make_set(p);
 }
 
-ManyMotions::Set& ManyMotions::set_of(std::size_t parameters) const {
+ManyMotions::Taken ManyMotions::take(std::size_t parameters) {
+  set_of(parameters);
+  return Taken(std::move(sets_[parameters]));
+}
+
+std::size_t ManyMotions::add(Taken taken, std::optional<std::size_t> place) {
+  law_ = taken.set_->oscillator.law;
+  if (!place) place = sets_.size();
+  if (*place == sets_.size()) sets_.emplace_back();
+  sets_[*place] = std::move(taken.set_);
+  return *place;
+}
+
+void ManyMotions::check_set(std::size_t parameters) const {
   if (parameters >= sets_.size())
     throw std::invalid_argument(
         fmt::format("a motion has parameter set {}; {} were added (counted from 0)", parameters, sets_.size()));
+}
+
+ManyMotions::Set& ManyMotions::set_of(std::size_t parameters) const {
+  check_set(parameters);
+  if (!sets_[parameters]) throw std::invalid_argument(fmt::format("parameter set {} was taken", parameters));
   return *sets_[parameters];
 }
 
@@ -160,7 +181,7 @@ void ManyMotions::carry_in_lanes(std::span<const lanes::Motion> motions, bool cu
     const auto do_given_up = [](void* self, const lanes::Job& job, const lanes::Motion& motion, std::size_t period) {
       return static_cast<ManyMotions*>(self)->do_left_over(motion, period, job.tangent);
     };
-    lane_kernels(width).carry({sets_.front()->oscillator.law, cubic, options_.tolerance, options_.max_steps, tangent,
+    lane_kernels(width).carry({*law_, cubic, options_.tolerance, options_.max_steps, tangent,
                                motions.data() + begin, end - begin, carried + begin, do_given_up, this});
   };
   // Those that write down what they meet write into the same place.

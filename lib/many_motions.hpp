@@ -19,7 +19,9 @@
 
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace graze {
@@ -62,8 +64,14 @@ class ManyMotions {
 
   /// A set of parameters that motions may have. @throws std::invalid_argument where applies() is false.
   std::size_t add_parameters(const Vector& p);
-  /// A set that is no longer wanted becomes one of these. @throws the same, and for an unknown set.
+  /// A set that is no longer wanted, or that was taken, becomes one of these. @throws the same, and for an unknown set.
   void change_parameters(std::size_t parameters, const Vector& p);
+
+  /// A set with what is known of it (tables), for another ManyMotions of the same system and options.
+  class Taken;
+  Taken take(std::size_t parameters);
+  /// In the place of a set that was taken, or as a new one.
+  std::size_t add(Taken taken, std::optional<std::size_t> place = std::nullopt);
 
   /// Announces that about so many forcing periods will be carried of a parameter set. From `periods_for_table` on a table of its
   /// contacts pays (Hertz's law, tolerance >= 1e-13): it is made of the speeds met in the first contacts, for all that follow.
@@ -93,8 +101,13 @@ class ManyMotions {
 
  private:
   struct Set;
+  struct DeleteSet {
+    void operator()(Set* set) const;
+  };
+  using OwnSet = std::unique_ptr<Set, DeleteSet>;
+  void check_set(std::size_t parameters) const;
   Set& set_of(std::size_t parameters) const;
-  std::unique_ptr<Set> make_set(const Vector& p) const;
+  OwnSet make_set(const Vector& p);
   void make_table(Set& set);
   /// Those that are alike.
   void carry_in_lanes(std::span<const lanes::Motion> motions, bool cubic, bool tangent, std::size_t* carried);
@@ -104,11 +117,18 @@ class ManyMotions {
   const HybridSystem* system_;
   FlowOptions options_;
   LaneWidth width_;
-  std::vector<std::unique_ptr<Set>> sets_;
+  std::optional<lanes::Law> law_;  ///< of all sets
+  std::vector<OwnSet> sets_;       ///< those taken: null
   Transition transition_;
   std::mutex left_over_lock_;  ///< the lanes of several threads leave something over
   bool all_threads_ = false;
   std::size_t left_over_ = 0, carried_ = 0;
+};
+
+class ManyMotions::Taken {
+  friend class ManyMotions;
+  explicit Taken(OwnSet set) : set_(std::move(set)) {}
+  OwnSet set_;
 };
 
 }  // namespace graze
