@@ -94,9 +94,7 @@ std::optional<MapWork::Strand> MapWork::draw(std::size_t carried) {
   std::unique_lock lock(mutex_);
   if (carried == 0 && strands_.empty() && !exchange_.has_some()) {
     exchange_.begin_waiting();
-    given_.wait(lock, [this] {
-      return failed_ || !strands_.empty() || exchange_.has_some() || (closed_ && begun_ == 0);
-    });
+    given_.wait(lock, [this] { return failed_ || !strands_.empty() || exchange_.has_some() || (closed_ && begun_ == 0); });
     exchange_.end_waiting();
   }
   if (carried == 0 && exchange_.has_some()) return std::nullopt;

@@ -115,18 +115,44 @@ void LanePool::take(std::vector<std::unique_ptr<Member>>& members) {
   for (LaneExchange::Parcel& parcel : exchange_->get()) {
     LanePlace& place = parcel.member->place;
     place.pool_ = this;
-    if (parcel.parameters) place.parameters_ = *(place.own_parameters_ = motions_.add(std::move(*parcel.parameters), free_place()));
+    if (parcel.parameters)
+      place.parameters_ = *(place.own_parameters_ = motions_.add(std::move(*parcel.parameters), free_place()));
     members.push_back(std::move(parcel.member));
   }
 }
 
+/// Those of a kind whose motions are carried next: all, but for few more than fill the lanes of a register, which are carried
+/// sooner in turn than with most lanes of a second one idle.
+void LanePool::choose(std::span<const std::unique_ptr<Member>> members, bool tangent) {
+  chosen_.clear();
+  const auto is_one = [&](const auto& member) { return member->place.tangent_ == tangent; };
+  std::size_t motions = 0;
+  for (const auto& member : members) motions += is_one(member) ? member->place.starts_.size() : 0;
+  const std::size_t lanes = motions_.lanes(), most = motions > lanes && 8 * motions <= 14 * lanes ? lanes : motions;
+  std::size_t& next = next_[tangent ? 1 : 0];
+  std::size_t room = most, left_out = members.size();
+  next %= members.size();
+  for (std::size_t k = 0; k < members.size(); ++k) {
+    const std::size_t i = (next + k) % members.size();
+    if (!is_one(members[i])) continue;
+    const std::size_t n = members[i]->place.starts_.size();
+    if (n <= room || room == most) {
+      chosen_.push_back(members[i].get());
+      room -= std::min(n, room);
+    } else if (left_out == members.size()) {
+      left_out = i;
+    }
+  }
+  if (left_out < members.size()) next = left_out;
+}
+
 void LanePool::carry(std::span<const std::unique_ptr<Member>> members, bool tangent) {
+  choose(members, tangent);
   // motions_left[k]: that are to be carried for so many periods more, the last: or for longer
   std::array<std::size_t, most_periods + 1> motions_left{};
   std::size_t motions = 0;
-  for (const auto& member : members) {
+  for (const Member* const member : chosen_) {
     const LanePlace& place = member->place;
-    if (place.tangent_ != tangent) continue;
     motions_left[std::min(place.periods_ - place.carried_, most_periods)] += place.starts_.size();
     motions += place.starts_.size();
   }
@@ -137,8 +163,7 @@ void LanePool::carry(std::span<const std::unique_ptr<Member>> members, bool tang
     going_on -= motions_left[++periods];
   }
   runs_.clear();
-  for (const auto& member : members)
-    if (member->place.tangent_ == tangent) member->place.add_runs(periods, runs_);
+  for (Member* const member : chosen_) member->place.add_runs(periods, runs_);
   motions_.carry(runs_, tangent);
 }
 

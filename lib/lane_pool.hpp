@@ -7,6 +7,7 @@
 #include <graze/lib/lane_task.hpp>
 #include <graze/lib/many_motions.hpp>
 
+#include <array>
 #include <coroutine>
 #include <cstddef>
 #include <functional>
@@ -34,7 +35,8 @@ class LanePlace {
   MotionStart at(const Vector& state) const { return {parameters_, state[0], state[1]}; }
 
   class Carrying;
-  /// co_await: what `periods` forcing periods did to these motions, as in ManyMotions::carry; good until the next time.
+  /// co_await: what `periods` forcing periods did to these motions, at the parameters of the place, as in ManyMotions::carry;
+  /// good until the next time.
   Carrying carry(std::span<const MotionStart> motions, std::size_t periods, bool tangent);
   Carrying carry(const Vector& state, std::size_t periods, ImpactSpeeds* speeds = nullptr);
 
@@ -83,11 +85,14 @@ class LanePool {
   void give(std::vector<std::unique_ptr<Member>>& members);
   void take(std::vector<std::unique_ptr<Member>>& members);
   std::optional<std::size_t> free_place();
+  void choose(std::span<const std::unique_ptr<Member>> members, bool tangent);
   void carry(std::span<const std::unique_ptr<Member>> members, bool tangent);
 
   ManyMotions& motions_;
   LaneExchange* exchange_;
   std::vector<std::size_t> free_parameters_;  ///< parameter sets that nobody has
+  std::array<std::size_t, 2> next_{};         ///< whose turn it is, without and with the tangent
+  std::vector<Member*> chosen_;
   std::vector<MotionRun> runs_;
 };
 

@@ -181,8 +181,8 @@ void ManyMotions::carry_in_lanes(std::span<const lanes::Motion> motions, bool cu
     const auto do_given_up = [](void* self, const lanes::Job& job, const lanes::Motion& motion, std::size_t period) {
       return static_cast<ManyMotions*>(self)->do_left_over(motion, period, job.tangent);
     };
-    lane_kernels(width).carry({*law_, cubic, options_.tolerance, options_.max_steps, tangent,
-                               motions.data() + begin, end - begin, carried + begin, do_given_up, this});
+    lane_kernels(width).carry({*law_, cubic, options_.tolerance, options_.max_steps, tangent, motions.data() + begin, end - begin,
+                               carried + begin, do_given_up, this});
   };
   // Those that write down what they meet write into the same place.
   const bool apart = all_threads_ && std::none_of(motions.begin(), motions.end(), [](const auto& motion) { return motion.met; });

@@ -85,6 +85,9 @@ class ManyMotions {
   /// The table in use; none: null.
   const ContactTable* table(std::size_t parameters) const;
 
+  /// So many are carried side by side in one register.
+  std::size_t lanes() const { return lanes_of(width_); }
+
   /// Motions are carried on all threads of the caller's arena (oneTBB) from now on, where they are many.
   void use_all_threads() { all_threads_ = true; }
 

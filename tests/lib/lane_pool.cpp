@@ -4,12 +4,15 @@
 #include "support/lane_differences.hpp"
 #include "support/lane_widths.hpp"
 
-#include <graze/lib/lane_pool.hpp>
+#include <graze/lib/lane_exchange.hpp>
 #include <graze/lib/oscillator.hpp>
 
 #include <catch2/catch.hpp>
 
+#include <condition_variable>
+#include <mutex>
 #include <stdexcept>
+#include <thread>
 
 using namespace graze;
 using namespace graze::support;
@@ -136,4 +139,82 @@ TEST_CASE("computations wait for each other, and what one throws ends the pool")
       pool.run(400, [&](std::size_t i, LanePlace& lane) { return ask_twice(lane, p, static_cast<int>(i), alive, sum); }), "five");
   CHECK(alive == 0);
   pool.run(0, [&](std::size_t i, LanePlace& lane) { return ask_twice(lane, p, static_cast<int>(i), alive, sum); });
+}
+
+TEST_CASE("a pool that has nothing to do is given half of what another carries, and it comes to the same") {
+  const std::string law = GENERATE("newton", "hertz");
+  const HybridSystem system = make_oscillator("linear", law);
+  constexpr std::size_t count = 60;
+  const std::vector<MotionStart> starts = random_starts(count, 2.0);
+  std::vector<Vector> sets;
+  std::vector<Plan> plans;
+  for (std::size_t i = 0; i < count; ++i) {
+    sets.push_back(parameters(system, {{"eta", 0.6 + 0.001 * static_cast<double>(i)}}));
+    plans.push_back({300 + 20 * i, 1 + i % 50, i % 3 == 0});
+  }
+  std::mutex mutex;
+  std::condition_variable news;
+  bool waits = false, over = false;
+  const auto tell = [&](bool& what) {
+    const std::lock_guard lock(mutex);
+    what = true;
+    news.notify_all();
+  };
+  bool woken = false;
+  LaneExchange exchange([&] { tell(woken); });
+  ManyMotions of_one(system), of_other(system);
+  std::thread other([&] {
+    LanePool(of_other, &exchange).run([&](LanePlace&, std::size_t carried) -> std::optional<LaneTask<>> {
+      if (carried > 0) return std::nullopt;
+      std::unique_lock lock(mutex);
+      exchange.begin_waiting();
+      waits = true;
+      news.notify_all();
+      news.wait(lock, [&] { return exchange.has_some() || over; });
+      exchange.end_waiting();
+      return std::nullopt;
+    });
+  });
+  {
+    std::unique_lock lock(mutex);
+    news.wait(lock, [&] { return waits; });
+  }
+  std::vector<std::vector<PeriodResult>> together(count);
+  LanePool(of_one, &exchange).run(count, [&](std::size_t i, LanePlace& lane) {
+    return follow(lane, sets[i], starts[i], plans[i], together[i]);
+  });
+  tell(over);
+  other.join();
+  CHECK(woken);
+  CHECK(of_other.carried() > 1000);
+  for (std::size_t i = 0; i < count; ++i) {
+    INFO("computation " << i);
+    CHECK(same_bits(together[i], follow_alone(system, sets[i], starts[i], plans[i])));
+  }
+}
+
+TEST_CASE("parameters go to other motions with the table of contacts that was made for them") {
+  const HybridSystem system = make_oscillator("linear", "hertz");
+  const Vector p = parameters(system, {{"eta", 0.711}});
+  ManyMotions from(system), to(system);
+  from.add_parameters(parameters(system, {{"eta", 0.8}}));
+  const std::size_t set = from.add_parameters(p);
+  from.expect(set, ManyMotions::periods_for_table);
+  std::vector<PeriodResult> results, there;
+  from.carry({{set, 0.0, 0.0}}, 4000, false, results);
+  const ContactTable* const table = from.table(set);
+  REQUIRE(table);
+  const MotionStart start{set, results.back().x, results.back().v};
+  from.carry({start}, 20, true, results);
+  const std::size_t arrived = to.add(from.take(set));
+  CHECK(arrived == 0);
+  CHECK(to.table(arrived) == table);
+  to.carry({{arrived, start.x, start.v}}, 20, true, there);
+  CHECK(same_bits(results, there));
+  CHECK_THROWS_WITH(from.carry({start}, 1, false, results), "parameter set 1 was taken");
+  from.change_parameters(set, p);
+  CHECK(from.table(set) == nullptr);
+  CHECK(from.add(to.take(arrived), set) == set);
+  CHECK(from.table(set) == table);
+  CHECK_THROWS_WITH(to.change_parameters(3, p), Catch::Contains("parameter set 3; 1 were added"));
 }
