@@ -20,7 +20,8 @@ namespace {
 constexpr std::size_t most_attractors = 200;  // more are a parameter at which nothing can be told apart
 constexpr double return_distance = 1e-3;      // relative to 1 + |x|: so near a return, an orbit is looked for
 constexpr int first_look = 64;                // periods
-constexpr std::size_t side_by_side = 256;     // motions of one thread
+constexpr std::size_t side_by_side = 256;     // motions of one thread at the most,
+constexpr std::size_t fill_the_lanes = 16;    // and at the least, if there are others that have none
 constexpr std::int64_t usual_periods = 40;    // until a motion is recognised: says whether a table of contacts pays
 
 struct Run {
@@ -75,10 +76,12 @@ class Search {
     std::iota(open.begin(), open.end(), std::size_t{0});
     bool first = true;
     while (!open.empty()) {
-      const std::size_t groups = (open.size() + side_by_side - 1) / side_by_side;
+      const std::size_t of_a_group =
+          std::clamp((open.size() + threads_here() - 1) / threads_here(), fill_the_lanes, side_by_side);
+      const std::size_t groups = (open.size() + of_a_group - 1) / of_a_group;
       in_parallel(groups, [&](std::size_t group) {
         std::vector<Watch> watches;
-        for (std::size_t i = group * side_by_side; i < std::min(open.size(), (group + 1) * side_by_side); ++i) {
+        for (std::size_t i = group * of_a_group; i < std::min(open.size(), (group + 1) * of_a_group); ++i) {
           Run& run = runs[open[i]];
           if (first) run.state = starts_[todo[open[i]]];
           watches.emplace_back(*this, run, first);
@@ -322,7 +325,9 @@ class Search {
       known.orbit = trapping_region(system_, p_, attractor.state, attractor.period, options_.flow);
       states = known.orbit.centres;
     } else {
-      states = scout_.states(attractor.state, static_cast<std::size_t>(std::max(1, options_.periods)));
+      const auto count = static_cast<std::size_t>(std::max(1, options_.periods));
+      const bool chaotic = attractor.type == AttractorType::chaotic;
+      states = chaotic ? scout_.states_in_chaos(attractor.state, count, VisitedCells::window) : scout_.states(attractor.state, count);
       known.cells = VisitedCells(states);
     }
     if (all) *all = states;

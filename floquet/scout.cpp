@@ -1,21 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/lyapunov_lanes.hpp>
 #include <graze/floquet/scout.hpp>
 #include <graze/floquet/spread_order.hpp>
 #include <graze/floquet/stroboscopic_states.hpp>
 
 #include <algorithm>
+#include <cmath>
 
 namespace graze {
 
 Scout::Scout(const HybridSystem& system, const Vector& p, const std::vector<Vector>& starts, std::int64_t expected,
              const FlowOptions& flow)
     : system_(system), p_(p), flow_(flow) {
-  expected *= static_cast<std::int64_t>(starts.size());
-  if (expected < ManyMotions::periods_for_table || !ManyMotions::applies(system, p, flow)) return;
-  constexpr std::size_t first = 64, periods = 256;
+  if (!ManyMotions::applies(system, p, flow)) return;
   many_ = std::make_unique<ManyMotions>(system, flow);
   many_->use_all_threads();
-  many_->expect(many_->add_parameters(p), expected);
+  many_->add_parameters(p);
+  expected *= static_cast<std::int64_t>(starts.size());
+  if (expected < ManyMotions::periods_for_table) return;
+  constexpr std::size_t first = 64, periods = 256;
+  many_->expect(0, expected);
   std::vector<MotionStart> motions;
   for (const std::size_t i : spread_order(starts.size())) {
     motions.push_back({0, starts[i][0], starts[i][1]});
@@ -37,6 +41,23 @@ std::vector<Vector> Scout::states(const Vector& start, std::size_t count) const 
   for (const PeriodResult& one : results)
     if (one.termination == Termination::time) states.push_back(Vector{{one.x, one.v}});
   return states;
+}
+
+std::vector<Vector> Scout::states_in_chaos(const Vector& start, std::size_t count, std::size_t whole) const {
+  constexpr std::size_t motions = 16;
+  const std::size_t each = (count + motions * whole - 1) / (motions * whole) * whole, periods = parting + each - 1;
+  if (!many_ || count < motions * whole) return states(start, count);
+  std::vector<MotionStart> starts;
+  const double apart = 1e-7 * (1.0 + std::abs(start[0]));
+  for (std::size_t i = 0; i < motions; ++i) starts.push_back({0, start[0] - apart * static_cast<double>(i), start[1]});
+  std::vector<PeriodResult> results;
+  many_->carry(starts, periods, false, results);
+  std::vector<Vector> states;
+  for (std::size_t i = 0; i < motions; ++i)
+    for (std::size_t k = parting - 1; k < periods; ++k)
+      if (const PeriodResult& one = results[i * periods + k]; one.termination == Termination::time)
+        states.push_back(Vector{{one.x, one.v}});
+  return states.empty() ? std::vector<Vector>{start} : states;
 }
 
 }  // namespace graze

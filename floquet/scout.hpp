@@ -22,6 +22,9 @@ class Scout {
   /// The states at forcing phase 0 of a motion, from its start on; fewer than `count` where it cannot be carried on. By
   /// one thread at a time.
   std::vector<Vector> states(const Vector& start, std::size_t count) const;
+  /// Those of several motions that chaos has parted, one after the other, from next to a state of it on: of `count` or a few more
+  /// in all, of each a multiple of `whole`. Where the lanes do not know the oscillator, those of one motion.
+  std::vector<Vector> states_in_chaos(const Vector& start, std::size_t count, std::size_t whole) const;
 
  private:
   const HybridSystem& system_;
