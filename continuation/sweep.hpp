@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Sweep: the attractor followed from one value of a parameter to the next, up, down or both ways: what a laboratory sees, with
-// its hysteresis. Each value starts from the state in which the one before ended.
+// its hysteresis. Each value starts from the orbit on which the one before ended, or from where its motion was after the transient,
+// and, if the one before that had not settled either, already after 64 forcing periods of it: chaos is on its attractor by then.
 //
-// Where the motion is not periodic, the next value starts from the state after transient and samples. Time averages, which take
-// long, are taken side by side, of many rows (SweepWork). On smooth branches of orbits the values ahead are computed side by
-// side, too (SweepChain).
+// What has not settled is left behind: the rest of its transient, its samples and its time average, which take long, are carried
+// out side by side, for many rows (SweepWork). On smooth branches the orbits of the values ahead are computed side by side, too
+// (SweepChain).
 #pragma once
 
 #include <graze/floquet/attractor.hpp>
@@ -36,7 +37,7 @@ struct SweepRow {
   double value = 0.0;
   SweepDirection direction = SweepDirection::up;
   Attractor attractor;                ///< its orbit without nodes, signature, events and factors (there may be a million rows)
-  Vector end;                         ///< state at phase 0 from which the next value starts
+  Vector end;                         ///< state at phase 0 from which the next value starts (behind it, a transient may go on)
   std::vector<Vector> states;         ///< at forcing phase 0: those of the orbit, or SweepOptions::samples of them
   std::vector<double> impact_speeds;  ///< of the impacts (entries) on the way through them
 };

@@ -10,7 +10,8 @@ namespace graze {
 
 namespace {
 
-/// Forcing periods after which a motion is handed on to the next value: it is on its attractor by then, if that is chaotic.
+/// Forcing periods of a transient after which the motion is handed on to the next value, where the row before has not settled:
+/// it is on its attractor by then, if that is chaotic.
 constexpr int handed_on_early = 64;
 
 void describe_briefly(PeriodicOrbit& orbit) {
