@@ -16,6 +16,7 @@ constexpr double repeats = 1e-4;
 constexpr std::int64_t turning = 60;
 /// So many motions fill the lanes of a thread. What it would begin beyond them may be in vain.
 constexpr std::size_t enough = 32;
+/// The fewest that are begun where much has been in vain.
 constexpr std::size_t fewest = 8;
 /// And so may be rows behind the last that is open.
 constexpr std::size_t far_ahead = 64;
@@ -28,7 +29,7 @@ SweepOptions with_looks(SweepOptions options) {
   return options;
 }
 
-/// Whether an average was.
+/// Whether an average was broken off.
 bool broken_off(LyapunovStop stop) {
   return stop == LyapunovStop::interrupted || stop == LyapunovStop::failed || stop == LyapunovStop::not_run;
 }
@@ -76,20 +77,23 @@ std::shared_ptr<SweepWork::Entry> SweepWork::next_waiting() {
   return nullptr;
 }
 
-/// A direction that no thread follows.
-SweepWork::Way* SweepWork::to_follow() {
-  const auto way = std::find_if(ways_.begin(), ways_.end(), [this](const Way& one) { return !one.followed && goes_on(one); });
-  return way == ways_.end() ? nullptr : &*way;
-}
-
 bool SweepWork::far_ahead_of_open(const Way& way) const {
   const std::size_t rows = way.entries.size();
   if (way.open == 0 || rows < far_ahead) return false;
   return std::all_of(way.entries.end() - far_ahead, way.entries.end(), [](const auto& entry) { return entry->done; });
 }
 
-/// What is begun next by a thread that carries so many rows. If none waits it follows a motion, unless another has nothing
-/// else to do; it waits if it has nothing to do itself.
+/// A direction that no thread follows, for one that carries so many rows: with some, if that is not likely to be in vain, and no
+/// other thread has nothing to do.
+SweepWork::Way* SweepWork::to_follow(std::size_t carried) {
+  const auto fits = [&](const Way& way) {
+    return !way.followed && goes_on(way) && (carried == 0 || (idle_ == 0 && !far_ahead_of_open(way)));
+  };
+  const auto way = std::find_if(ways_.begin(), ways_.end(), fits);
+  return way == ways_.end() ? nullptr : &*way;
+}
+
+/// What is begun next by a thread that carries so many rows. If none waits it follows a motion; it waits if it has nothing to do.
 std::shared_ptr<SweepWork::Entry> SweepWork::draw(std::size_t carried) {
   std::unique_lock lock(mutex_);
   for (;;) {
@@ -102,11 +106,11 @@ std::shared_ptr<SweepWork::Entry> SweepWork::draw(std::size_t carried) {
       unfinished = unfinished || way.open > 0 || way.followed || goes_on(way);
     }
     if (!unfinished) return nullptr;
-    Way* const way = to_follow();
+    Way* const way = to_follow(carried);
     // Where others have rows, who has none goes ahead for them.
     const bool leads = carried == 0 && begun_ > 0 && waiting < rows_of_a_thread_;
     if (waiting > 0 && !(way && leads)) return next_waiting();
-    if (way && (carried == 0 || (idle_ == 0 && !far_ahead_of_open(*way)))) {
+    if (way) {
       follow(*way, lock);
       continue;
     }
@@ -192,6 +196,7 @@ LaneTask<> SweepWork::settle(LanePlace& lane, std::shared_ptr<Entry> entry) {
 
 /// Of a motion that is not periodic.
 LaneTask<> SweepWork::sample(LanePlace& lane, const SweepChain& chain, SweepRow& row) const {
+  if (options_.samples < 1) co_return;
   if (!ManyMotions::applies(system_, chain.parameters(row.value), options_.attractor.lyapunov.flow)) {
     chain.sample_motion(row);
     co_return;

@@ -57,7 +57,7 @@ class SweepWork {
 
   std::shared_ptr<Entry> draw(std::size_t carried);
   std::shared_ptr<Entry> next_waiting();
-  Way* to_follow();
+  Way* to_follow(std::size_t carried);
   bool far_ahead_of_open(const Way& way) const;
   void follow(Way& way, std::unique_lock<std::mutex>& lock);
   SweepChain::Before before_next(const Way& way) const;

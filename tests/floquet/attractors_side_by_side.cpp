@@ -2,7 +2,7 @@
 // Attractors of many points side by side against those of each point alone.
 #include "support/checks.hpp"
 
-#include <graze/floquet/attractor.hpp>
+#include <graze/floquet/rounds.hpp>
 #include <graze/lib/oscillator.hpp>
 
 #include <catch2/catch.hpp>
@@ -119,6 +119,21 @@ TEST_CASE("an attractor does not depend on those beside it, be its average over 
   }
   CHECK(chaotic > 1);
   CHECK(periodic > 1);
+}
+
+TEST_CASE("chaos that a short average found has to be confirmed") {
+  Attractor attractor;
+  attractor.type = AttractorType::chaotic;
+  attractor.time_average.stop = LyapunovStop::standard_error;
+  const auto after = [&](std::int64_t periods) {
+    attractor.time_average.periods = periods;
+    return wants_confirmation(quick(), attractor);
+  };
+  CHECK(after(200));
+  CHECK(after(499));
+  CHECK_FALSE(after(500));
+  attractor.time_average.stop = LyapunovStop::budget;
+  CHECK_FALSE(after(200));
 }
 
 TEST_CASE("a motion that settles while it is averaged is found out before the average has ended") {
