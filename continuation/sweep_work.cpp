@@ -12,6 +12,8 @@ namespace {
 
 /// So near a return, an orbit is looked for on the way; Newton's method decides.
 constexpr double repeats = 1e-4;
+/// Chaos that an average of so few forcing periods found has to be confirmed by a second one.
+constexpr std::int64_t short_average = 500;
 /// Forcing periods in which the tangent of a motion is turned, before its growth counts.
 constexpr std::int64_t turning = 60;
 /// So many motions fill the lanes of a thread. What it would begin beyond them may be in vain.
@@ -23,6 +25,7 @@ constexpr std::size_t far_ahead = 64;
 
 SweepOptions with_looks(SweepOptions options) {
   options.attractor.recurrence = repeats;
+  options.attractor.confirmed_below = short_average;
   LyapunovOptions& averaging = options.attractor.lyapunov;
   averaging.aligning = std::max(averaging.aligning, turning);
   averaging.motions = std::max(averaging.motions, motions_in_company(averaging));

@@ -9,6 +9,8 @@
 #include <graze/floquet/lyapunov_lanes.hpp>
 #include <graze/floquet/settling_orbit.hpp>
 
+#include <cstdint>
+#include <limits>
 #include <optional>
 
 namespace graze {
@@ -23,8 +25,9 @@ struct AttractorOptions {
   /// > 0: for many attractors in little time. A stable orbit is then looked for already during the transient, where the motion
   /// returns this closely relative to 1 + |x|; the same proof by Newton's method ends it. Newton's method, which costs most where
   /// there is nothing to find, is tried for the three closest returns only, within twenty times this distance. And an average
-  /// that stopped as soon as it was positive has to be confirmed by a second one.
+  /// that stopped as soon as it was positive has to be confirmed by a second one, if it took fewer periods than confirmed_below.
   double recurrence = 0.0;
+  std::int64_t confirmed_below = std::numeric_limits<std::int64_t>::max();
   int max_period = 64;          ///< longest period that is recognised
   double significance = 5.0;    ///< standard errors by which the first exponent must exceed zero in chaos
   int periods_on_orbit = 2000;  ///< of the time average on a periodic attractor; 0: none

@@ -69,9 +69,8 @@ void take_average(LyapunovSpectrum average, const AttractorOptions& options, Att
 }
 
 bool wants_confirmation(const AttractorOptions& options, const Attractor& attractor) {
-  constexpr std::int64_t short_average = 500;
   return options.recurrence > 0.0 && attractor.type == AttractorType::chaotic &&
-         attractor.time_average.stop == LyapunovStop::standard_error && attractor.time_average.periods < short_average;
+         attractor.time_average.stop == LyapunovStop::standard_error && attractor.time_average.periods < options.confirmed_below;
 }
 
 }  // namespace graze

@@ -121,14 +121,17 @@ TEST_CASE("an attractor does not depend on those beside it, be its average over 
   CHECK(periodic > 1);
 }
 
-TEST_CASE("chaos that a short average found has to be confirmed") {
+TEST_CASE("chaos that a short average found has to be confirmed, where nothing else is said any") {
+  AttractorOptions options = quick();
   Attractor attractor;
   attractor.type = AttractorType::chaotic;
   attractor.time_average.stop = LyapunovStop::standard_error;
   const auto after = [&](std::int64_t periods) {
     attractor.time_average.periods = periods;
-    return wants_confirmation(quick(), attractor);
+    return wants_confirmation(options, attractor);
   };
+  CHECK(after(200000));
+  options.confirmed_below = 500;
   CHECK(after(200));
   CHECK(after(499));
   CHECK_FALSE(after(500));
