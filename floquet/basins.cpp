@@ -17,12 +17,11 @@ namespace graze {
 
 namespace {
 
-constexpr std::size_t most_attractors = 200;  // more are a parameter at which nothing can be told apart
-constexpr double return_distance = 1e-3;      // relative to 1 + |x|: so near a return, an orbit is looked for
-constexpr int first_look = 64;                // periods
-constexpr std::size_t side_by_side = 256;     // motions of one thread at the most,
-constexpr std::size_t fill_the_lanes = 16;    // and at the least, if there are others that have none
-constexpr std::int64_t usual_periods = 40;    // until a motion is recognised: says whether a table of contacts pays
+constexpr std::size_t most_attractors = 200;                     // more are a parameter at which nothing can be told apart
+constexpr double return_distance = 1e-3;                         // relative to 1 + |x|: so near a return, an orbit is looked for
+constexpr int first_look = 64;                                   // periods
+constexpr std::size_t least_together = 16, most_together = 256;  // motions of one thread
+constexpr std::int64_t usual_periods = 40;  // until a motion is recognised: says whether a table of contacts pays
 
 struct Run {
   enum class End { cancelled, reached, new_orbit, unrecognised, inadmissible, lost };
@@ -76,12 +75,11 @@ class Search {
     std::iota(open.begin(), open.end(), std::size_t{0});
     bool first = true;
     while (!open.empty()) {
-      const std::size_t of_a_group =
-          std::clamp((open.size() + threads_here() - 1) / threads_here(), fill_the_lanes, side_by_side);
-      const std::size_t groups = (open.size() + of_a_group - 1) / of_a_group;
+      const std::size_t together = std::clamp(open.size() / threads_here() + 1, least_together, most_together);
+      const std::size_t groups = (open.size() + together - 1) / together;
       in_parallel(groups, [&](std::size_t group) {
         std::vector<Watch> watches;
-        for (std::size_t i = group * of_a_group; i < std::min(open.size(), (group + 1) * of_a_group); ++i) {
+        for (std::size_t i = group * together; i < std::min(open.size(), (group + 1) * together); ++i) {
           Run& run = runs[open[i]];
           if (first) run.state = starts_[todo[open[i]]];
           watches.emplace_back(*this, run, first);
@@ -325,9 +323,7 @@ class Search {
       known.orbit = trapping_region(system_, p_, attractor.state, attractor.period, options_.flow);
       states = known.orbit.centres;
     } else {
-      const auto count = static_cast<std::size_t>(std::max(1, options_.periods));
-      const bool chaotic = attractor.type == AttractorType::chaotic;
-      states = chaotic ? scout_.states_in_chaos(attractor.state, count, VisitedCells::window) : scout_.states(attractor.state, count);
+      states = scout_.states(attractor, static_cast<std::size_t>(std::max(1, options_.periods)));
       known.cells = VisitedCells(states);
     }
     if (all) *all = states;

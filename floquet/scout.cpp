@@ -3,6 +3,7 @@
 #include <graze/floquet/scout.hpp>
 #include <graze/floquet/spread_order.hpp>
 #include <graze/floquet/stroboscopic_states.hpp>
+#include <graze/floquet/visited_cells.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -43,10 +44,11 @@ std::vector<Vector> Scout::states(const Vector& start, std::size_t count) const 
   return states;
 }
 
-std::vector<Vector> Scout::states_in_chaos(const Vector& start, std::size_t count, std::size_t whole) const {
-  constexpr std::size_t motions = 16;
+std::vector<Vector> Scout::states(const Attractor& attractor, std::size_t count) const {
+  constexpr std::size_t motions = 16, whole = VisitedCells::window;
+  const Vector& start = attractor.state;
   const std::size_t each = (count + motions * whole - 1) / (motions * whole) * whole, periods = parting + each - 1;
-  if (!many_ || count < motions * whole) return states(start, count);
+  if (!many_ || attractor.type != AttractorType::chaotic || count < motions * whole) return states(start, count);
   std::vector<MotionStart> starts;
   const double apart = 1e-7 * (1.0 + std::abs(start[0]));
   for (std::size_t i = 0; i < motions; ++i) starts.push_back({0, start[0] - apart * static_cast<double>(i), start[1]});

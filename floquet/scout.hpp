@@ -3,7 +3,7 @@
 // barrier, and keeps a table of contacts of those speeds for all, where one pays.
 #pragma once
 
-#include <graze/lib/many_motions.hpp>
+#include <graze/floquet/attractor.hpp>
 
 #include <memory>
 #include <vector>
@@ -22,9 +22,10 @@ class Scout {
   /// The states at forcing phase 0 of a motion, from its start on; fewer than `count` where it cannot be carried on. By
   /// one thread at a time.
   std::vector<Vector> states(const Vector& start, std::size_t count) const;
-  /// Those of several motions that chaos has parted, one after the other, from next to a state of it on: of `count` or a few more
-  /// in all, of each a multiple of `whole`. Where the lanes do not know the oscillator, those of one motion.
-  std::vector<Vector> states_in_chaos(const Vector& start, std::size_t count, std::size_t whole) const;
+  /// What covers an attractor that is not periodic: the states of a motion on it, or, if it is chaotic and the lanes know the
+  /// oscillator, of several that chaos has parted, one after the other, of each a multiple of VisitedCells::window: `count` or a
+  /// few more in all.
+  std::vector<Vector> states(const Attractor& attractor, std::size_t count) const;
 
  private:
   const HybridSystem& system_;

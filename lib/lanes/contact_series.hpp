@@ -101,14 +101,6 @@ template <class Real, bool Tangent, bool Cubic, std::size_t Order> class Contact
     Real yp_0, yp_1, fz_0, fz_1;
   };
 
-  /// Coefficients k + 1 and k + 2 of everything from those up to k.
-  template <std::size_t k> [[gnu::always_inline]] void next_two(const Terms& q) {
-    if constexpr (in_quads<Real>)
-      next_two_in_quads<k>(q);
-    else
-      next_two_one_by_one<k>(q);
-  }
-
   template <std::size_t k> [[gnu::always_inline]] void next_two_in_quads(const Terms& q) {
     const TwoOrders<Quad, k, 1, false> powers(quads_.left, quads_.right);
     const TwoOrders<Pair, k, 0, true> squares(quads_.roots);
@@ -118,24 +110,18 @@ template <class Real, bool Tangent, bool Cubic, std::size_t Order> class Contact
       const auto [yy, uu] = numbers(of_squares);
       return Products{yc, ys, yy, yu, uu, yw, y3w};
     };
-    const auto tangent_products = [](const auto& of_tangent) __attribute__((always_inline)) {
-      const auto [yp_0, yp_1, fz_0, fz_1] = numbers(of_tangent);
-      return TangentProducts{yp_0, yp_1, fz_0, fz_1};
-    };
     close<k>(q, products(powers.first(), squares.first_square(), seventh.first()));
     put_in_quads<k>();
-    if constexpr (Tangent) {
-      const TwoOrders<Quad, k + 1, 1, false> tangent(quads_.factors, quads_.columns);
-      close_tangent<k>(tangent_products(tangent.first()));
-      quads_.columns[k + 1] = {p_0_[k + 1], p_1_[k + 1], z_0_[k + 1], z_1_[k + 1]};
-      close<k + 1>(q, products(powers.second(), squares.second_square(), seventh.second()));
-      put_in_quads<k + 1>();
-      close_tangent<k + 1>(tangent_products(tangent.second()));
-      quads_.columns[k + 2] = {p_0_[k + 2], p_1_[k + 2], z_0_[k + 2], z_1_[k + 2]};
-    } else {
-      close<k + 1>(q, products(powers.second(), squares.second_square(), seventh.second()));
-      put_in_quads<k + 1>();
-    }
+    const TwoOrders<Quad, Tangent ? k + 1 : 0, 1, false> tangent(quads_.factors, quads_.columns);
+    if constexpr (Tangent) close_tangent_in_quads<k>(tangent.first());
+    close<k + 1>(q, products(powers.second(), squares.second_square(), seventh.second()));
+    put_in_quads<k + 1>();
+    if constexpr (Tangent) close_tangent_in_quads<k + 1>(tangent.second());
+  }
+  template <std::size_t k> [[gnu::always_inline]] void close_tangent_in_quads(const Quad& sums) {
+    const auto [yp_0, yp_1, fz_0, fz_1] = numbers(sums);
+    close_tangent<k>({yp_0, yp_1, fz_0, fz_1});
+    quads_.columns[k + 1] = {p_0_[k + 1], p_1_[k + 1], z_0_[k + 1], z_1_[k + 1]};
   }
   template <std::size_t k> [[gnu::always_inline]] void put_in_quads() {
     quads_.left[k] = {y_[k + 1], y_[k + 1], y_[k + 1], u_[k + 1]};
@@ -144,7 +130,9 @@ template <class Real, bool Tangent, bool Cubic, std::size_t Order> class Contact
     if constexpr (Tangent) quads_.factors[k] = {y_[k], y_[k], f_[k], f_[k]};
   }
 
-  template <std::size_t k> [[gnu::always_inline]] void next_two_one_by_one(const Terms& q) {
+  /// Coefficients k + 1 and k + 2 of everything from those up to k.
+  template <std::size_t k> [[gnu::always_inline]] void next_two(const Terms& q) {
+    if constexpr (in_quads<Real>) return next_two_in_quads<k>(q);
     const Real *const y = y_.data() + 1, *const u = u_.data() + 1, *const w = y4_.data() + 1;
     const TwoOrders<Real, k, 2, false> forced(y, c_.data(), s_.data());
     const TwoOrders<Real, k, 1, true> fifth(y, w), third(u, y);
