@@ -58,18 +58,18 @@ class Extrapolation {
   std::vector<States> differences_;
 };
 
-LaneTask<> shoot_to(LanePlace& lane, const Vector& p, const States& guess, LaneOrbit& orbit) {
-  lane.take_parameters(p);
-  std::vector<std::array<double, 2>> states;
-  for (const Vector& state : guess) states.push_back({state[0], state[1]});
-  constexpr int few_halvings = 2;  // what is not near is left to the motion
-  const LanePatience patience{.max_halvings = few_halvings};
-  orbit = co_await shoot_in_lanes(lane, std::move(states), patience);
+/// What is not near is left to the motion.
+constexpr LanePatience patience{.max_halvings = 2};
+
+LaneGuess guess_of(std::size_t parameters, const States& guess) {
+  LaneGuess out{parameters, {}};
+  for (const Vector& state : guess) out.states.push_back({state[0], state[1]});
+  return out;
 }
 
-LaneTask<> approach(LanePlace& lane, const HybridSystem& system, const Vector& p, const LaneOrbit& orbit, Vector from,
-                    std::optional<PeriodicOrbit>& reached) {
-  lane.take_parameters(p);
+LaneTask<> approach(LanePlace& lane, const HybridSystem& system, std::size_t parameters, const Vector& p, const LaneOrbit& orbit,
+                    Vector from, std::optional<PeriodicOrbit>& reached) {
+  lane.take_parameters(parameters);
   reached = co_await orbit_approached_in_lanes(lane, system, p, orbit, from);
 }
 
@@ -83,16 +83,16 @@ std::vector<PeriodicOrbit> orbits_ahead(const HybridSystem& system, const std::v
   if (before.size() < 2 || !std::all_of(next.begin(), next.end(), known)) return {};
   const Extrapolation extrapolation(before);
   ManyMotions many(system, flow);
-  LanePool pool(many);
-  std::vector<States> guesses;
-  for (std::size_t i = 0; i < next.size(); ++i) guesses.push_back(extrapolation.at(i + 1));
-  std::vector<LaneOrbit> found(next.size());
-  pool.run(next.size(), [&](std::size_t i, LanePlace& lane) { return shoot_to(lane, next[i], guesses[i], found[i]); });
+  std::vector<LaneGuess> guesses;
+  for (std::size_t i = 0; i < next.size(); ++i)
+    guesses.push_back(guess_of(many.add_parameters(next[i]), extrapolation.at(i + 1)));
+  std::vector<LaneOrbit> found = shoot_side_by_side(many, guesses, patience);
   const auto missing = std::find_if(found.begin(), found.end(), [](const LaneOrbit& orbit) { return !orbit.converged; });
   found.erase(missing, found.end());
   std::vector<std::optional<PeriodicOrbit>> reached(found.size());
-  pool.run(found.size(), [&](std::size_t i, LanePlace& lane) {
-    return approach(lane, system, next[i], found[i], i == 0 ? before.back().front() : begin_of(found[i - 1]), reached[i]);
+  LanePool(many).run(found.size(), [&](std::size_t i, LanePlace& lane) {
+    const Vector from = i == 0 ? before.back().front() : begin_of(found[i - 1]);
+    return approach(lane, system, guesses[i].parameters, next[i], found[i], from, reached[i]);
   });
   std::vector<PeriodicOrbit> orbits;
   for (auto& orbit : reached) {
