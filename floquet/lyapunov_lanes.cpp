@@ -28,9 +28,7 @@ class Average {
  public:
   Average(const AverageStart& start, std::size_t set, const LyapunovOptions& options, double period)
       : options_(options), interval_time_(options.interval * period) {
-    const double apart = 1e-7 * (1.0 + std::abs(start.state[0]));
-    for (int i = 0; i < std::max(1, options.motions); ++i)
-      motions_.emplace_back(MotionStart{set, start.state[0] - apart * i, start.state[1]});
+    for (const MotionStart& one : next_to_each_other(set, start.state, std::max(1, options.motions))) motions_.emplace_back(one);
     uncounted_ = std::max<std::int64_t>(options.aligning, motions_.size() > 1 ? turning : 0);
     to_part_ = motions_.size() > 1 ? std::max<std::int64_t>(0, parting - uncounted_) : 0;
     out_.stop = LyapunovStop::budget;
@@ -192,10 +190,15 @@ class Average {
 
 }  // namespace
 
+std::vector<MotionStart> next_to_each_other(std::size_t parameters, const Vector& state, int motions) {
+  std::vector<MotionStart> starts;
+  const double apart = 1e-7 * (1.0 + std::abs(state[0]));
+  for (int i = 0; i < motions; ++i) starts.push_back({parameters, state[0] - apart * i, state[1]});
+  return starts;
+}
+
 class LaneAverage::Motions : public Average {
- public:
   using Average::Average;
-  std::vector<MotionStart> next;
 };
 
 LaneAverage::LaneAverage(const LanePlace& lane, const HybridSystem& system, const AverageStart& start,
@@ -209,15 +212,16 @@ LaneAverage::~LaneAverage() = default;
 
 LaneTask<bool> LaneAverage::carry(LanePlace& lane, std::int64_t periods) {
   Motions& average = *motions_;
+  std::vector<MotionStart> next;
   while (average.open() && average.periods() < periods) {
     if (average.cancelled()) {
       average.stop(LyapunovStop::interrupted);
       break;
     }
     average.announce(lane.motions(), lane.parameters());
-    average.ask(average.next);
+    average.ask(next);
     const std::size_t stretch = average.part_of(shortest_stretch);
-    const std::span<const PeriodResult> carried = co_await lane.carry(average.next, stretch, average.with_tangents());
+    const std::span<const PeriodResult> carried = co_await lane.carry(next, stretch, average.with_tangents());
     average.add(carried.data(), stretch, 1);
   }
   co_return average.open();

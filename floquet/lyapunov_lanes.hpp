@@ -43,5 +43,7 @@ class LaneAverage {
 };
 
 inline constexpr std::int64_t parting = 300;
+/// So many motions next to each other, at a parameter set, the first at `state`.
+std::vector<MotionStart> next_to_each_other(std::size_t parameters, const Vector& state, int motions);
 
 }  // namespace graze

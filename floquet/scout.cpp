@@ -6,7 +6,6 @@
 #include <graze/floquet/visited_cells.hpp>
 
 #include <algorithm>
-#include <cmath>
 
 namespace graze {
 
@@ -49,11 +48,8 @@ std::vector<Vector> Scout::states(const Attractor& attractor, std::size_t count)
   const Vector& start = attractor.state;
   const std::size_t each = (count + motions * whole - 1) / (motions * whole) * whole, periods = parting + each - 1;
   if (!many_ || attractor.type != AttractorType::chaotic || count < motions * whole) return states(start, count);
-  std::vector<MotionStart> starts;
-  const double apart = 1e-7 * (1.0 + std::abs(start[0]));
-  for (std::size_t i = 0; i < motions; ++i) starts.push_back({0, start[0] - apart * static_cast<double>(i), start[1]});
   std::vector<PeriodResult> results;
-  many_->carry(starts, periods, false, results);
+  many_->carry(next_to_each_other(0, start, static_cast<int>(motions)), periods, false, results);
   std::vector<Vector> states;
   for (std::size_t i = 0; i < motions; ++i)
     for (std::size_t k = parting - 1; k < periods; ++k)
