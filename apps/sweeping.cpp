@@ -25,6 +25,7 @@ SweepOptions sweep_options(const SweepRange& range, const SweepingOptions& optio
   out.directions = range.directions;
   out.samples = options.samples;
   out.attractor.transient = options.transient;
+  out.attractor.max_period = options.max_period;
   out.attractor.periods_on_orbit = 0;  // the multipliers say it all
   out.attractor.lyapunov.max_periods = options.periods;
   out.attractor.lyapunov.min_periods = std::min(options.periods, 500);

@@ -19,6 +19,7 @@ namespace graze::apps {
 struct SweepingOptions {
   std::optional<double> step, standard_error;
   int transient = 300, periods = 20000, samples = 200;
+  int max_period = 256;  ///< longest period that is recognised
 };
 
 /// --step (with `step_help`), --transient, --periods, --standard-error, --samples.

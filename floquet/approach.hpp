@@ -20,6 +20,14 @@ inline double nearness_of(const AttractorOptions& options) {
   return 20.0 * (options.recurrence > 0.0 ? options.recurrence : 1e-4);
 }
 
+/// Forcing periods of a look for an orbit behind so many others: where time matters, and max_period is long, not many more. (A
+/// motion that has settled on a long orbit is known by its return.)
+inline int periods_of_look(const AttractorOptions& options, std::int64_t carried) {
+  constexpr std::int64_t always = 64, part = 16;
+  if (!(options.recurrence > 0.0)) return options.max_period;
+  return static_cast<int>(std::min<std::int64_t>(options.max_period, std::max(always, carried / part)));
+}
+
 inline bool cancelled(const AttractorOptions& options) { return options.lyapunov.cancelled && options.lyapunov.cancelled(); }
 
 /// A transient on its way.
@@ -32,7 +40,7 @@ class Approach {
     initial_mode(system, 0.0, start, p);
     out_.state = start;
     out_.termination = Termination::time;
-    if (options.transient == 0) asks_ = options.max_period;
+    if (options.transient == 0) asks_ = periods_of_look(options, 0);
   }
 
   bool open() const { return open_ && asks_ == 0; }
@@ -49,7 +57,7 @@ class Approach {
     if (termination != Termination::time) return stop(termination);
     out_.state = state;
     asks_ = std::min(watch_.see(state), options_.max_period);
-    if (periods_ == options_.transient) asks_ = options_.max_period;
+    if (periods_ == options_.transient) asks_ = std::max(asks_, periods_of_look(options_, periods_));
   }
 
   /// > 0: it goes on when it is told whether it is settling on an orbit of up to so many periods.

@@ -79,12 +79,13 @@ void average(const HybridSystem& system, const Vector& p, Attractor& attractor, 
   attractor.time_average = std::move(average);
   attractor.state = attractor.time_average.state;
   if (ends.size() > 1) ends = that_may_settle(system, p, ends, options.lyapunov.flow);
+  const int most = periods_of_look(options, periods_each(attractor.time_average));
   const std::size_t together = options.lyapunov.all_threads ? threads_here() : 1;
   for (std::size_t begin = 0; begin < ends.size(); begin += together) {
     std::vector<std::optional<PeriodicOrbit>> orbits(std::min(together, ends.size() - begin));
     in_parallel(orbits.size(), [&](std::size_t i) {
       Propagator propagator(system, p, {}, options.lyapunov.flow);
-      orbits[i] = look_for_orbit(propagator, ends[begin + i], options.max_period, options);
+      orbits[i] = look_for_orbit(propagator, ends[begin + i], most, options);
     });
     if (cancelled(options)) {  // not all of them were looked at
       attractor.time_average.stop = LyapunovStop::interrupted;
@@ -103,7 +104,8 @@ std::optional<Lingering> lingering(const HybridSystem& system, const Vector& p, 
       attractor.time_average.termination != Termination::time)
     return std::nullopt;
   Propagator propagator(system, p, {}, options.lyapunov.flow);
-  const Returns returns = close_returns(propagator, attractor.state, options.max_period, nearness_of(options));
+  const int most = periods_of_look(options, periods_each(attractor.time_average));
+  const Returns returns = close_returns(propagator, attractor.state, most, nearness_of(options));
   if (returns.periods.empty()) return std::nullopt;
   Lingering watch = watch_end(attractor, returns.periods.front(), forcing_period(system, p), options);
   const auto stop = [&] { return cancelled(options); };

@@ -50,7 +50,7 @@ LaneTask<bool> average(LanePlace& lane, const HybridSystem& system, const Vector
     for (std::int64_t periods = look_at_average;; periods *= 2) {
       const bool open = co_await average.carry(lane, periods);
       if (!open) break;
-      SettlingLook looked = co_await look(lane, system, p, average.state(), options.max_period, options);
+      SettlingLook looked = co_await look(lane, system, p, average.state(), periods_of_look(options, periods), options);
       if (!looked.orbit) continue;
       settle_on(attractor, std::move(*looked.orbit));
       co_return false;
@@ -59,7 +59,8 @@ LaneTask<bool> average(LanePlace& lane, const HybridSystem& system, const Vector
     if (again || !wants_confirmation(options, attractor)) break;
   }
   if (stop()) co_return false;  // where averages were broken off says nothing
-  SettlingLook looked = co_await look(lane, system, p, attractor.state, options.max_period, options);
+  const int periods = periods_of_look(options, periods_each(attractor.time_average));
+  SettlingLook looked = co_await look(lane, system, p, attractor.state, periods, options);
   if (looked.orbit) {
     settle_on(attractor, std::move(*looked.orbit));
     co_return false;

@@ -126,6 +126,10 @@ std::optional<PeriodicOrbit> stable_orbit_near(Propagator& propagator, const std
   return std::nullopt;
 }
 
+/// Returns after more periods than that are mostly chance, unless the motion has settled: they have to be so much closer.
+constexpr int short_return = 64;
+constexpr double settled = 0.05;
+
 /// The periods after which states return to the first of them, the closest return first.
 template <class State> std::vector<int> returns_of(const std::vector<State>& states, double nearness, int max_period) {
   constexpr double alike = 1e-10;  // returns this close are as good as each other: the shortest comes first
@@ -133,7 +137,7 @@ template <class State> std::vector<int> returns_of(const std::vector<State>& sta
   std::vector<std::pair<double, int>> found;
   for (int n = 1; n <= max_period && n < static_cast<int>(states.size()); ++n) {
     const double distance = std::max(alike, apart(states[static_cast<std::size_t>(n)], states.front()) / scale);
-    if (distance < nearness) found.emplace_back(distance, n);
+    if (distance < (n > short_return ? settled * nearness : nearness)) found.emplace_back(distance, n);
   }
   std::sort(found.begin(), found.end());
   std::vector<int> periods;

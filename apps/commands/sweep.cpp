@@ -63,6 +63,7 @@ int run(const Options& given, const Console& console) {
   described.update(
       {{"param", options.parameter}, {"from", *options.from}, {"to", *options.to}, {"direction", options.direction}});
   described.update(sweeping_json(options.sweeping));
+  described["max_period"] = options.sweeping.max_period;
   Result result;
   result.json = result_head("sweep/1", "sweep", problem, described);
   result.json["parameter"] = options.parameter;
@@ -99,6 +100,8 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_number(app, "--to", options->to, "upper end", Need::required);
   add_choice(app, "--direction", options->direction, {"up", "down", "both"}, "which way it goes (default up)");
   add_sweeping_options(app, options->sweeping, Need::required, "from one value to the next");
+  add_count(app, "--max-period", options->sweeping.max_period, 1, "longest period that is recognised (default 256)",
+            longest_period);
   add_text(app, "--resume", options->resume, "DIR", "go on from what an interrupted or killed run left in DIR (its --out)");
   add_output_options(app, options->output, "sweep/1");
   return [options](const Console& console) { return run(*options, console); };
