@@ -68,17 +68,23 @@ LaneGuess guess_of(std::size_t parameters, const States& guess) {
 }
 
 LaneTask<> approach(LanePlace& lane, const HybridSystem& system, std::size_t parameters, const Vector& p, const LaneOrbit& orbit,
-                    Vector from, std::optional<PeriodicOrbit>& reached) {
+                    Vector from, std::optional<OrbitAhead>& reached) {
   lane.take_parameters(parameters);
-  reached = co_await orbit_approached_in_lanes(lane, system, p, orbit, from);
+  std::optional<PeriodicOrbit> approached = co_await orbit_approached_in_lanes(lane, system, p, orbit, from);
+  if (!approached) co_return;
+  reached.emplace(OrbitAhead{std::move(*approached), {}});
+  if (reached->orbit.impacts == 0) co_return;
+  ImpactSpeeds speeds;
+  co_await lane.carry(reached->orbit.state, static_cast<std::size_t>(reached->orbit.period), &speeds);
+  reached->impact_speeds = speeds.list();
 }
 
 Vector begin_of(const LaneOrbit& orbit) { return Vector{{orbit.states.front()[0], orbit.states.front()[1]}}; }
 
 }  // namespace
 
-std::vector<PeriodicOrbit> orbits_ahead(const HybridSystem& system, const std::vector<std::vector<Vector>>& before,
-                                        const std::vector<Vector>& next, const FlowOptions& flow) {
+std::vector<OrbitAhead> orbits_ahead(const HybridSystem& system, const std::vector<std::vector<Vector>>& before,
+                                     const std::vector<Vector>& next, const FlowOptions& flow) {
   const auto known = [&](const Vector& p) { return ManyMotions::applies(system, p, flow); };
   if (before.size() < 2 || !std::all_of(next.begin(), next.end(), known)) return {};
   const Extrapolation extrapolation(before);
@@ -89,12 +95,12 @@ std::vector<PeriodicOrbit> orbits_ahead(const HybridSystem& system, const std::v
   std::vector<LaneOrbit> found = shoot_side_by_side(many, guesses, patience);
   const auto missing = std::find_if(found.begin(), found.end(), [](const LaneOrbit& orbit) { return !orbit.converged; });
   found.erase(missing, found.end());
-  std::vector<std::optional<PeriodicOrbit>> reached(found.size());
+  std::vector<std::optional<OrbitAhead>> reached(found.size());
   LanePool(many).run(found.size(), [&](std::size_t i, LanePlace& lane) {
     const Vector from = i == 0 ? before.back().front() : begin_of(found[i - 1]);
     return approach(lane, system, guesses[i].parameters, next[i], found[i], from, reached[i]);
   });
-  std::vector<PeriodicOrbit> orbits;
+  std::vector<OrbitAhead> orbits;
   for (auto& orbit : reached) {
     if (!orbit) break;
     orbits.push_back(std::move(*orbit));

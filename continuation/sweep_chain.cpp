@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/continuation/orbits_ahead.hpp>
 #include <graze/continuation/sweep_chain.hpp>
+#include <graze/floquet/attractor_in_lanes.hpp>
 
 #include <algorithm>
 #include <stdexcept>
@@ -14,6 +14,7 @@ namespace {
 /// it is on its attractor by then, if that is chaotic.
 constexpr int handed_on_early = 64;
 
+/// Keeps of an orbit what it is, and not how it was found: there may be a million rows.
 void describe_briefly(PeriodicOrbit& orbit) {
   orbit.nodes = {};
   orbit.signature = {};
@@ -48,105 +49,116 @@ bool SweepChain::alike(const SweepRow& before, const SweepRow& row) {
          a.impacts == b.impacts && before.states.size() == row.states.size();
 }
 
-void SweepChain::look_ahead(const Before& before) {
-  const std::size_t begin = block_of(before.number);
-  if (begin == block_begin_) return;
-  block_begin_ = begin;
-  std::vector<Vector> next;
-  for (std::size_t k = begin; k < std::min(begin + block, values_.size()); ++k) next.push_back(parameters(values_[k]));
-  ahead_ = orbits_ahead(system_, before.orbits, next, options_.attractor.lyapunov.flow);
-}
-
-/// What is known of it after the transient, or after the part of it that comes before it is handed on. Empty where the state
-/// before lies inside the barrier of this value.
-std::optional<Attractor> SweepChain::attractor(const Before& before, const Vector& p) {
-  look_ahead(before);
-  Attractor out;
-  if (const std::size_t place = before.number - block_begin_; place < ahead_.size()) {
-    settle_on(out, ahead_[place]);
-    return out;
-  }
-  AttractorOptions finding = options_.attractor;
-  finding.lyapunov.cancelled = options_.cancelled;
-  finding.transient = transient_of(before);
-  try {
-    out =
-        before.settled ? approach_attractor(system_, p, before.end, finding) : handed_on(p, before.end, handed_on_after(before));
-  } catch (const std::invalid_argument&) {
-    return std::nullopt;
-  }
-  return out;
-}
-
-std::optional<SweepRow> SweepChain::row(const Before& before) {
+SweepRow SweepChain::row(std::size_t number) const {
   SweepRow row;
-  row.value = values_[before.number];
+  row.value = values_[number];
   row.direction = direction_;
-  const Vector p = parameters(row.value);
-  auto found = attractor(before, p);
-  const auto cancelled = [this] { return options_.cancelled && options_.cancelled(); };
-  if (!found || found->termination != Termination::time || cancelled()) return std::nullopt;
-  row.attractor = std::move(*found);
-  if (row.attractor.type == AttractorType::periodic) {
-    AttractorOptions averaging = options_.attractor;
-    averaging.lyapunov.cancelled = options_.cancelled;
-    average_on_attractor(system_, p, row.attractor, averaging);
-    if (row.attractor.time_average.stop == LyapunovStop::interrupted) return std::nullopt;
-    sample_orbit(row);
-  }
-  row.end = row.attractor.state;
   return row;
 }
 
-int SweepChain::transient_of(const Before& before) const {
-  return before.number == 0 ? options_.first_transient : options_.attractor.transient;
-}
-int SweepChain::handed_on_after(const Before& before) const { return std::min(handed_on_early, transient_of(before)); }
-int SweepChain::transient_left(const Before& before) const {
-  return before.settled ? 0 : transient_of(before) - handed_on_after(before);
-}
-
-/// A motion that may be chaotic after so many forcing periods.
-Attractor SweepChain::handed_on(const Vector& p, const Vector& start, int periods) const {
-  initial_mode(system_, 0.0, start, p);
-  Attractor out;
-  out.state = start;
-  out.termination = Termination::time;
-  Propagator propagator(system_, p, {}, options_.attractor.lyapunov.flow);
-  Transition transition;
-  for (int k = 0; k < periods && out.termination == Termination::time; ++k) {
-    carry(propagator, 0.0, forcing_period(system_, p), out.state, {.sensitivity = Sensitivity::none}, transition);
-    out.termination = transition.termination;
-    out.state = transition.x1;
+std::optional<SweepRow> SweepChain::ahead(std::size_t number, const std::vector<std::vector<Vector>>& before) {
+  if (options_.attractor.periods_on_orbit > 0) return std::nullopt;  // an average belongs to it
+  if (const std::size_t begin = block_of(number); begin != block_begin_) {
+    block_begin_ = begin;
+    std::vector<Vector> next;
+    for (std::size_t k = begin; k < std::min(begin + block, values_.size()); ++k) next.push_back(parameters(values_[k]));
+    ahead_ = orbits_ahead(system_, before, next, options_.attractor.lyapunov.flow);
   }
+  const std::size_t place = number - block_begin_;
+  if (place >= ahead_.size()) return std::nullopt;
+  SweepRow out = row(number);
+  settle_on(out.attractor, std::move(ahead_[place].orbit));
+  out.states = out.attractor.orbit->states;
+  out.impact_speeds = std::move(ahead_[place].impact_speeds);
+  out.end = out.attractor.state;
+  describe_briefly(*out.attractor.orbit);
   return out;
 }
 
-void SweepChain::sample_orbit(SweepRow& row) const {
-  PeriodicOrbit& orbit = *row.attractor.orbit;
-  row.states = orbit.states;
-  row.impact_speeds.clear();
-  const bool known = orbit.impacts == 0 || !orbit.events.empty();
-  add_speeds(orbit.events, row.impact_speeds);
-  describe_briefly(orbit);
-  if (known) return;
-  const Vector p = parameters(row.value);
+/// Where a motion that may be chaotic is after so many forcing periods; empty where it cannot be carried so far.
+LaneTask<std::optional<Vector>> SweepChain::carry_on(LanePlace& lane, const Vector& p, const Vector& state, int periods) const {
+  initial_mode(system_, 0.0, state, p);
+  Vector end = state;
+  if (ManyMotions::applies(system_, p, options_.attractor.lyapunov.flow)) {
+    lane.take_parameters(p);
+    const std::span<const PeriodResult> results = co_await lane.carry(state, static_cast<std::size_t>(periods));
+    for (const PeriodResult& period : results) {
+      if (period.termination != Termination::time) co_return std::nullopt;
+      end << period.x, period.v;
+    }
+    co_return end;
+  }
   Propagator propagator(system_, p, {}, options_.attractor.lyapunov.flow);
   Transition transition;
-  for (const Vector& state : orbit.states) {
-    carry(propagator, 0.0, forcing_period(system_, p), state, {.sensitivity = Sensitivity::none, .keep_events = true},
-          transition);
-    add_speeds(transition.events, row.impact_speeds);
+  for (int k = 0; k < periods; ++k) {
+    carry(propagator, 0.0, forcing_period(system_, p), end, {.sensitivity = Sensitivity::none}, transition);
+    if (transition.termination != Termination::time) co_return std::nullopt;
+    end = transition.x1;
   }
+  co_return end;
 }
 
-void SweepChain::sample_motion(SweepRow& row) const {
-  const Vector p = parameters(row.value);
+LaneTask<SweepRow> SweepChain::find(LanePlace& lane, Begin begin, AttractorOptions finding,
+                                    std::function<void(const Vector& state)> hand_on) const {
+  SweepRow out = row(begin.number);
+  const Vector p = parameters(out.value);
+  if (begin.number == 0) finding.transient = options_.first_transient;
+  const auto cancelled = [&finding] { return finding.lyapunov.cancelled && finding.lyapunov.cancelled(); };
+  lane.hurry(true);
+  out.end = begin.state;
+  if (!begin.settled) {
+    const int early = std::min(handed_on_early, finding.transient);
+    std::optional<Vector> end = co_await carry_on(lane, p, begin.state, early);
+    if (!end) co_return out;
+    out.end = std::move(*end);
+    finding.transient -= early;
+    hand_on(out.end);
+    lane.hurry(false);
+  }
+  const Vector from = out.end;
+  out.attractor = co_await approach_attractor_in_lanes(lane, system_, p, from, finding);
+  if (begin.settled && out.attractor.type != AttractorType::periodic && out.attractor.termination == Termination::time) {
+    out.end = out.attractor.state;
+    hand_on(out.end);
+  }
+  lane.hurry(false);
+  co_await average_on_attractor_in_lanes(lane, system_, p, out.attractor, finding);
+  const bool periodic = out.attractor.type == AttractorType::periodic;
+  if (periodic) out.end = out.attractor.state;
+  if (periodic || !cancelled()) co_await sample(lane, p, out);
+  co_return out;
+}
+
+/// Puts down what there is to be seen of its motion.
+LaneTask<> SweepChain::sample(LanePlace& lane, const Vector& p, SweepRow& row) const {
+  const bool periodic = row.attractor.type == AttractorType::periodic;
+  const int wanted = periodic ? row.attractor.period : options_.samples;
+  if (wanted < 1 || row.attractor.termination != Termination::time) co_return;
+  if (periodic && (row.attractor.impacts == 0 || !row.attractor.orbit->events.empty())) {
+    add_speeds(row.attractor.orbit->events, row.impact_speeds);
+  } else if (!ManyMotions::applies(system_, p, options_.attractor.lyapunov.flow)) {
+    sample_alone(p, static_cast<std::size_t>(wanted), row);
+  } else {
+    lane.take_parameters(p);
+    ImpactSpeeds speeds;
+    const Vector from = row.attractor.state;
+    const std::span<const PeriodResult> periods = co_await lane.carry(from, static_cast<std::size_t>(wanted), &speeds);
+    row.states = {from};
+    for (const PeriodResult& period : periods.first(periods.size() - 1))
+      if (period.termination == Termination::time) row.states.push_back(Vector{{period.x, period.v}});
+    row.impact_speeds = speeds.list();
+  }
+  if (!periodic) co_return;
+  row.states = row.attractor.orbit->states;
+  describe_briefly(*row.attractor.orbit);
+}
+
+void SweepChain::sample_alone(const Vector& p, std::size_t periods, SweepRow& row) const {
   Propagator propagator(system_, p, {}, options_.attractor.lyapunov.flow);
   const double T = forcing_period(system_, p);
   Transition transition;
   Vector x = row.attractor.state;
-  for (int k = 0; k < options_.samples; ++k) {
+  for (std::size_t k = 0; k < periods; ++k) {
     row.states.push_back(x);
     carry(propagator, 0.0, T, x, {.sensitivity = Sensitivity::none, .keep_events = true}, transition);
     if (transition.termination != Termination::time) break;

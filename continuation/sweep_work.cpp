@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/sweep_work.hpp>
-#include <graze/floquet/attractor_in_lanes.hpp>
 #include <graze/floquet/rounds.hpp>
 
 #include <algorithm>
@@ -45,9 +44,10 @@ SweepWork::SweepWork(const HybridSystem& system, const Vector& p, const Vector& 
       enough_(std::max<std::size_t>(1, enough / static_cast<std::size_t>(options_.attractor.lyapunov.motions))),
       rows_of_a_thread_(enough_) {
   for (const SweepDirection direction : options_.directions) {
-    Way& way = ways_.emplace_back(Way{{system_, p, start, options_, direction}, {}, {}});
+    Way& way = ways_.emplace_back(Way{{system_, p, start, options_, direction}, {}});
     for (const SweepRow& row : so_far)
-      if (row.direction == direction) way.entries.push_back(std::make_shared<Entry>(row, &way, way.entries.size(), 0, true));
+      if (row.direction == direction)
+        way.entries.push_back(std::make_shared<Entry>(row, &way, SweepChain::Begin{way.entries.size(), {}}, false, true));
   }
   done_ = so_far.size();
 }
@@ -55,11 +55,15 @@ SweepWork::SweepWork(const HybridSystem& system, const Vector& p, const Vector& 
 bool SweepWork::goes_on(const Way& way) const { return !way.ended && way.entries.size() < way.chain.size() && !cancelled(); }
 
 void SweepWork::work() try {
+  {
+    const std::lock_guard lock(mutex_);
+    ++threads_;
+  }
   ManyMotions many(system_, options_.attractor.lyapunov.flow);
   LanePool(many, &exchange_).run([&](LanePlace& lane, std::size_t carried) -> std::optional<LaneTask<>> {
     auto entry = draw(carried);
     if (!entry) return std::nullopt;
-    return settle(lane, std::move(entry));
+    return find(lane, std::move(entry));
   });
 } catch (...) {
   const std::lock_guard lock(mutex_);
@@ -68,53 +72,35 @@ void SweepWork::work() try {
   throw;
 }
 
-/// The first row that waits, of all directions.
-std::shared_ptr<SweepWork::Entry> SweepWork::next_waiting() {
-  for (Way& way : ways_) {
-    if (way.waiting.empty()) continue;
-    std::shared_ptr<Entry> entry = std::move(way.waiting.front());
-    way.waiting.pop_front();
-    ++begun_;
-    return entry;
-  }
-  return nullptr;
-}
-
 bool SweepWork::far_ahead_of_open(const Way& way) const {
   const std::size_t rows = way.entries.size();
   if (way.open == 0 || rows < far_ahead) return false;
   return std::all_of(way.entries.end() - far_ahead, way.entries.end(), [](const auto& entry) { return entry->done; });
 }
 
-/// A direction that no thread follows, for one that carries so many rows: with some, if that is not likely to be in vain, and no
-/// other thread has nothing to do.
-SweepWork::Way* SweepWork::to_follow(std::size_t carried) {
+/// A direction whose next row can be begun, for a thread that carries so many: with some, if that is not likely to be in vain,
+/// and others do not have fewer.
+SweepWork::Way* SweepWork::next_way(std::size_t carried) {
   const auto fits = [&](const Way& way) {
-    return !way.followed && goes_on(way) && (carried == 0 || (idle_ == 0 && !far_ahead_of_open(way)));
+    if (way.looks_ahead || !goes_on(way)) return false;
+    if (!way.entries.empty() && !way.entries.back()->handed_on && !way.entries.back()->done) return false;
+    return carried == 0 || (idle_ == 0 && carried * threads_ <= begun_ && !far_ahead_of_open(way));
   };
   const auto way = std::find_if(ways_.begin(), ways_.end(), fits);
   return way == ways_.end() ? nullptr : &*way;
 }
 
-/// What is begun next by a thread that carries so many rows. If none waits it follows a motion; it waits if it has nothing to do.
+/// What is begun next by a thread that carries so many rows. It waits if it has nothing to do.
 std::shared_ptr<SweepWork::Entry> SweepWork::draw(std::size_t carried) {
   std::unique_lock lock(mutex_);
   for (;;) {
     if (carried >= rows_of_a_thread_) return nullptr;
     if (cancelled() || (carried == 0 && exchange_.has_some())) return nullptr;
-    std::size_t waiting = 0;
-    bool unfinished = false;
-    for (const Way& way : ways_) {
-      waiting += way.waiting.size();
-      unfinished = unfinished || way.open > 0 || way.followed || goes_on(way);
-    }
+    const bool unfinished =
+        std::any_of(ways_.begin(), ways_.end(), [&](const Way& way) { return way.open > 0 || way.looks_ahead || goes_on(way); });
     if (!unfinished) return nullptr;
-    Way* const way = to_follow(carried);
-    // Where others have rows, who has none goes ahead for them.
-    const bool leads = carried == 0 && begun_ > 0 && waiting < rows_of_a_thread_;
-    if (waiting > 0 && !(way && leads)) return next_waiting();
-    if (way) {
-      follow(*way, lock);
+    if (Way* const way = next_way(carried)) {
+      if (auto entry = next_row(*way, lock)) return entry;
       continue;
     }
     if (carried > 0) return nullptr;
@@ -126,92 +112,72 @@ std::shared_ptr<SweepWork::Entry> SweepWork::draw(std::size_t carried) {
   }
 }
 
-SweepChain::Before SweepWork::before_next(const Way& way) const {
+/// The next row, to be found; null: it is known already.
+std::shared_ptr<SweepWork::Entry> SweepWork::next_row(Way& way, std::unique_lock<std::mutex>& lock) {
   const auto& entries = way.entries;
-  const std::size_t number = entries.size(), block = SweepChain::block_of(number);
-  SweepChain::Before before{number, way.chain.start(), true, {}};
-  if (number > 0) {
-    before.end = entries.back()->row.end;
-    before.settled = entries.back()->row.attractor.type == AttractorType::periodic;
-  }
-  for (std::size_t k = block; k > 0 && before.orbits.size() < most_orbits_before; --k) {
-    const Entry& entry = *entries[k - 1];
-    const bool fits =
-        entry.done && (k == block ? SweepChain::alike(entry.row, entry.row) : SweepChain::alike(entry.row, entries[k]->row));
-    if (!fits) break;
-    before.orbits.insert(before.orbits.begin(), entry.row.states);
-  }
-  return before;
-}
-
-/// The next row.
-void SweepWork::follow(Way& way, std::unique_lock<std::mutex>& lock) {
-  way.followed = true;
-  const std::size_t taken_back = way.taken_back;
-  const SweepChain::Before before = before_next(way);
-  lock.unlock();
-  std::optional<SweepRow> row;
-  try {
-    row = way.chain.row(before);
-  } catch (...) {
+  const std::size_t number = entries.size(), block = SweepChain::block_of(number), taken_back = way.taken_back;
+  std::optional<SweepRow> known;
+  if (number == 0 || entries.back()->done) {
+    std::vector<std::vector<Vector>> before;
+    for (std::size_t k = block; k > 0 && before.size() < most_orbits_before; --k) {
+      const Entry& entry = *entries[k - 1];
+      if (!entry.done || !SweepChain::alike(entry.row, entries[k == block ? k - 1 : k]->row)) break;
+      before.insert(before.begin(), entry.row.states);
+    }
+    way.looks_ahead = true;
+    lock.unlock();
+    try {
+      known = way.chain.ahead(number, before);
+    } catch (...) {
+      lock.lock();
+      way.looks_ahead = false;
+      throw;
+    }
     lock.lock();
-    way.followed = false;
-    throw;
-  }
-  lock.lock();
-  way.followed = false;
-  if (way.taken_back != taken_back) {
-    way.chain.forget();
-  } else if (!row) {
-    way.ended = true;
-  } else {
-    const bool done = row->attractor.type == AttractorType::periodic;
-    const auto entry = std::make_shared<Entry>(std::move(*row), &way, before.number, way.chain.transient_left(before), done);
-    way.entries.push_back(entry);
-    if (done) {
-      ++done_;
-      tell(entry->row.value);
-    } else {
-      ++way.open;
-      way.waiting.push_back(entry);
+    way.looks_ahead = false;
+    news_.notify_all();
+    if (way.taken_back != taken_back) {
+      way.chain.forget();
+      return nullptr;
     }
   }
-  news_.notify_all();
+  const bool done = known.has_value();
+  SweepChain::Begin begin{number, way.chain.start(), true};
+  if (number > 0) {
+    begin.state = entries.back()->row.end;
+    begin.settled = entries.back()->row.attractor.type == AttractorType::periodic;
+  }
+  auto entry = std::make_shared<Entry>(done ? std::move(*known) : way.chain.row(number), &way, std::move(begin), false, done);
+  way.entries.push_back(entry);
+  if (done) {
+    ++done_;
+    tell(entry->row.value);
+    return nullptr;
+  }
+  ++way.open;
+  ++begun_;
+  return entry;
 }
 
-/// What a row that was left behind is.
-LaneTask<> SweepWork::settle(LanePlace& lane, std::shared_ptr<Entry> entry) {
+LaneTask<> SweepWork::find(LanePlace& lane, std::shared_ptr<Entry> entry) {
+  const SweepChain& chain = entry->way->chain;
   AttractorOptions finding = options_.attractor;
   finding.lyapunov.cancelled = [this, &entry] { return entry->dropped || cancelled(); };
-  finding.transient = entry->transient_left;
-  const SweepChain& chain = entry->way->chain;
   SweepRow row = entry->row;
-  const Vector p = chain.parameters(row.value), from = row.end;
-  row.attractor = co_await find_attractor_in_lanes(lane, system_, p, from, finding);
-  if (row.attractor.type == AttractorType::periodic) {
-    chain.sample_orbit(row);
-    row.end = row.attractor.state;
-  } else if (!finding.lyapunov.cancelled()) {
-    co_await sample(lane, chain, row);
+  try {
+    row = co_await chain.find(lane, entry->begin, finding, [this, &entry](const Vector& state) { hand_on(*entry, state); });
+  } catch (const std::invalid_argument&) {  // it would begin inside the barrier
   }
   finish(*entry, std::move(row));
 }
 
-/// Of a motion that is not periodic.
-LaneTask<> SweepWork::sample(LanePlace& lane, const SweepChain& chain, SweepRow& row) const {
-  if (options_.samples < 1) co_return;
-  if (!ManyMotions::applies(system_, chain.parameters(row.value), options_.attractor.lyapunov.flow)) {
-    chain.sample_motion(row);
-    co_return;
-  }
-  lane.take_parameters(chain.parameters(row.value));
-  ImpactSpeeds speeds;
-  const Vector from = row.attractor.state;
-  const std::span<const PeriodResult> periods = co_await lane.carry(from, static_cast<std::size_t>(options_.samples), &speeds);
-  row.states = {from};
-  for (const PeriodResult& period : periods.first(periods.size() - 1))
-    if (period.termination == Termination::time) row.states.push_back(Vector{{period.x, period.v}});
-  row.impact_speeds = speeds.list();
+/// Of a row that was begun: the next one may be.
+void SweepWork::hand_on(Entry& entry, const Vector& state) {
+  const std::lock_guard lock(mutex_);
+  if (entry.dropped || cancelled()) return;
+  entry.row.end = state;
+  entry.handed_on = true;
+  news_.notify_all();
 }
 
 void SweepWork::finish(Entry& entry, SweepRow row) {
@@ -224,7 +190,7 @@ void SweepWork::finish(Entry& entry, SweepRow row) {
   // (What cut it short need not have left a trace.)
   const bool broken = !periodic && (broken_off(row.attractor.time_average.stop) || cancelled());
   if (broken || periodic) {
-    take_back(way, broken ? entry.number : entry.number + 1);
+    take_back(way, broken ? entry.begin.number : entry.begin.number + 1);
     way.ended = broken;
   }
   if (broken) return;
@@ -238,16 +204,16 @@ void SweepWork::finish(Entry& entry, SweepRow row) {
 
 /// Rows from this one on.
 void SweepWork::take_back(Way& way, std::size_t from) {
+  if (from >= way.entries.size()) return;
   ++way.taken_back;
   rows_of_a_thread_ = std::max(rows_of_a_thread_ / 2, std::min(enough_, fewest));
-  if (!way.followed) way.chain.forget();
+  if (!way.looks_ahead) way.chain.forget();
   for (std::size_t k = from; k < way.entries.size(); ++k) {
     Entry& entry = *way.entries[k];
     entry.dropped = true;
     entry.done ? --done_ : --way.open;
   }
   way.entries.resize(from);
-  std::erase_if(way.waiting, [](const auto& entry) { return entry->dropped.load(); });
 }
 
 void SweepWork::tell(double value) {

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// SweepWork: a sweep on its way, on several threads. Some follow the motion from value to value, one at a time for each
-// direction; what is not periodic is left behind to wait for the rest of its transient, its samples and time averages, which the
-// threads carry out for many rows side by side in SIMD lanes.
+// SweepWork: a sweep on its way, on several threads. Each carries some of its rows in SIMD lanes, and goes on to the next row as
+// soon as one before it has handed its motion on (SweepChain), or, on a smooth branch, as soon as its orbit is found ahead.
 //
-// Should a motion that was left behind end on a stable orbit after all, the rows behind it are taken back and computed again,
-// from that orbit. So the result is that of one row after the other, on any number of threads.
+// Should a motion that was handed on end on a stable orbit after all, the rows behind it are taken back and computed again, from
+// that orbit. So the result is that of one row after the other, on any number of threads.
 #pragma once
 
-#include <graze/continuation/orbits_ahead.hpp>
 #include <graze/continuation/sweep_chain.hpp>
 #include <graze/lib/lane_exchange.hpp>
 
@@ -37,32 +35,28 @@ class SweepWork {
  private:
   struct Way;
   struct Entry {
-    SweepRow row;
+    SweepRow row;  ///< its end is where the next one begins, once it is handed on or done
     Way* way;
-    std::size_t number;      ///< in its direction
-    int transient_left = 0;  ///< forcing periods
-    bool done = false;
+    SweepChain::Begin begin;
+    bool handed_on = false, done = false;
     std::atomic<bool> dropped = false;  ///< a row before it has turned out another
   };
   /// One direction.
   struct Way {
     SweepChain chain;
     std::vector<std::shared_ptr<Entry>> entries;
-    std::deque<std::shared_ptr<Entry>> waiting;  ///< to be begun
-    bool followed = false;                       ///< by a thread
-    bool ended = false;                          ///< the motion could not be carried on
-    std::size_t open = 0;                        ///< rows that are not done
-    std::size_t taken_back = 0;                  ///< how often
+    bool looks_ahead = false;    ///< a thread does so
+    bool ended = false;          ///< the motion could not be carried on
+    std::size_t open = 0;        ///< rows that are not done
+    std::size_t taken_back = 0;  ///< how often
   };
 
   std::shared_ptr<Entry> draw(std::size_t carried);
-  std::shared_ptr<Entry> next_waiting();
-  Way* to_follow(std::size_t carried);
+  Way* next_way(std::size_t carried);
   bool far_ahead_of_open(const Way& way) const;
-  void follow(Way& way, std::unique_lock<std::mutex>& lock);
-  SweepChain::Before before_next(const Way& way) const;
-  LaneTask<> settle(LanePlace& lane, std::shared_ptr<Entry> entry);
-  LaneTask<> sample(LanePlace& lane, const SweepChain& chain, SweepRow& row) const;
+  std::shared_ptr<Entry> next_row(Way& way, std::unique_lock<std::mutex>& lock);
+  LaneTask<> find(LanePlace& lane, std::shared_ptr<Entry> entry);
+  void hand_on(Entry& entry, const Vector& state);
   void finish(Entry& entry, SweepRow row);
   void take_back(Way& way, std::size_t from);
   void tell(double value);
@@ -82,7 +76,7 @@ class SweepWork {
   }};
   std::size_t rows_of_a_thread_;  ///< at a time: the fewer, the more rows have been taken back lately
   std::size_t idle_ = 0;          ///< threads that have nothing to do
-  std::size_t begun_ = 0;         ///< rows that the threads are at
+  std::size_t threads_ = 0, begun_ = 0;  ///< and rows that they are at
   std::size_t done_ = 0;          ///< rows
   std::atomic<bool> failed_ = false;
 };

@@ -92,12 +92,29 @@ LaneTask<> find_to(LanePlace& lane, const HybridSystem& system, const AverageSta
 
 LaneTask<Attractor> find_attractor_in_lanes(LanePlace& lane, const HybridSystem& system, const Vector& p, const Vector& start,
                                             const AttractorOptions& options) {
+  Attractor attractor = co_await approach_attractor_in_lanes(lane, system, p, start, options);
+  co_await average_on_attractor_in_lanes(lane, system, p, attractor, options);
+  co_return attractor;
+}
+
+LaneTask<Attractor> approach_attractor_in_lanes(LanePlace& lane, const HybridSystem& system, const Vector& p, const Vector& start,
+                                                const AttractorOptions& options) {
   if (!lanes_do(system, p, options)) {
-    Attractor alone = find_attractor(system, p, start, options);
+    Attractor alone = approach_attractor(system, p, start, options);
     co_return alone;
   }
   lane.take_parameters(p);
   Attractor attractor = co_await approach(lane, system, p, start, options);
+  co_return attractor;
+}
+
+LaneTask<> average_on_attractor_in_lanes(LanePlace& lane, const HybridSystem& system, const Vector& p, Attractor& attractor,
+                                         const AttractorOptions& options) {
+  if (!lanes_do(system, p, options)) {
+    average_on_attractor(system, p, attractor, options);
+    co_return;
+  }
+  lane.take_parameters(p);
   AttractorOptions longer = options;
   for (int round = 0; attractor.termination == Termination::time && attractor.type != AttractorType::periodic; ++round) {
     const bool on = co_await average(lane, system, p, round, options, attractor);
@@ -106,7 +123,6 @@ LaneTask<Attractor> find_attractor_in_lanes(LanePlace& lane, const HybridSystem&
     const Vector from = attractor.state;
     attractor = co_await approach(lane, system, p, from, longer);
   }
-  co_return attractor;
 }
 
 std::vector<Attractor> find_each_attractor(const HybridSystem& system, const std::vector<AverageStart>& starts,

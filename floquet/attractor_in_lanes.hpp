@@ -12,4 +12,10 @@ namespace graze {
 LaneTask<Attractor> find_attractor_in_lanes(LanePlace& lane, const HybridSystem& system, const Vector& p, const Vector& start,
                                             const AttractorOptions& options);
 
+/// Its two halves, approach_attractor and average_on_attractor.
+LaneTask<Attractor> approach_attractor_in_lanes(LanePlace& lane, const HybridSystem& system, const Vector& p, const Vector& start,
+                                                const AttractorOptions& options);
+LaneTask<> average_on_attractor_in_lanes(LanePlace& lane, const HybridSystem& system, const Vector& p, Attractor& attractor,
+                                         const AttractorOptions& options);
+
 }  // namespace graze

@@ -49,11 +49,14 @@ std::vector<LaneExchange::Parcel> LaneExchange::get() {
 ManyMotions& LanePlace::motions() const { return pool_->motions_; }
 
 void LanePlace::take_parameters(const Vector& p) {
-  if (!own_parameters_) own_parameters_ = pool_->free_place();
-  if (own_parameters_)
-    motions().change_parameters(*own_parameters_, p);
-  else
-    own_parameters_ = motions().add_parameters(p);
+  if (!own_parameters_ || p != own_) {
+    if (!own_parameters_) own_parameters_ = pool_->free_place();
+    if (own_parameters_)
+      motions().change_parameters(*own_parameters_, p);
+    else
+      own_parameters_ = motions().add_parameters(p);
+    own_ = p;
+  }
   parameters_ = *own_parameters_;
 }
 
@@ -132,17 +135,18 @@ void LanePool::choose(std::span<const std::unique_ptr<Member>> members, bool tan
   std::size_t& next = next_[tangent ? 1 : 0];
   std::size_t room = most, left_out = members.size();
   next %= members.size();
-  for (std::size_t k = 0; k < members.size(); ++k) {
-    const std::size_t i = (next + k) % members.size();
-    if (!is_one(members[i])) continue;
-    const std::size_t n = members[i]->place.starts_.size();
-    if (n <= room || room == most) {
-      chosen_.push_back(members[i].get());
-      room -= std::min(n, room);
-    } else if (left_out == members.size()) {
-      left_out = i;
+  for (const bool hurrying : {true, false})
+    for (std::size_t k = 0; k < members.size(); ++k) {
+      const std::size_t i = (next + k) % members.size();
+      if (!is_one(members[i]) || members[i]->place.hurries_ != hurrying) continue;
+      const std::size_t n = members[i]->place.starts_.size();
+      if (hurrying || n <= room || room == most) {
+        chosen_.push_back(members[i].get());
+        room -= std::min(n, room);
+      } else if (left_out == members.size()) {
+        left_out = i;
+      }
     }
-  }
   if (left_out < members.size()) next = left_out;
 }
 
@@ -195,11 +199,16 @@ void LanePool::run(const std::function<std::optional<LaneTask<>>(LanePlace&, std
     }
     if (members.empty() && exchange_) take(members);
     if (members.empty()) return;
-    std::size_t tangents = 0, plain = 0;
-    for (const auto& member : members) (member->place.tangent_ ? tangents : plain) += member->place.starts_.size();
+    std::array<std::size_t, 2> motions{};  // without and with the tangent
+    std::array<bool, 2> hurries{};
+    for (const auto& member : members) {
+      const LanePlace& place = member->place;
+      motions[place.tangent_ ? 1 : 0] += place.starts_.size();
+      hurries[place.tangent_ ? 1 : 0] |= place.hurries_;
+    }
     // Where there are few of a kind, they wait for company.
-    if (plain >= std::min(busy, tangents)) carry(members, false);
-    if (tangents >= std::min(busy, plain)) carry(members, true);
+    for (const std::size_t kind : {0, 1})
+      if (hurries[kind] || motions[kind] >= std::min(busy, motions[1 - kind])) carry(members, kind == 1);
     for (const auto& member : members)
       if (member->place.carried_ == member->place.periods_) member->place.waiting_.resume();
   }

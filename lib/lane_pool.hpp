@@ -33,6 +33,8 @@ class LanePlace {
   std::size_t parameters() const { return parameters_; }
   ManyMotions& motions() const;
   MotionStart at(const Vector& state) const { return {parameters_, state[0], state[1]}; }
+  /// Whether others wait for what it does: it is carried each time, also where there are few of its kind.
+  void hurry(bool others_wait) { hurries_ = others_wait; }
 
   class Carrying;
   /// co_await: what `periods` forcing periods did to these motions, at the parameters of the place, as in ManyMotions::carry;
@@ -46,10 +48,11 @@ class LanePlace {
 
   LanePool* pool_;
   std::optional<std::size_t> own_parameters_;
+  Vector own_;
   std::size_t parameters_ = 0;
   std::vector<MotionStart> starts_;
   std::size_t periods_ = 0, carried_ = 0;
-  bool tangent_ = false;
+  bool tangent_ = false, hurries_ = false;
   ImpactSpeeds* speeds_ = nullptr;
   std::vector<PeriodResult> results_;
   std::coroutine_handle<> waiting_;
