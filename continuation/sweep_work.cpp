@@ -18,7 +18,7 @@ constexpr std::int64_t turning = 60;
 /// So many motions fill the lanes of a thread. What it would begin beyond them may be in vain.
 constexpr std::size_t enough = 32;
 /// The fewest that are begun where much has been in vain.
-constexpr std::size_t fewest = 8;
+constexpr std::size_t fewest = 16;
 /// And so may be rows behind the last that is open.
 constexpr std::size_t far_ahead = 64;
 
