@@ -3,6 +3,7 @@
 #include <graze/floquet/rounds.hpp>
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 namespace graze {
@@ -15,12 +16,11 @@ constexpr double repeats = 1e-4;
 constexpr std::int64_t short_average = 500;
 /// Forcing periods in which the tangent of a motion is turned, before its growth counts.
 constexpr std::int64_t turning = 60;
-/// So many motions fill the lanes of a thread. What it would begin beyond them may be in vain.
+/// So many motions fill the lanes of a thread.
 constexpr std::size_t enough = 32;
-/// The fewest that are begun where much has been in vain.
-constexpr std::size_t fewest = 16;
-/// And so may be rows behind the last that is open.
-constexpr std::size_t far_ahead = 64;
+/// What is begun so far behind a row that is open is likely to be in vain: behind so many whose orbits are known, or behind so
+/// many others, for each thread some more.
+constexpr std::size_t far_ahead = 64, far_in_chaos = 16, far_in_chaos_of_a_thread = 8;
 
 SweepOptions with_looks(SweepOptions options) {
   options.attractor.recurrence = repeats;
@@ -41,8 +41,7 @@ bool broken_off(LyapunovStop stop) {
 SweepWork::SweepWork(const HybridSystem& system, const Vector& p, const Vector& start, const SweepOptions& options,
                      const std::vector<SweepRow>& so_far)
     : system_(system), options_(with_looks(options)),
-      enough_(std::max<std::size_t>(1, enough / static_cast<std::size_t>(options_.attractor.lyapunov.motions))),
-      rows_of_a_thread_(enough_) {
+      rows_of_a_thread_(std::max<std::size_t>(1, enough / static_cast<std::size_t>(options_.attractor.lyapunov.motions))) {
   for (const SweepDirection direction : options_.directions) {
     Way& way = ways_.emplace_back(Way{{system_, p, start, options_, direction}, {}});
     for (const SweepRow& row : so_far)
@@ -72,16 +71,23 @@ void SweepWork::work() try {
   throw;
 }
 
-bool SweepWork::far_ahead_of_open(const Way& way) const {
-  const std::size_t rows = way.entries.size();
-  if (way.open == 0 || rows < far_ahead) return false;
-  return std::all_of(way.entries.end() - far_ahead, way.entries.end(), [](const auto& entry) { return entry->done; });
+bool SweepWork::far_ahead_of_open(Way& way) const {
+  const auto& entries = way.entries;
+  while (way.first_open < entries.size() && entries[way.first_open]->done) ++way.first_open;
+  if (way.open == 0) return false;
+  const auto behind = std::span(entries).subspan(way.first_open);
+  const auto is_open = [](const auto& entry) { return !entry->done; };
+  const auto last_open = std::find_if(behind.rbegin(), behind.rend(), is_open);
+  if (last_open - behind.rbegin() >= static_cast<std::ptrdiff_t>(far_ahead)) return true;
+  const auto in_chaos = [](const auto& entry) { return entry->row.attractor.type != AttractorType::periodic; };
+  const auto others = static_cast<std::size_t>(std::count_if(behind.begin(), behind.end(), in_chaos));
+  return others > far_in_chaos + far_in_chaos_of_a_thread * threads_;
 }
 
 /// A direction whose next row can be begun, for a thread that carries so many: with some, if that is not likely to be in vain,
 /// and others do not have fewer.
 SweepWork::Way* SweepWork::next_way(std::size_t carried) {
-  const auto fits = [&](const Way& way) {
+  const auto fits = [&](Way& way) {
     if (way.looks_ahead || !goes_on(way)) return false;
     if (!way.entries.empty() && !way.entries.back()->handed_on && !way.entries.back()->done) return false;
     return carried == 0 || (idle_ == 0 && carried * threads_ <= begun_ && !far_ahead_of_open(way));
@@ -194,7 +200,6 @@ void SweepWork::finish(Entry& entry, SweepRow row) {
     way.ended = broken;
   }
   if (broken) return;
-  rows_of_a_thread_ = std::min(rows_of_a_thread_ + 1, enough_);
   entry.row = std::move(row);
   entry.done = true;
   --way.open;
@@ -206,7 +211,6 @@ void SweepWork::finish(Entry& entry, SweepRow row) {
 void SweepWork::take_back(Way& way, std::size_t from) {
   if (from >= way.entries.size()) return;
   ++way.taken_back;
-  rows_of_a_thread_ = std::max(rows_of_a_thread_ / 2, std::min(enough_, fewest));
   if (!way.looks_ahead) way.chain.forget();
   for (std::size_t k = from; k < way.entries.size(); ++k) {
     Entry& entry = *way.entries[k];
@@ -214,6 +218,7 @@ void SweepWork::take_back(Way& way, std::size_t from) {
     entry.done ? --done_ : --way.open;
   }
   way.entries.resize(from);
+  way.first_open = std::min(way.first_open, from);
 }
 
 void SweepWork::tell(double value) {

@@ -48,12 +48,13 @@ class SweepWork {
     bool looks_ahead = false;    ///< a thread does so
     bool ended = false;          ///< the motion could not be carried on
     std::size_t open = 0;        ///< rows that are not done
+    std::size_t first_open = 0;  ///< before it there are none
     std::size_t taken_back = 0;  ///< how often
   };
 
   std::shared_ptr<Entry> draw(std::size_t carried);
   Way* next_way(std::size_t carried);
-  bool far_ahead_of_open(const Way& way) const;
+  bool far_ahead_of_open(Way& way) const;
   std::shared_ptr<Entry> next_row(Way& way, std::unique_lock<std::mutex>& lock);
   LaneTask<> find(LanePlace& lane, std::shared_ptr<Entry> entry);
   void hand_on(Entry& entry, const Vector& state);
@@ -65,7 +66,7 @@ class SweepWork {
 
   const HybridSystem& system_;
   const SweepOptions options_;
-  const std::size_t enough_;  ///< rows fill the lanes of a thread
+  const std::size_t rows_of_a_thread_;  ///< fill its lanes
   std::deque<Way> ways_;
 
   std::mutex mutex_;  ///< of all below, and of what the ways have but for their chains
@@ -74,7 +75,6 @@ class SweepWork {
     const std::lock_guard lock(mutex_);
     news_.notify_all();
   }};
-  std::size_t rows_of_a_thread_;  ///< at a time: the fewer, the more rows have been taken back lately
   std::size_t idle_ = 0;          ///< threads that have nothing to do
   std::size_t threads_ = 0, begun_ = 0;  ///< and rows that they are at
   std::size_t done_ = 0;          ///< rows
