@@ -75,9 +75,9 @@ class SweepWork {
     const std::lock_guard lock(mutex_);
     news_.notify_all();
   }};
-  std::size_t idle_ = 0;          ///< threads that have nothing to do
+  std::size_t idle_ = 0;                 ///< threads that have nothing to do
   std::size_t threads_ = 0, begun_ = 0;  ///< and rows that they are at
-  std::size_t done_ = 0;          ///< rows
+  std::size_t done_ = 0;                 ///< rows
   std::atomic<bool> failed_ = false;
 };
 

@@ -145,6 +145,55 @@ TEST_CASE("sweep: chaos in narrow bands is not taken for a motion that lingers")
   CHECK(rows[1].attractor.exponents[0] < 0.008);
 }
 
+TEST_CASE("sweep: orbits of many periods are known by the returns of their motions") {
+  // Windows of 96 and of 128 periods in the chaos of the damped Hertz oscillator.
+  SweepOptions options = fine_sweep(0.7332, 0.7348, SweepDirection::up);
+  options.step = 0.0016;
+  options.attractor.max_period = 256;
+  options.attractor.transient = 300;
+  options.attractor.lyapunov.max_periods = 20000;
+  options.attractor.lyapunov.min_periods = 500;
+  const std::vector<SweepRow> rows = varied(options);
+  REQUIRE(rows.size() == 2);
+  const int n[] = {96, 128};
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const SweepRow& row = rows[k];
+    INFO(row.value);
+    CHECK(row.attractor.type == AttractorType::periodic);
+    CHECK(row.attractor.period == n[k]);
+    REQUIRE(row.states.size() == static_cast<std::size_t>(n[k]));
+    // It comes back after as many periods of a free run, and not before.
+    Propagator propagator(damped_hertz(), hertz_parameters(row.value));
+    const double T = forcing_period(damped_hertz(), hertz_parameters(row.value));
+    Transition run;
+    Vector x = row.states[0];
+    double nearest = 1.0;
+    for (int period = 1; period <= n[k]; ++period) {
+      if (period > 1) nearest = std::min(nearest, (x - row.states[0]).norm());
+      carry(propagator, 0.0, T, x, {.sensitivity = Sensitivity::none}, run);
+      x = run.x1;
+    }
+    CHECK(nearest > 1e-4);
+    CHECK((x - row.states[0]).norm() < 1e-9);
+  }
+  options.attractor.max_period = 95;
+  for (const SweepRow& row : varied(options)) CHECK(row.attractor.type == AttractorType::undecided);
+}
+
+TEST_CASE("sweep: it ends where the state left by one value lies inside the barrier of the next") {
+  // Chaos, left behind early, and the barrier of a hard stop on its way to it.
+  const Vector p = parameters(newton_oscillator(), {{"eta", 0.7114}, {"r", 2.0}});
+  SweepOptions options = coarse_averages(fine_sweep(1.5, 2.0, SweepDirection::down));
+  options.parameter = "r";
+  options.step = 0.1;
+  options.threads = GENERATE(1, 2);
+  const std::vector<SweepRow> rows = sweep(newton_oscillator(), p, Vector{{0.0, 0.0}}, options);
+  REQUIRE(!rows.empty());
+  REQUIRE(rows.size() < 6);
+  CHECK(rows.back().end[0] > rows.back().value - 0.1);
+  for (std::size_t k = 1; k < rows.size(); ++k) CHECK(rows[k - 1].end[0] <= rows[k].value);
+}
+
 TEST_CASE("sweep: it goes on from any of its rows, to the last bit") {
   const std::vector<SweepRow> whole = varied(varied_options());
   REQUIRE(whole.size() == 56);
@@ -226,14 +275,17 @@ TEST_CASE("orbits ahead are those of Newton's method, up to where the branch los
   for (int k = 0; k < 5; ++k) before.push_back(orbit_at(begin + k * step).states);
   std::vector<Vector> next;
   for (int k = 5; k < 25; ++k) next.push_back(hertz_parameters(begin + k * step));
-  const std::vector<PeriodicOrbit> ahead = orbits_ahead(damped_hertz(), before, next);
+  const std::vector<OrbitAhead> ahead = orbits_ahead(damped_hertz(), before, next);
   REQUIRE(ahead.size() == 13);  // to 0.9196
   for (std::size_t k = 0; k < ahead.size(); ++k) {
     const PeriodicOrbit orbit = orbit_at(begin + (5 + static_cast<double>(k)) * step);
-    CHECK((ahead[k].state - orbit.state).norm() < 1e-11);
-    CHECK(ahead[k].impacts == 1);
-    CHECK(ahead[k].isolated_impacts == 1);
-    for (std::size_t i = 0; i < 2; ++i) CHECK(std::abs(ahead[k].multipliers.values[i] - orbit.multipliers.values[i]) < 1e-10);
+    const PeriodicOrbit& found = ahead[k].orbit;
+    CHECK((found.state - orbit.state).norm() < 1e-11);
+    CHECK(found.impacts == 1);
+    CHECK(found.isolated_impacts == 1);
+    for (std::size_t i = 0; i < 2; ++i) CHECK(std::abs(found.multipliers.values[i] - orbit.multipliers.values[i]) < 1e-10);
+    REQUIRE(ahead[k].impact_speeds.size() == 1);
+    CHECK(ahead[k].impact_speeds[0] == Approx(orbit.events[1].normal_speed).epsilon(1e-11));  // 0: it leaves
   }
   CHECK(orbits_ahead(damped_hertz(), {before.back()}, next).empty());
   FlowOptions general;
@@ -254,9 +306,9 @@ TEST_CASE("orbits ahead begin where those before them do") {
     if ((before.back()[0][0] < before.back()[1][0]) == (k % 2 == 0)) std::swap(before.back()[0], before.back()[1]);
     next.push_back(hertz_parameters(begin + (k + 4) * step));
   }
-  const std::vector<PeriodicOrbit> ahead = orbits_ahead(damped_hertz(), before, next);
+  const std::vector<OrbitAhead> ahead = orbits_ahead(damped_hertz(), before, next);
   REQUIRE(ahead.size() == 4);
-  for (const PeriodicOrbit& orbit : ahead) {
+  for (const auto& [orbit, speeds] : ahead) {
     CHECK((orbit.states[0] - before.back()[0]).norm() < 0.3 * (orbit.states[0] - orbit.states[1]).norm());
     CHECK((orbit.states[1] - before.back()[1]).norm() < 0.3 * (orbit.states[0] - orbit.states[1]).norm());
   }

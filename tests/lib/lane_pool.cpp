@@ -141,6 +141,37 @@ TEST_CASE("computations wait for each other, and what one throws ends the pool")
   pool.run(0, [&](std::size_t i, LanePlace& lane) { return ask_twice(lane, p, static_cast<int>(i), alive, sum); });
 }
 
+TEST_CASE("a computation that others wait for is carried each time, among many of the other kind") {
+  const HybridSystem system = make_oscillator("linear", "newton");
+  const Vector p = parameters(system, {});
+  std::size_t tangents = 0, before = 0;
+  const auto many_turns = [](LanePlace& lane, const Vector& at, std::size_t& periods) -> LaneTask<> {
+    lane.take_parameters(at);
+    MotionStart start = lane.at(Vector{{0.0, 0.0}});
+    for (int turn = 0; turn < 40; ++turn, ++periods) {
+      const std::span<const PeriodResult> next = co_await lane.carry({&start, 1}, 1, true);
+      start.x = next[0].x;
+      start.v = next[0].v;
+    }
+  };
+  const auto once = [](LanePlace& lane, const Vector& at, bool hurries, const std::size_t& done,
+                       std::size_t& seen) -> LaneTask<> {
+    lane.take_parameters(at);
+    lane.hurry(hurries);
+    const Vector rest = Vector::Zero(2);
+    co_await lane.carry(rest, 1);
+    seen = done;
+  };
+  const bool hurries = GENERATE(true, false);
+  ManyMotions many(system);
+  LanePool pool(many);
+  pool.run(20, [&](std::size_t i, LanePlace& lane) {
+    return i == 0 ? once(lane, p, hurries, tangents, before) : many_turns(lane, p, tangents);
+  });
+  CHECK(tangents == 19 * 40);
+  CHECK((before == 0) == hurries);  // else it waits until there are few of the others
+}
+
 TEST_CASE("a pool that has nothing to do is given half of what another carries, and it comes to the same") {
   const std::string law = GENERATE("newton", "hertz");
   const HybridSystem system = make_oscillator("linear", law);
