@@ -27,12 +27,12 @@ class Lingering {
   /// The same question to the periods that went before, if the answer was yes.
   void look_back(const Vector& begin_of_average, std::int64_t periods) {
     now_ = lasted_ >= static_cast<std::int64_t>(period_) + long_enough;
-    on_an_orbit_ = now_ && drift_ < 1e-6;
+    on_an_orbit_ = now_ && drift_ < near_an_orbit;
     stays_ = repeats_ && long_for_chaos_ > 0 && !on_an_orbit_;
     if (now_) begin(begin_of_average, periods);
   }
 
-  bool open() const { return repeats_ && lasted_ < longest_; }
+  bool open() const { return repeats_ && lasted_ < longest_ && (now_ || on_it_ < long_enough); }
   const Vector& state() const { return latest_.back(); }
   void see(Termination termination, const Vector& state) {
     ++lasted_;
@@ -42,6 +42,7 @@ class Lingering {
     latest_.pop_front();
     drift_ = size(state - latest_.front()) / (1.0 + size(latest_.front()));
     repeats_ = repeats_ && drift_ <= nearness_;
+    on_it_ = drift_ < near_an_orbit ? on_it_ + 1 : 0;
   }
 
   /// Whether it has to be followed on.
@@ -53,6 +54,7 @@ class Lingering {
 
  private:
   static constexpr std::int64_t long_enough = 128;
+  static constexpr double near_an_orbit = 1e-6;
   static double size(const Vector& x) { return x.lpNorm<Eigen::Infinity>(); }
   void begin(const Vector& state, std::int64_t periods) {
     latest_ = {state};
@@ -65,6 +67,7 @@ class Lingering {
   double nearness_;
   std::deque<Vector> latest_;  // of one period
   std::int64_t long_for_chaos_, lasted_ = 0, longest_ = 0;
+  std::int64_t on_it_ = 0;  ///< for so long it has been next to an orbit
   double drift_ = 0.0;
   bool repeats_ = true, now_ = false, stays_ = false, on_an_orbit_ = false;
 };
