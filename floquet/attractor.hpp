@@ -28,7 +28,7 @@ struct AttractorOptions {
   /// that stopped as soon as it was positive has to be confirmed by a second one, if it took fewer periods than confirmed_below.
   double recurrence = 0.0;
   std::int64_t confirmed_below = std::numeric_limits<std::int64_t>::max();
-  int max_period = 64;          ///< longest period that is recognised
+  int max_period = 64;          ///< longest period that is recognised (with `recurrence`: beyond 64 once the motion has settled)
   double significance = 5.0;    ///< standard errors by which the first exponent must exceed zero in chaos
   int periods_on_orbit = 2000;  ///< of the time average on a periodic attractor; 0: none
   LyapunovOptions lyapunov = {};
