@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/sweep_chain.hpp>
 #include <graze/floquet/attractor_in_lanes.hpp>
+#include <graze/floquet/stroboscopic_states.hpp>
 
 #include <algorithm>
 #include <stdexcept>
@@ -21,6 +22,12 @@ void describe_briefly(PeriodicOrbit& orbit) {
   orbit.newton.residual_history = {};
   orbit.events = {};
   orbit.monodromy = {};
+}
+
+void put_down_orbit(SweepRow& row) {
+  row.end = row.attractor.state;
+  row.states = row.attractor.orbit->states;
+  describe_briefly(*row.attractor.orbit);
 }
 
 void add_speeds(const std::vector<EventRecord>& events, std::vector<double>& speeds) {
@@ -56,46 +63,41 @@ SweepRow SweepChain::row(std::size_t number) const {
   return row;
 }
 
-std::optional<SweepRow> SweepChain::ahead(std::size_t number, const std::vector<std::vector<Vector>>& before) {
-  if (options_.attractor.periods_on_orbit > 0) return std::nullopt;  // an average belongs to it
-  if (const std::size_t begin = block_of(number); begin != block_begin_) {
-    block_begin_ = begin;
-    std::vector<Vector> next;
-    for (std::size_t k = begin; k < std::min(begin + block, values_.size()); ++k) next.push_back(parameters(values_[k]));
-    ahead_ = orbits_ahead(system_, before, next, options_.attractor.lyapunov.flow);
-  }
-  const std::size_t place = number - block_begin_;
-  if (place >= ahead_.size()) return std::nullopt;
+void SweepChain::look_ahead(std::size_t number, const std::vector<std::vector<Vector>>& before) {
+  block_begin_ = block_of(number);
+  std::vector<Vector> next;
+  for (std::size_t k = block_begin_; k < std::min(block_begin_ + block, values_.size()); ++k)
+    next.push_back(parameters(values_[k]));
+  ahead_ = orbits_ahead(system_, before, next, options_.attractor.lyapunov.flow);
+}
+
+std::optional<SweepRow> SweepChain::ahead(std::size_t number) {
+  const std::size_t place = number - block_of(number);
+  if (block_of(number) != block_begin_ || place >= ahead_.size()) return std::nullopt;
   SweepRow out = row(number);
   settle_on(out.attractor, std::move(ahead_[place].orbit));
-  out.states = out.attractor.orbit->states;
   out.impact_speeds = std::move(ahead_[place].impact_speeds);
-  out.end = out.attractor.state;
-  describe_briefly(*out.attractor.orbit);
+  put_down_orbit(out);
   return out;
 }
 
 /// Where a motion that may be chaotic is after so many forcing periods; empty where it cannot be carried so far.
 LaneTask<std::optional<Vector>> SweepChain::carry_on(LanePlace& lane, const Vector& p, const Vector& state, int periods) const {
   initial_mode(system_, 0.0, state, p);
-  Vector end = state;
+  const auto count = static_cast<std::size_t>(periods);
   if (ManyMotions::applies(system_, p, options_.attractor.lyapunov.flow)) {
     lane.take_parameters(p);
-    const std::span<const PeriodResult> results = co_await lane.carry(state, static_cast<std::size_t>(periods));
-    for (const PeriodResult& period : results) {
-      if (period.termination != Termination::time) co_return std::nullopt;
-      end << period.x, period.v;
-    }
+    const std::span<const PeriodResult> results = co_await lane.carry(state, count);
+    if (results.empty()) co_return state;
+    // (Behind where a motion ends, the results say the same.)
+    if (results.back().termination != Termination::time) co_return std::nullopt;
+    Vector end{{results.back().x, results.back().v}};
     co_return end;
   }
   Propagator propagator(system_, p, {}, options_.attractor.lyapunov.flow);
-  Transition transition;
-  for (int k = 0; k < periods; ++k) {
-    carry(propagator, 0.0, forcing_period(system_, p), end, {.sensitivity = Sensitivity::none}, transition);
-    if (transition.termination != Termination::time) co_return std::nullopt;
-    end = transition.x1;
-  }
-  co_return end;
+  const std::vector<Vector> states = stroboscopic_states(propagator, state, count + 1);
+  if (states.size() <= count) co_return std::nullopt;
+  co_return states.back();
 }
 
 LaneTask<SweepRow> SweepChain::find(LanePlace& lane, Begin begin, AttractorOptions finding,
@@ -123,9 +125,7 @@ LaneTask<SweepRow> SweepChain::find(LanePlace& lane, Begin begin, AttractorOptio
   }
   lane.hurry(false);
   co_await average_on_attractor_in_lanes(lane, system_, p, out.attractor, finding);
-  const bool periodic = out.attractor.type == AttractorType::periodic;
-  if (periodic) out.end = out.attractor.state;
-  if (periodic || !cancelled()) co_await sample(lane, p, out);
+  if (out.attractor.type == AttractorType::periodic || !cancelled()) co_await sample(lane, p, out);
   co_return out;
 }
 
@@ -148,9 +148,7 @@ LaneTask<> SweepChain::sample(LanePlace& lane, const Vector& p, SweepRow& row) c
       if (period.termination == Termination::time) row.states.push_back(Vector{{period.x, period.v}});
     row.impact_speeds = speeds.list();
   }
-  if (!periodic) co_return;
-  row.states = row.attractor.orbit->states;
-  describe_briefly(*row.attractor.orbit);
+  if (periodic) put_down_orbit(row);
 }
 
 void SweepChain::sample_alone(const Vector& p, std::size_t periods, SweepRow& row) const {

@@ -40,8 +40,14 @@ class SweepChain {
   static bool alike(const SweepRow& before, const SweepRow& row);
 
   SweepRow row(std::size_t number) const;
-  /// Row k, if its orbit is found ahead. `before`: the orbits of the rows before its block that are alike, the last one last.
-  std::optional<SweepRow> ahead(std::size_t number, const std::vector<std::vector<Vector>>& before);
+  /// Whether the orbits of the block of row k are still to be looked for.
+  bool looks_ahead(std::size_t number) const {
+    return options_.attractor.periods_on_orbit == 0 && block_of(number) != block_begin_;  // (an average belongs to an orbit)
+  }
+  /// Does so. `before`: the orbits of the rows before the block that are alike, the last one last.
+  void look_ahead(std::size_t number, const std::vector<std::vector<Vector>>& before);
+  /// Row k, if its orbit was found.
+  std::optional<SweepRow> ahead(std::size_t number);
   /// Rows were taken back: those before a block may be others.
   void forget() { block_begin_ = none; }
 

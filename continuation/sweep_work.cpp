@@ -46,7 +46,7 @@ SweepWork::SweepWork(const HybridSystem& system, const Vector& p, const Vector& 
     Way& way = ways_.emplace_back(Way{{system_, p, start, options_, direction}, {}});
     for (const SweepRow& row : so_far)
       if (row.direction == direction)
-        way.entries.push_back(std::make_shared<Entry>(row, &way, SweepChain::Begin{way.entries.size(), {}}, false, true));
+        way.entries.push_back(std::make_shared<Entry>(row, &way, SweepChain::Begin{way.entries.size(), {}}, true, true));
   }
   done_ = so_far.size();
 }
@@ -89,7 +89,7 @@ bool SweepWork::far_ahead_of_open(Way& way) const {
 SweepWork::Way* SweepWork::next_way(std::size_t carried) {
   const auto fits = [&](Way& way) {
     if (way.looks_ahead || !goes_on(way)) return false;
-    if (!way.entries.empty() && !way.entries.back()->handed_on && !way.entries.back()->done) return false;
+    if (!way.entries.empty() && !way.entries.back()->handed_on) return false;
     return carried == 0 || (idle_ == 0 && carried * threads_ <= begun_ && !far_ahead_of_open(way));
   };
   const auto way = std::find_if(ways_.begin(), ways_.end(), fits);
@@ -118,34 +118,41 @@ std::shared_ptr<SweepWork::Entry> SweepWork::draw(std::size_t carried) {
   }
 }
 
+/// For the orbits of the next rows. False: rows were taken back meanwhile.
+bool SweepWork::look_ahead(Way& way, std::unique_lock<std::mutex>& lock) {
+  const auto& entries = way.entries;
+  const std::size_t number = entries.size(), block = SweepChain::block_of(number), taken_back = way.taken_back;
+  std::vector<std::vector<Vector>> before;
+  for (std::size_t k = block; k > 0 && before.size() < most_orbits_before; --k) {
+    const Entry& entry = *entries[k - 1];
+    if (!entry.done || !SweepChain::alike(entry.row, entries[k == block ? k - 1 : k]->row)) break;
+    before.insert(before.begin(), entry.row.states);
+  }
+  way.looks_ahead = true;
+  lock.unlock();
+  try {
+    way.chain.look_ahead(number, before);
+  } catch (...) {
+    lock.lock();
+    way.looks_ahead = false;
+    throw;
+  }
+  lock.lock();
+  way.looks_ahead = false;
+  news_.notify_all();
+  if (way.taken_back == taken_back) return true;
+  way.chain.forget();
+  return false;
+}
+
 /// The next row, to be found; null: it is known already.
 std::shared_ptr<SweepWork::Entry> SweepWork::next_row(Way& way, std::unique_lock<std::mutex>& lock) {
   const auto& entries = way.entries;
-  const std::size_t number = entries.size(), block = SweepChain::block_of(number), taken_back = way.taken_back;
+  const std::size_t number = entries.size();
   std::optional<SweepRow> known;
   if (number == 0 || entries.back()->done) {
-    std::vector<std::vector<Vector>> before;
-    for (std::size_t k = block; k > 0 && before.size() < most_orbits_before; --k) {
-      const Entry& entry = *entries[k - 1];
-      if (!entry.done || !SweepChain::alike(entry.row, entries[k == block ? k - 1 : k]->row)) break;
-      before.insert(before.begin(), entry.row.states);
-    }
-    way.looks_ahead = true;
-    lock.unlock();
-    try {
-      known = way.chain.ahead(number, before);
-    } catch (...) {
-      lock.lock();
-      way.looks_ahead = false;
-      throw;
-    }
-    lock.lock();
-    way.looks_ahead = false;
-    news_.notify_all();
-    if (way.taken_back != taken_back) {
-      way.chain.forget();
-      return nullptr;
-    }
+    if (way.chain.looks_ahead(number) && !look_ahead(way, lock)) return nullptr;
+    known = way.chain.ahead(number);
   }
   const bool done = known.has_value();
   SweepChain::Begin begin{number, way.chain.start(), true};
@@ -153,11 +160,12 @@ std::shared_ptr<SweepWork::Entry> SweepWork::next_row(Way& way, std::unique_lock
     begin.state = entries.back()->row.end;
     begin.settled = entries.back()->row.attractor.type == AttractorType::periodic;
   }
-  auto entry = std::make_shared<Entry>(done ? std::move(*known) : way.chain.row(number), &way, std::move(begin), false, done);
+  auto entry = std::make_shared<Entry>(done ? std::move(*known) : way.chain.row(number), &way, std::move(begin), done, done);
   way.entries.push_back(entry);
   if (done) {
     ++done_;
     tell(entry->row.value);
+    news_.notify_all();
     return nullptr;
   }
   ++way.open;
@@ -201,7 +209,7 @@ void SweepWork::finish(Entry& entry, SweepRow row) {
   }
   if (broken) return;
   entry.row = std::move(row);
-  entry.done = true;
+  entry.handed_on = entry.done = true;
   --way.open;
   ++done_;
   tell(entry.row.value);

@@ -35,10 +35,11 @@ class SweepWork {
  private:
   struct Way;
   struct Entry {
-    SweepRow row;  ///< its end is where the next one begins, once it is handed on or done
+    SweepRow row;  ///< its end is where the next one begins, once it is handed on
     Way* way;
     SweepChain::Begin begin;
-    bool handed_on = false, done = false;
+    bool handed_on = false;  ///< the next row may begin
+    bool done = false;
     std::atomic<bool> dropped = false;  ///< a row before it has turned out another
   };
   /// One direction.
@@ -55,6 +56,7 @@ class SweepWork {
   std::shared_ptr<Entry> draw(std::size_t carried);
   Way* next_way(std::size_t carried);
   bool far_ahead_of_open(Way& way) const;
+  bool look_ahead(Way& way, std::unique_lock<std::mutex>& lock);
   std::shared_ptr<Entry> next_row(Way& way, std::unique_lock<std::mutex>& lock);
   LaneTask<> find(LanePlace& lane, std::shared_ptr<Entry> entry);
   void hand_on(Entry& entry, const Vector& state);

@@ -23,7 +23,7 @@ inline double nearness_of(const AttractorOptions& options) {
 /// Forcing periods of a look for an orbit behind so many others: where time matters, and max_period is long, not many more. (A
 /// motion that has settled on a long orbit is known by its return.)
 inline int periods_of_look(const AttractorOptions& options, std::int64_t carried) {
-  constexpr std::int64_t always = 64, part = 16;
+  constexpr std::int64_t always = short_return, part = 16;
   if (!(options.recurrence > 0.0)) return options.max_period;
   return static_cast<int>(std::min<std::int64_t>(options.max_period, std::max(always, carried / part)));
 }

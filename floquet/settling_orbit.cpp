@@ -126,8 +126,7 @@ std::optional<PeriodicOrbit> stable_orbit_near(Propagator& propagator, const std
   return std::nullopt;
 }
 
-/// Returns after more periods than that are mostly chance, unless the motion has settled: they have to be so much closer.
-constexpr int short_return = 64;
+/// Longer returns are mostly chance, unless the motion has settled: they have to be so much closer.
 constexpr double settled = 0.05;
 
 /// The periods after which states return to the first of them, the closest return first.

@@ -14,6 +14,9 @@ std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector
 std::optional<PeriodicOrbit> settling_orbit(const HybridSystem& system, const Vector& p, const Vector& state, int max_period,
                                             const FlowOptions& flow = {});
 
+/// A return after so many periods need not be as close as after more.
+inline constexpr int short_return = 64;
+
 /// The states that follow one, and after how many periods the motion is back within a distance, the closest return first.
 struct Returns {
   std::vector<Vector> states;
