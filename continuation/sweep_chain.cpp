@@ -63,20 +63,21 @@ SweepRow SweepChain::row(std::size_t number) const {
   return row;
 }
 
-void SweepChain::look_ahead(std::size_t number, const std::vector<std::vector<Vector>>& before) {
-  block_begin_ = block_of(number);
+SweepChain::Block SweepChain::look_ahead(std::size_t number, const std::vector<std::vector<Vector>>& before) const {
+  Block ahead{block_of(number), {}};
   std::vector<Vector> next;
-  for (std::size_t k = block_begin_; k < std::min(block_begin_ + block, values_.size()); ++k)
+  for (std::size_t k = ahead.begin; k < std::min(ahead.begin + block, values_.size()); ++k)
     next.push_back(parameters(values_[k]));
-  ahead_ = orbits_ahead(system_, before, next, options_.attractor.lyapunov.flow);
+  ahead.orbits = orbits_ahead(system_, before, next, options_.attractor.lyapunov.flow);
+  return ahead;
 }
 
-std::optional<SweepRow> SweepChain::ahead(std::size_t number) {
+std::optional<SweepRow> SweepChain::known(Block& ahead, std::size_t number) const {
   const std::size_t place = number - block_of(number);
-  if (block_of(number) != block_begin_ || place >= ahead_.size()) return std::nullopt;
+  if (block_of(number) != ahead.begin || place >= ahead.orbits.size()) return std::nullopt;
   SweepRow out = row(number);
-  settle_on(out.attractor, std::move(ahead_[place].orbit));
-  out.impact_speeds = std::move(ahead_[place].impact_speeds);
+  settle_on(out.attractor, std::move(ahead.orbits[place].orbit));
+  out.impact_speeds = std::move(ahead.orbits[place].impact_speeds);
   put_down_orbit(out);
   return out;
 }
@@ -104,7 +105,7 @@ LaneTask<SweepRow> SweepChain::find(LanePlace& lane, Begin begin, AttractorOptio
                                     std::function<void(const Vector& state)> hand_on) const {
   SweepRow out = row(begin.number);
   const Vector p = parameters(out.value);
-  if (begin.number == 0) finding.transient = options_.first_transient;
+  if (begin.at_start) finding.transient = options_.first_transient;
   const auto cancelled = [&finding] { return finding.lyapunov.cancelled && finding.lyapunov.cancelled(); };
   lane.hurry(true);
   out.end = begin.state;

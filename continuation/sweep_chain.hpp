@@ -25,6 +25,7 @@ class SweepChain {
 
   SweepDirection direction() const { return direction_; }
   std::size_t size() const { return values_.size(); }
+  double value(std::size_t number) const { return values_[number]; }
   Vector parameters(double value) const;
   const Vector& start() const { return start_; }
 
@@ -33,23 +34,30 @@ class SweepChain {
     std::size_t number = 0;  ///< k
     Vector state;            ///< where the row before ended, or was when it was handed on; the start of the sweep
     bool settled = true;     ///< whether that is periodic
+    bool at_start = false;   ///< it is the start of the sweep
   };
+  /// Values of a block.
+  static constexpr std::size_t block = 16;
   /// The first row of its block, before which orbits are looked for.
   static std::size_t block_of(std::size_t number) { return number / block * block; }
   /// Whether two rows, one behind the other, are periodic in the same way.
   static bool alike(const SweepRow& before, const SweepRow& row);
 
   SweepRow row(std::size_t number) const;
+  /// The orbits of a block of rows that were found ahead.
+  struct Block {
+    static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+    std::size_t begin = none;        ///< its first row
+    std::vector<OrbitAhead> orbits;  ///< from there on
+  };
   /// Whether the orbits of the block of row k are still to be looked for.
-  bool looks_ahead(std::size_t number) const {
-    return options_.attractor.periods_on_orbit == 0 && block_of(number) != block_begin_;  // (an average belongs to an orbit)
+  bool looks_ahead(const Block& ahead, std::size_t number) const {
+    return options_.attractor.periods_on_orbit == 0 && block_of(number) != ahead.begin;  // (an average belongs to an orbit)
   }
   /// Does so. `before`: the orbits of the rows before the block that are alike, the last one last.
-  void look_ahead(std::size_t number, const std::vector<std::vector<Vector>>& before);
+  Block look_ahead(std::size_t number, const std::vector<std::vector<Vector>>& before) const;
   /// Row k, if its orbit was found.
-  std::optional<SweepRow> ahead(std::size_t number);
-  /// Rows were taken back: those before a block may be others.
-  void forget() { block_begin_ = none; }
+  std::optional<SweepRow> known(Block& ahead, std::size_t number) const;
 
   /// What else row k is, in lanes if they know the oscillator. `hand_on` is told where the next row begins as soon as that is
   /// known, if this one is not known to be periodic by then. Where the motion could not be carried, or `finding` broke it off, no
@@ -58,7 +66,6 @@ class SweepChain {
                           std::function<void(const Vector& state)> hand_on) const;
 
  private:
-  static constexpr std::size_t block = 16, none = std::numeric_limits<std::size_t>::max();
   LaneTask<std::optional<Vector>> carry_on(LanePlace& lane, const Vector& p, const Vector& state, int periods) const;
   LaneTask<> sample(LanePlace& lane, const Vector& p, SweepRow& row) const;
   void sample_alone(const Vector& p, std::size_t periods, SweepRow& row) const;
@@ -69,8 +76,6 @@ class SweepChain {
   Vector p_, start_;
   SweepDirection direction_;
   std::vector<double> values_;
-  std::size_t block_begin_ = none;
-  std::vector<OrbitAhead> ahead_;  ///< of the rows from there on
 };
 
 }  // namespace graze

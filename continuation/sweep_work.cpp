@@ -3,7 +3,7 @@
 #include <graze/floquet/rounds.hpp>
 
 #include <algorithm>
-#include <span>
+#include <iterator>
 #include <utility>
 
 namespace graze {
@@ -16,11 +16,10 @@ constexpr double repeats = 1e-4;
 constexpr std::int64_t short_average = 500;
 /// Forcing periods in which the tangent of a motion is turned, before its growth counts.
 constexpr std::int64_t turning = 60;
-/// So many motions fill the lanes of a thread.
+/// So many motions fill the lanes of a thread. One that carries less than half of them begins what is likely to be in vain, too.
 constexpr std::size_t enough = 32;
-/// What is begun so far behind a row that is open is likely to be in vain: behind so many whose orbits are known, or behind so
-/// many others, for each thread some more.
-constexpr std::size_t far_ahead = 64, far_in_chaos = 16, far_in_chaos_of_a_thread = 8;
+/// Stretches of a direction that may go on behind a guess, besides one for each thread.
+constexpr std::size_t guesses = 4;
 
 SweepOptions with_looks(SweepOptions options) {
   options.attractor.recurrence = repeats;
@@ -43,15 +42,12 @@ SweepWork::SweepWork(const HybridSystem& system, const Vector& p, const Vector& 
     : system_(system), options_(with_looks(options)),
       rows_of_a_thread_(std::max<std::size_t>(1, enough / static_cast<std::size_t>(options_.attractor.lyapunov.motions))) {
   for (const SweepDirection direction : options_.directions) {
-    Way& way = ways_.emplace_back(Way{{system_, p, start, options_, direction}, {}});
-    for (const SweepRow& row : so_far)
-      if (row.direction == direction)
-        way.entries.push_back(std::make_shared<Entry>(row, &way, SweepChain::Begin{way.entries.size(), {}}, true, true));
+    std::vector<SweepRow> its;
+    const auto is_one = [&](const SweepRow& row) { return row.direction == direction; };
+    std::copy_if(so_far.begin(), so_far.end(), std::back_inserter(its), is_one);
+    directions_.emplace_back(SweepChain(system_, p, start, options_, direction), std::move(its));
   }
-  done_ = so_far.size();
 }
-
-bool SweepWork::goes_on(const Way& way) const { return !way.ended && way.entries.size() < way.chain.size() && !cancelled(); }
 
 void SweepWork::work() try {
   {
@@ -71,42 +67,17 @@ void SweepWork::work() try {
   throw;
 }
 
-bool SweepWork::far_ahead_of_open(Way& way) const {
-  const auto& entries = way.entries;
-  while (way.first_open < entries.size() && entries[way.first_open]->done) ++way.first_open;
-  if (way.open == 0) return false;
-  const auto behind = std::span(entries).subspan(way.first_open);
-  const auto is_open = [](const auto& entry) { return !entry->done; };
-  const auto last_open = std::find_if(behind.rbegin(), behind.rend(), is_open);
-  if (last_open - behind.rbegin() >= static_cast<std::ptrdiff_t>(far_ahead)) return true;
-  const auto in_chaos = [](const auto& entry) { return entry->row.attractor.type != AttractorType::periodic; };
-  const auto others = static_cast<std::size_t>(std::count_if(behind.begin(), behind.end(), in_chaos));
-  return others > far_in_chaos + far_in_chaos_of_a_thread * threads_;
-}
-
-/// A direction whose next row can be begun, for a thread that carries so many: with some, if that is not likely to be in vain,
-/// and others do not have fewer.
-SweepWork::Way* SweepWork::next_way(std::size_t carried) {
-  const auto fits = [&](Way& way) {
-    if (way.looks_ahead || !goes_on(way)) return false;
-    if (!way.entries.empty() && !way.entries.back()->handed_on) return false;
-    return carried == 0 || (idle_ == 0 && carried * threads_ <= begun_ && !far_ahead_of_open(way));
-  };
-  const auto way = std::find_if(ways_.begin(), ways_.end(), fits);
-  return way == ways_.end() ? nullptr : &*way;
-}
-
 /// What is begun next by a thread that carries so many rows. It waits if it has nothing to do.
 std::shared_ptr<SweepWork::Entry> SweepWork::draw(std::size_t carried) {
   std::unique_lock lock(mutex_);
   for (;;) {
     if (carried >= rows_of_a_thread_) return nullptr;
     if (cancelled() || (carried == 0 && exchange_.has_some())) return nullptr;
-    const bool unfinished =
-        std::any_of(ways_.begin(), ways_.end(), [&](const Way& way) { return way.open > 0 || way.looks_ahead || goes_on(way); });
-    if (!unfinished) return nullptr;
-    if (Way* const way = next_way(carried)) {
-      if (auto entry = next_row(*way, lock)) return entry;
+    const auto is_finished = [](const SweepStretches& direction) { return direction.finished(); };
+    if (std::all_of(directions_.begin(), directions_.end(), is_finished)) return nullptr;
+    if (carried > 0 && (idle_ > 0 || carried * threads_ > begun_)) return nullptr;  // others have fewer
+    if (const auto begun = go_on(carried, lock)) {
+      if (*begun) return *begun;
       continue;
     }
     if (carried > 0) return nullptr;
@@ -118,68 +89,66 @@ std::shared_ptr<SweepWork::Entry> SweepWork::draw(std::size_t carried) {
   }
 }
 
+/// A row that was begun; null: it is known already; none: nothing can be begun.
+std::optional<std::shared_ptr<SweepWork::Entry>> SweepWork::go_on(std::size_t carried, std::unique_lock<std::mutex>& lock) {
+  for (SweepStretches& direction : directions_)
+    if (const auto stretch = direction.next(2 * carried < rows_of_a_thread_)) return next_row(direction, *stretch, lock);
+  for (SweepStretches& direction : directions_)
+    if (auto guess = direction.guess(guesses + threads_)) {
+      ++begun_;
+      return guess;
+    }
+  return std::nullopt;
+}
+
 /// For the orbits of the next rows. False: rows were taken back meanwhile.
-bool SweepWork::look_ahead(Way& way, std::unique_lock<std::mutex>& lock) {
-  const auto& entries = way.entries;
-  const std::size_t number = entries.size(), block = SweepChain::block_of(number), taken_back = way.taken_back;
-  std::vector<std::vector<Vector>> before;
-  for (std::size_t k = block; k > 0 && before.size() < most_orbits_before; --k) {
-    const Entry& entry = *entries[k - 1];
-    if (!entry.done || !SweepChain::alike(entry.row, entries[k == block ? k - 1 : k]->row)) break;
-    before.insert(before.begin(), entry.row.states);
-  }
-  way.looks_ahead = true;
+bool SweepWork::look_ahead(SweepStretches& direction, Stretch& stretch, std::unique_lock<std::mutex>& lock) {
+  const std::size_t number = stretch.next(), taken_back = stretch.taken_back;
+  const std::vector<std::vector<Vector>> before = direction.orbits_before(stretch);
+  SweepChain::Block ahead;
+  stretch.looks_ahead = true;
   lock.unlock();
   try {
-    way.chain.look_ahead(number, before);
+    ahead = direction.chain().look_ahead(number, before);
   } catch (...) {
     lock.lock();
-    way.looks_ahead = false;
+    stretch.looks_ahead = false;
     throw;
   }
   lock.lock();
-  way.looks_ahead = false;
+  stretch.looks_ahead = false;
   news_.notify_all();
-  if (way.taken_back == taken_back) return true;
-  way.chain.forget();
-  return false;
+  if (stretch.taken_back != taken_back) return false;
+  stretch.ahead = std::move(ahead);
+  return true;
 }
 
 /// The next row, to be found; null: it is known already.
-std::shared_ptr<SweepWork::Entry> SweepWork::next_row(Way& way, std::unique_lock<std::mutex>& lock) {
-  const auto& entries = way.entries;
-  const std::size_t number = entries.size();
+std::shared_ptr<SweepWork::Entry> SweepWork::next_row(SweepStretches& direction, Stretch& stretch,
+                                                      std::unique_lock<std::mutex>& lock) {
+  const std::size_t number = stretch.next();
   std::optional<SweepRow> known;
-  if (number == 0 || entries.back()->done) {
-    if (way.chain.looks_ahead(number) && !look_ahead(way, lock)) return nullptr;
-    known = way.chain.ahead(number);
+  if (!stretch.last() || stretch.last()->done) {
+    if (direction.chain().looks_ahead(stretch.ahead, number) && !look_ahead(direction, stretch, lock)) return nullptr;
+    known = direction.chain().known(stretch.ahead, number);
   }
-  const bool done = known.has_value();
-  SweepChain::Begin begin{number, way.chain.start(), true};
-  if (number > 0) {
-    begin.state = entries.back()->row.end;
-    begin.settled = entries.back()->row.attractor.type == AttractorType::periodic;
-  }
-  auto entry = std::make_shared<Entry>(done ? std::move(*known) : way.chain.row(number), &way, std::move(begin), done, done);
-  way.entries.push_back(entry);
-  if (done) {
-    ++done_;
-    tell(entry->row.value);
+  auto entry = direction.add(stretch, std::move(known));
+  if (entry->done) {
+    tell(direction.chain().value(number));
     news_.notify_all();
     return nullptr;
   }
-  ++way.open;
   ++begun_;
   return entry;
 }
 
 LaneTask<> SweepWork::find(LanePlace& lane, std::shared_ptr<Entry> entry) {
-  const SweepChain& chain = entry->way->chain;
   AttractorOptions finding = options_.attractor;
   finding.lyapunov.cancelled = [this, &entry] { return entry->dropped || cancelled(); };
   SweepRow row = entry->row;
   try {
-    row = co_await chain.find(lane, entry->begin, finding, [this, &entry](const Vector& state) { hand_on(*entry, state); });
+    row = co_await entry->direction->chain().find(lane, entry->begin, finding,
+                                                  [this, &entry](const Vector& state) { hand_on(*entry, state); });
   } catch (const std::invalid_argument&) {  // it would begin inside the barrier
   }
   finish(*entry, std::move(row));
@@ -188,9 +157,8 @@ LaneTask<> SweepWork::find(LanePlace& lane, std::shared_ptr<Entry> entry) {
 /// Of a row that was begun: the next one may be.
 void SweepWork::hand_on(Entry& entry, const Vector& state) {
   const std::lock_guard lock(mutex_);
-  if (entry.dropped || cancelled()) return;
-  entry.row.end = state;
-  entry.handed_on = true;
+  if (cancelled()) return;
+  entry.direction->hand_on(entry, state);
   news_.notify_all();
 }
 
@@ -198,48 +166,27 @@ void SweepWork::finish(Entry& entry, SweepRow row) {
   const std::lock_guard lock(mutex_);
   --begun_;
   news_.notify_all();
-  if (entry.dropped) return;
-  Way& way = *entry.way;
-  const bool periodic = row.attractor.type == AttractorType::periodic;
   // (What cut it short need not have left a trace.)
-  const bool broken = !periodic && (broken_off(row.attractor.time_average.stop) || cancelled());
-  if (broken || periodic) {
-    take_back(way, broken ? entry.begin.number : entry.begin.number + 1);
-    way.ended = broken;
-  }
-  if (broken) return;
-  entry.row = std::move(row);
-  entry.handed_on = entry.done = true;
-  --way.open;
-  ++done_;
-  tell(entry.row.value);
-}
-
-/// Rows from this one on.
-void SweepWork::take_back(Way& way, std::size_t from) {
-  if (from >= way.entries.size()) return;
-  ++way.taken_back;
-  if (!way.looks_ahead) way.chain.forget();
-  for (std::size_t k = from; k < way.entries.size(); ++k) {
-    Entry& entry = *way.entries[k];
-    entry.dropped = true;
-    entry.done ? --done_ : --way.open;
-  }
-  way.entries.resize(from);
-  way.first_open = std::min(way.first_open, from);
+  const Attractor& attractor = row.attractor;
+  const bool broken = attractor.type != AttractorType::periodic && (broken_off(attractor.time_average.stop) || cancelled());
+  const double value = row.value;
+  entry.direction->finish(entry, std::move(row), broken);
+  if (!broken) tell(value);
 }
 
 void SweepWork::tell(double value) {
-  if (options_.progress) options_.progress(done_, value);
+  if (!options_.progress) return;
+  std::size_t done = 0;
+  for (const SweepStretches& direction : directions_) done += direction.done();
+  options_.progress(done, value);
 }
 
 std::vector<SweepRow> SweepWork::rows() && {
   std::vector<SweepRow> all;
-  for (Way& way : ways_)
-    for (const auto& entry : way.entries) {
-      if (!entry->done) break;
-      all.push_back(std::move(entry->row));
-    }
+  for (SweepStretches& direction : directions_) {
+    std::vector<SweepRow> rows = std::move(direction).rows();
+    std::move(rows.begin(), rows.end(), std::back_inserter(all));
+  }
   return all;
 }
 

@@ -98,16 +98,17 @@ void average(const HybridSystem& system, const Vector& p, Attractor& attractor, 
 }
 
 /// Of the motion that was averaged from `begin` on: null where it cannot linger.
-std::optional<Lingering> lingering(const HybridSystem& system, const Vector& p, const Vector& begin, const Attractor& attractor,
-                                   const AttractorOptions& options) {
+std::optional<Lingering> lingering(const HybridSystem& system, const Vector& p, const Vector& begin, int round,
+                                   const Attractor& attractor, const AttractorOptions& options) {
+  const double T = forcing_period(system, p);
   if (attractor.type == AttractorType::periodic || attractor.time_average.stop == LyapunovStop::interrupted ||
-      attractor.time_average.termination != Termination::time)
+      attractor.time_average.termination != Termination::time || !may_linger(attractor, round, T))
     return std::nullopt;
   Propagator propagator(system, p, {}, options.lyapunov.flow);
   const int most = periods_of_look(options, periods_each(attractor.time_average));
   const Returns returns = close_returns(propagator, attractor.state, most, nearness_of(options));
   if (returns.periods.empty()) return std::nullopt;
-  Lingering watch = watch_end(attractor, returns.periods.front(), forcing_period(system, p), options);
+  Lingering watch = watch_end(attractor, returns.periods.front(), T, options);
   const auto stop = [&] { return cancelled(options); };
   if (!carry_watched(propagator, watch, stop)) return std::nullopt;
   watch.look_back(begin, periods_each(attractor.time_average));
@@ -118,7 +119,7 @@ std::optional<Lingering> lingering(const HybridSystem& system, const Vector& p, 
 /// Whether the motion that was averaged from `begin` on has to be followed on.
 bool goes_on(const HybridSystem& system, const Vector& p, const Vector& begin, int round, const AttractorOptions& options,
              Attractor& attractor) {
-  const std::optional<Lingering> watch = lingering(system, p, begin, attractor, options);
+  const std::optional<Lingering> watch = lingering(system, p, begin, round, attractor, options);
   LyapunovStop& stop = attractor.time_average.stop;
   const bool open = attractor.type != AttractorType::periodic && stop != LyapunovStop::interrupted;
   if (open && cancelled(options)) stop = LyapunovStop::interrupted;  // it may go on

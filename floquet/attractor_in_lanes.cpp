@@ -65,8 +65,9 @@ LaneTask<bool> average(LanePlace& lane, const HybridSystem& system, const Vector
     settle_on(attractor, std::move(*looked.orbit));
     co_return false;
   }
-  if (looked.closest > 0) {
-    Lingering watch = watch_end(attractor, looked.closest, forcing_period(system, p), options);
+  const double T = forcing_period(system, p);
+  if (looked.closest > 0 && may_linger(attractor, round, T)) {
+    Lingering watch = watch_end(attractor, looked.closest, T, options);
     co_await carry_watched(lane, watch, stop);
     if (stop()) co_return false;
     watch.look_back(begin, periods_each(attractor.time_average));

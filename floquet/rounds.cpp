@@ -12,6 +12,14 @@ namespace {
 
 constexpr int most_rounds = 3;
 
+/// By its exponential, what is as small as rounding grows beyond all bounds.
+constexpr double beyond_all_bounds = 40.0;
+
+/// Of a distance, over a forcing period: by its exponential.
+double growth(const Attractor& attractor, double T) {
+  return attractor.type == AttractorType::chaotic ? attractor.exponents[0] * T : 0.0;
+}
+
 /// Not into a barrier.
 void push_off(const HybridSystem& system, const Vector& p, int round, Vector& state) {
   const double far = 1e-4 * std::pow(10.0, round) * (1.0 + state.lpNorm<Eigen::Infinity>());
@@ -41,11 +49,15 @@ std::int64_t periods_each(const LyapunovSpectrum& average) {
   return average.periods / static_cast<std::int64_t>(1 + average.others.size());
 }
 
+bool may_linger(const Attractor& attractor, int round, double T) {
+  return round == 0 || growth(attractor, T) * static_cast<double>(periods_each(attractor.time_average)) <= beyond_all_bounds;
+}
+
 Lingering watch_end(const Attractor& attractor, int period, double T, const AttractorOptions& options) {
   constexpr double most = 20000.0;
-  const double growth = attractor.type == AttractorType::chaotic ? attractor.exponents[0] * T : 0.0;
-  const bool can_tell = growth * most > 40.0;
-  return {attractor.state, period, nearness_of(options), can_tell ? static_cast<std::int64_t>(40.0 / growth) : 0};
+  const double each = growth(attractor, T);
+  const bool can_tell = each * most > beyond_all_bounds;
+  return {attractor.state, period, nearness_of(options), can_tell ? static_cast<std::int64_t>(beyond_all_bounds / each) : 0};
 }
 
 bool goes_on(const Lingering& watch, const HybridSystem& system, const Vector& p, int round, Attractor& attractor) {

@@ -20,8 +20,12 @@ std::optional<PeriodicOrbit> look_for_orbit(Propagator& propagator, const Vector
 /// The periods that each of the motions of an average was carried.
 std::int64_t periods_each(const LyapunovSpectrum& average);
 
-/// A watch on the end of an average. A distance as small as rounding grows beyond all bounds in 40 times the time in which the
-/// exponent has it grow e-fold.
+/// Whether a motion that comes back at the end of its average may linger at an orbit. Where it has been followed on already, and
+/// its average since was so long that what leaves an orbit at its exponent, from a distance as small as rounding, was gone (40
+/// times the time in which that grows e-fold), it is chaos that comes back.
+bool may_linger(const Attractor& attractor, int round, double T);
+
+/// A watch on the end of an average: whether its motion stays longer than any that leaves an orbit at its exponent would.
 Lingering watch_end(const Attractor& attractor, int period, double T, const AttractorOptions& options);
 
 /// Whether the motion that was watched has to be followed on, from attractor.state: off an unstable orbit that it is on, farther
