@@ -3,7 +3,7 @@
 #include <graze/continuation/sweep_stretches.hpp>
 
 #include <algorithm>
-#include <iterator>
+#include <cmath>
 #include <span>
 #include <utility>
 
@@ -14,24 +14,25 @@ namespace {
 /// What is begun so many rows behind an open one, orbits found ahead not counted, is likely to be in vain.
 constexpr std::ptrdiff_t far_ahead = 24;
 
-/// A stretch has one of sixteen rows, if that is neither few nor many, and whole blocks.
+/// As many as there are stretches, in whole blocks.
 std::size_t length_of_stretches(std::size_t rows) {
-  constexpr std::size_t stretches = 16, longest = 4 * SweepChain::block;
-  return std::clamp(SweepChain::block_of(rows / stretches + SweepChain::block - 1), SweepChain::block, longest);
+  return SweepChain::block_of(static_cast<std::size_t>(std::sqrt(rows)) + SweepChain::block);
 }
 
 }  // namespace
 
-SweepStretches::SweepStretches(SweepChain chain, std::vector<SweepRow> so_far)
-    : chain_(std::move(chain)), length_(length_of_stretches(chain_.size())), kept_(std::move(so_far)), done_(kept_.size()) {
+SweepStretches::SweepStretches(SweepChain chain, const std::vector<SweepRow>& so_far)
+    : chain_(std::move(chain)), length_(length_of_stretches(chain_.size())) {
+  for (const SweepRow& row : so_far)
+    if (row.direction == chain_.direction())
+      kept_.push_back(
+          std::make_shared<Entry>(this, nullptr, SweepChain::Begin{.number = kept_.size(), .state = {}}, row, true, true));
+  done_ = kept_.size();
   if (finished()) return;
   // The stretch that was in work: with nothing behind its last row, that is not compared yet.
-  const std::size_t begin = kept_.empty() ? 0 : (kept_.size() - 1) / length_ * length_;
-  Stretch& stretch = add_stretch(begin);
-  for (std::size_t k = begin; k < kept_.size(); ++k)
-    stretch.entries.push_back(
-        std::make_shared<Entry>(this, &stretch, SweepChain::Begin{.number = k, .state = {}}, std::move(kept_[k]), true, true));
-  kept_.resize(begin);
+  Stretch& stretch = add_stretch(kept_.empty() ? 0 : (kept_.size() - 1) / length_ * length_);
+  stretch.entries.assign(kept_.begin() + static_cast<std::ptrdiff_t>(stretch.begin), kept_.end());
+  kept_.resize(stretch.begin);
 }
 
 SweepStretches::Stretch& SweepStretches::add_stretch(std::size_t begin) {
@@ -176,17 +177,18 @@ void SweepStretches::join() {
 }
 
 void SweepStretches::keep_first() {
-  for (const auto& entry : stretches_.front()->entries) kept_.push_back(std::move(entry->row));
+  const auto& entries = stretches_.front()->entries;
+  kept_.insert(kept_.end(), entries.begin(), entries.end());
   stretches_.pop_front();
 }
 
-std::vector<SweepRow> SweepStretches::rows() && {
-  if (!stretches_.empty())
-    for (const auto& entry : stretches_.front()->entries) {
-      if (!entry->done) break;
-      kept_.push_back(std::move(entry->row));
-    }
-  return std::move(kept_);
+void SweepStretches::hand_over(std::vector<SweepRow>& rows) {
+  if (!stretches_.empty()) {
+    const auto& entries = stretches_.front()->entries;
+    const auto is_open = [](const auto& entry) { return !entry->done; };
+    kept_.insert(kept_.end(), entries.begin(), std::find_if(entries.begin(), entries.end(), is_open));
+  }
+  for (const auto& entry : kept_) rows.push_back(std::move(entry->row));
 }
 
 }  // namespace graze

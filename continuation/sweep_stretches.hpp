@@ -50,8 +50,8 @@ class SweepStretches {
     const Entry* last() const { return entries.empty() ? lead.get() : entries.back().get(); }
   };
 
-  /// `so_far`: its rows of an earlier run, which are kept.
-  SweepStretches(SweepChain chain, std::vector<SweepRow> so_far);
+  /// `so_far`: rows of an earlier run, of which its own are kept.
+  SweepStretches(SweepChain chain, const std::vector<SweepRow>& so_far);
   SweepStretches(const SweepStretches&) = delete;
   SweepStretches& operator=(const SweepStretches&) = delete;
 
@@ -74,8 +74,8 @@ class SweepStretches {
   /// What a row is that was begun; `broken`: it could not be found.
   void finish(Entry& entry, SweepRow row, bool broken);
 
-  /// Up to the first that was not finished.
-  std::vector<SweepRow> rows() &&;
+  /// Adds its rows up to the first that was not finished, and is left without them.
+  void hand_over(std::vector<SweepRow>& rows);
 
  private:
   Stretch& add_stretch(std::size_t begin);
@@ -88,7 +88,7 @@ class SweepStretches {
 
   SweepChain chain_;
   std::size_t length_;                              ///< of a stretch
-  std::vector<SweepRow> kept_;                      ///< of the stretches that nothing can change any more
+  std::vector<std::shared_ptr<Entry>> kept_;        ///< of the stretches that nothing can change any more
   std::deque<std::shared_ptr<Stretch>> stretches_;  ///< the others that were begun
   bool guesses_well_ = true;                        ///< the last guess stood
   bool ended_ = false;                              ///< the motion could not be carried on

@@ -3,7 +3,6 @@
 #include <graze/floquet/rounds.hpp>
 
 #include <algorithm>
-#include <iterator>
 #include <utility>
 
 namespace graze {
@@ -41,12 +40,8 @@ SweepWork::SweepWork(const HybridSystem& system, const Vector& p, const Vector& 
                      const std::vector<SweepRow>& so_far)
     : system_(system), options_(with_looks(options)),
       rows_of_a_thread_(std::max<std::size_t>(1, enough / static_cast<std::size_t>(options_.attractor.lyapunov.motions))) {
-  for (const SweepDirection direction : options_.directions) {
-    std::vector<SweepRow> its;
-    const auto is_one = [&](const SweepRow& row) { return row.direction == direction; };
-    std::copy_if(so_far.begin(), so_far.end(), std::back_inserter(its), is_one);
-    directions_.emplace_back(SweepChain(system_, p, start, options_, direction), std::move(its));
-  }
+  for (const SweepDirection direction : options_.directions)
+    directions_.emplace_back(SweepChain(system_, p, start, options_, direction), so_far);
 }
 
 void SweepWork::work() try {
@@ -182,11 +177,11 @@ void SweepWork::tell(double value) {
 }
 
 std::vector<SweepRow> SweepWork::rows() && {
+  std::size_t done = 0;
+  for (const SweepStretches& direction : directions_) done += direction.done();
   std::vector<SweepRow> all;
-  for (SweepStretches& direction : directions_) {
-    std::vector<SweepRow> rows = std::move(direction).rows();
-    std::move(rows.begin(), rows.end(), std::back_inserter(all));
-  }
+  all.reserve(done);
+  for (SweepStretches& direction : directions_) direction.hand_over(all);
   return all;
 }
 

@@ -17,10 +17,10 @@ namespace graze {
 
 namespace {
 
-constexpr std::size_t most_attractors = 200;                     // more are a parameter at which nothing can be told apart
-constexpr double return_distance = 1e-3;                         // relative to 1 + |x|: so near a return, an orbit is looked for
-constexpr int first_look = 64;                                   // periods
-constexpr std::size_t least_together = 16, most_together = 256;  // motions of one thread
+constexpr std::size_t most_attractors = 200;                    // more are a parameter at which nothing can be told apart
+constexpr double return_distance = 1e-3;                        // relative to 1 + |x|: so near a return, an orbit is looked for
+constexpr int first_look = 64;                                  // periods
+constexpr std::size_t least_together = 8, most_together = 256;  // motions of one thread: whole registers
 constexpr std::int64_t usual_periods = 40;  // until a motion is recognised: says whether a table of contacts pays
 
 struct Run {
@@ -75,7 +75,8 @@ class Search {
     std::iota(open.begin(), open.end(), std::size_t{0});
     bool first = true;
     while (!open.empty()) {
-      const std::size_t together = std::clamp(open.size() / threads_here() + 1, least_together, most_together);
+      const std::size_t least = least_together * threads_here(), times = (open.size() + least - 1) / least;
+      const std::size_t together = std::min(times * least_together, most_together);
       const std::size_t groups = (open.size() + together - 1) / together;
       in_parallel(groups, [&](std::size_t group) {
         std::vector<Watch> watches;
