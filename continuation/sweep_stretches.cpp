@@ -4,15 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 #include <utility>
 
 namespace graze {
 
 namespace {
-
-/// What is begun so many rows behind an open one, orbits found ahead not counted, is likely to be in vain.
-constexpr std::ptrdiff_t far_ahead = 24;
 
 /// As many as there are stretches, in whole blocks.
 std::size_t length_of_stretches(std::size_t rows) {
@@ -44,17 +40,11 @@ bool SweepStretches::can_go_on(const Stretch& stretch) const {
   return stretch.next() == 0 || (stretch.last() && stretch.last()->handed_on);
 }
 
-bool SweepStretches::likely_in_vain(Stretch& stretch) const {
-  if (!guesses_well_ && !stretch.joined && &stretch != stretches_.front().get()) return true;
-  const auto& entries = stretch.entries;
-  while (stretch.first_open < entries.size() && entries[stretch.first_open]->done) ++stretch.first_open;
-  const auto behind = std::span(entries).subspan(stretch.first_open);
-  const auto is_other = [](const auto& entry) { return entry->row.attractor.type != AttractorType::periodic; };
-  return std::count_if(behind.begin(), behind.end(), is_other) > far_ahead;
-}
-
 std::shared_ptr<SweepStretches::Stretch> SweepStretches::next(bool in_vain) {
-  const auto fits = [&](const auto& stretch) { return can_go_on(*stretch) && (in_vain || !likely_in_vain(*stretch)); };
+  const auto fits = [&](const auto& stretch) {
+    const bool is_guess = !stretch->joined && stretch != stretches_.front();
+    return can_go_on(*stretch) && (!is_guess || guesses_well_ || in_vain);
+  };
   const auto one = std::find_if(stretches_.begin(), stretches_.end(), fits);
   return one == stretches_.end() ? nullptr : *one;
 }
@@ -139,7 +129,6 @@ void SweepStretches::take_back(Stretch& stretch, std::size_t from) {
     entry.done ? --done_ : --stretch.open;
   }
   stretch.entries.resize(from);
-  stretch.first_open = std::min(stretch.first_open, from);
 }
 
 /// A stretch begins anew where the one before ended: behind its guess, if that is on the attractor of the last row there.

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// SweepStretches: the rows of one direction of a sweep while they are being found, in stretches of 16 to 64. A stretch need not
-// wait for those before it: it begins behind a row that is a guess, what the motion from the start of the sweep comes to at that
-// value. Once the last row of the stretch before is known, the guess stands if the two are on the same attractor
-// (same_attractor.hpp); else the stretch begins anew behind that row. Stretches end where the number of values says, and each is
-// found from its own rows and the one before it alone: what comes out depends neither on what is found first, nor on how much of
-// it was known from an earlier run.
+// SweepStretches: the rows of one direction of a sweep while they are being found, in about as many stretches as there are rows
+// in each. A stretch need not wait for those before it: it begins behind a row that is a guess, what the motion from the start of
+// the sweep comes to at that value. Once the last row of the stretch before is known, the guess stands if the two are on the same
+// attractor (same_attractor.hpp); else the stretch begins anew behind that row. Stretches end where the number of values says,
+// and each is found from its own rows and the one before it alone: what comes out depends neither on what is found first, nor on
+// how much of it was known from an earlier run.
 //
 // Within a stretch a row may begin when the one before has handed its motion on. Should that end on a stable orbit after all, the
 // rows behind it are taken back.
@@ -43,7 +43,6 @@ class SweepStretches {
     bool looks_ahead = false;    ///< a thread does so, for `ahead`
     bool ended = false;          ///< the motion could not be carried on
     std::size_t open = 0;        ///< rows that are not done
-    std::size_t first_open = 0;  ///< before it there are none
     std::size_t taken_back = 0;  ///< how often
     std::size_t next() const { return begin + entries.size(); }
     bool done() const { return open == 0 && next() == end; }
@@ -60,8 +59,7 @@ class SweepStretches {
   /// Rows that are done.
   std::size_t done() const { return done_; }
 
-  /// A stretch that can go on, the first one that is not so far ahead of a row that is open that it would likely be in vain; with
-  /// `in_vain` the first one at all.
+  /// The first stretch that can go on. After a guess that did not stand, those behind other guesses only if that may be in vain.
   std::shared_ptr<Stretch> next(bool in_vain);
   /// Where fewer guesses than that are not yet confirmed, one for the stretch behind all others, if there is one.
   std::shared_ptr<Entry> guess(std::size_t most);
@@ -80,7 +78,6 @@ class SweepStretches {
  private:
   Stretch& add_stretch(std::size_t begin);
   bool can_go_on(const Stretch& stretch) const;
-  bool likely_in_vain(Stretch& stretch) const;
   void take_back(Stretch& stretch, std::size_t from);
   void follow(const SweepRow& last, Stretch& behind);
   void join();

@@ -15,7 +15,7 @@ constexpr double repeats = 1e-4;
 constexpr std::int64_t short_average = 500;
 /// Forcing periods in which the tangent of a motion is turned, before its growth counts.
 constexpr std::int64_t turning = 60;
-/// So many motions fill the lanes of a thread. One that carries less than half of them begins what is likely to be in vain, too.
+/// So many motions fill the lanes of a thread. One that carries less than half of them begins what may be in vain, too.
 constexpr std::size_t enough = 32;
 /// Stretches of a direction that may go on behind a guess, besides one for each thread.
 constexpr std::size_t guesses = 4;
