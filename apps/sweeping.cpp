@@ -71,29 +71,27 @@ void check_sweep_start(const Problem& problem, const StartOptions& start, const 
 Swept carry_out_sweeps(const Problem& problem, const StartOptions& start, const SweepRange& range, const SweepingOptions& options,
                        const Console& console, const std::vector<SweepRow>& so_far, const KeepingRows& keeping) {
   Progress progress(console.err, console.quiet, "sweeping");
-  Stints stints(keeping.stints, Stints::End::stops);
   SweepOptions sweeping = sweep_options(range, options);
   sweeping.first_transient = settle_of(problem, start);
   sweeping.threads = console.thread_count();
   const std::size_t expected = sweep_values(range.from, range.to, sweeping.step).size() * range.directions.size();
   sweeping.progress = [&](std::size_t rows, double value) {
-    stints.news();
     progress.update(static_cast<double>(rows) / static_cast<double>(expected),
                     [&] { return fmt::format("{} = {}", range.parameter, rounded(value, 7)); });
   };
-  sweeping.cancelled = [&] { return interrupted() || stints.over(); };
-  Swept out;
-  out.rows = so_far;
-  for (;;) {
-    stints.begin(out.rows.size());
-    out.rows = sweep(problem.system, problem.parameters, start_state(problem, start.start), sweeping, out.rows);
-    if (interrupted() || !stints.over() || out.rows.size() == expected) break;
-    out.status = Status::interrupted;
-    out.message = fmt::format("kept after {} of {} values, while it went on", out.rows.size(), expected);
-    keeping.keep(out);
-  }
-  out.status = Status::done;
-  out.message.clear();
+  sweeping.cancelled = interrupted;
+  Stints stints(keeping.stints, Stints::End::goes_on);
+  sweeping.keep = [&](const std::function<std::vector<SweepRow>()>& rows) {
+    stints.news();
+    if (!stints.over()) return;
+    Swept part{rows(), Status::interrupted, {}};
+    part.message = fmt::format("kept after {} of {} values, while it went on", part.rows.size(), expected);
+    keeping.keep(part);
+    stints.begin(part.rows.size());
+  };
+  stints.begin(so_far.size());
+  Swept out{{}, Status::done, {}};
+  out.rows = sweep(problem.system, problem.parameters, start_state(problem, start.start), sweeping, so_far);
   if (interrupted()) {
     out.status = Status::interrupted;
     out.message = fmt::format("interrupted after {} of {} values", out.rows.size(), expected);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Sweep: the attractor followed from one value of a parameter to the next, up, down or both ways: what a laboratory sees, with
-// its hysteresis. Each value starts from the orbit on which the one before ended, or from where its motion was after the transient,
-// and, if the one before that had not settled either, already after 64 forcing periods of it: chaos is on its attractor by then.
+// its hysteresis. Each value starts from the orbit on which the one before ended, or from where its motion was after the
+// transient, and, if the one before that had not settled either, already after 64 forcing periods of it: chaos is on its
+// attractor by then.
 //
 // What has not settled is left behind: the rest of its transient, its samples and its time average, which take long, are carried
 // out side by side, for many rows (SweepWork). On smooth branches the orbits of the values ahead are computed side by side, too
@@ -21,6 +22,15 @@ enum class SweepDirection { up, down };
 /// "up", "down".
 std::string_view sweep_direction_name(SweepDirection direction);
 
+struct SweepRow {
+  double value = 0.0;
+  SweepDirection direction = SweepDirection::up;
+  Attractor attractor;                ///< its orbit without nodes, signature, events and factors (there may be a million rows)
+  Vector end;                         ///< state at phase 0 from which the next value starts (behind it, a transient may go on)
+  std::vector<Vector> states;         ///< at forcing phase 0: those of the orbit, or SweepOptions::samples of them
+  std::vector<double> impact_speeds;  ///< of the impacts (entries) on the way through them
+};
+
 struct SweepOptions {
   std::string parameter = "eta";
   double from = 0.0, to = 0.0, step = 0.0;  ///< values from, from + step, ... up to `to` (from < to, step > 0)
@@ -31,15 +41,8 @@ struct SweepOptions {
   int threads = 1;  ///< the result does not depend on it
   std::function<bool()> cancelled = {};
   std::function<void(std::size_t rows, double value)> progress = {};  ///< by one thread at a time
-};
-
-struct SweepRow {
-  double value = 0.0;
-  SweepDirection direction = SweepDirection::up;
-  Attractor attractor;                ///< its orbit without nodes, signature, events and factors (there may be a million rows)
-  Vector end;                         ///< state at phase 0 from which the next value starts (behind it, a transient may go on)
-  std::vector<Vector> states;         ///< at forcing phase 0: those of the orbit, or SweepOptions::samples of them
-  std::vector<double> impact_speeds;  ///< of the impacts (entries) on the way through them
+  /// Told after each row that is done, by one thread at a time: what sweep() would return now. The others may wait for it.
+  std::function<void(const std::function<std::vector<SweepRow>()>& so_far)> keep = {};
 };
 
 /// Rows in the order in which they are reached, direction by direction. `so_far`: rows of an earlier run, which are kept; the

@@ -171,13 +171,13 @@ void SweepStretches::keep_first() {
   stretches_.pop_front();
 }
 
-void SweepStretches::hand_over(std::vector<SweepRow>& rows) {
-  if (!stretches_.empty()) {
-    const auto& entries = stretches_.front()->entries;
-    const auto is_open = [](const auto& entry) { return !entry->done; };
-    kept_.insert(kept_.end(), entries.begin(), std::find_if(entries.begin(), entries.end(), is_open));
-  }
-  for (const auto& entry : kept_) rows.push_back(std::move(entry->row));
+std::vector<std::shared_ptr<SweepStretches::Entry>> SweepStretches::so_far() const {
+  auto rows = kept_;
+  if (stretches_.empty()) return rows;
+  const auto& entries = stretches_.front()->entries;
+  const auto is_open = [](const auto& entry) { return !entry->done; };
+  rows.insert(rows.end(), entries.begin(), std::find_if(entries.begin(), entries.end(), is_open));
+  return rows;
 }
 
 }  // namespace graze

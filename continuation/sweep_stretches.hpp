@@ -72,8 +72,8 @@ class SweepStretches {
   /// What a row is that was begun; `broken`: it could not be found.
   void finish(Entry& entry, SweepRow row, bool broken);
 
-  /// Adds its rows up to the first that was not finished, and is left without them.
-  void hand_over(std::vector<SweepRow>& rows);
+  /// Its rows up to the first that is not done, as far as nothing can change them any more.
+  std::vector<std::shared_ptr<Entry>> so_far() const;
 
  private:
   Stretch& add_stretch(std::size_t begin);

@@ -170,18 +170,31 @@ void SweepWork::finish(Entry& entry, SweepRow row) {
 }
 
 void SweepWork::tell(double value) {
-  if (!options_.progress) return;
   std::size_t done = 0;
   for (const SweepStretches& direction : directions_) done += direction.done();
-  options_.progress(done, value);
+  if (options_.progress) options_.progress(done, value);
+  const auto rows = [this] {
+    std::vector<SweepRow> all;
+    for (const auto& entry : so_far()) all.push_back(entry->row);
+    return all;
+  };
+  if (options_.keep) options_.keep(rows);
+}
+
+std::vector<std::shared_ptr<SweepWork::Entry>> SweepWork::so_far() const {
+  std::vector<std::shared_ptr<Entry>> all;
+  for (const SweepStretches& direction : directions_) {
+    const auto its = direction.so_far();
+    all.insert(all.end(), its.begin(), its.end());
+  }
+  return all;
 }
 
 std::vector<SweepRow> SweepWork::rows() && {
-  std::size_t done = 0;
-  for (const SweepStretches& direction : directions_) done += direction.done();
   std::vector<SweepRow> all;
-  all.reserve(done);
-  for (SweepStretches& direction : directions_) direction.hand_over(all);
+  const auto entries = so_far();
+  all.reserve(entries.size());
+  for (const auto& entry : entries) all.push_back(std::move(entry->row));
   return all;
 }
 

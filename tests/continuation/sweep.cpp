@@ -206,6 +206,43 @@ TEST_CASE("sweep: it goes on from any of its rows, to the last bit") {
   }
 }
 
+TEST_CASE("sweep: it keeps to its attractor where the start of the sweep would lead to another one") {
+  // The orbit of no impacts, up to where it grazes; from rest there is chaos beside it, on which the stretches ahead begin.
+  SweepOptions options = coarse_averages(fine_sweep(0.6950, 0.7044, SweepDirection::up));
+  options.step = 0.0002;
+  options.threads = GENERATE(1, 2);
+  const Vector rest{{0.0, 0.0}};
+  const std::vector<SweepRow> rows = sweep(damped_hertz(), hertz_parameters(), rest, options);
+  REQUIRE(rows.size() == 48);
+  for (const SweepRow& row : rows) {  // x(0) of the harmonic motion
+    const double d = 1.0 - row.value * row.value, f = 2.0 * 0.05 * row.value;
+    INFO(row.value);
+    CHECK(row.attractor.impacts == 0);
+    CHECK(row.attractor.state[0] == Approx(d / (d * d + f * f)).epsilon(1e-9));
+  }
+  AttractorOptions alone;
+  alone.periods_on_orbit = 0;
+  for (const std::size_t k : {31U, 47U})
+    CHECK(find_attractor(damped_hertz(), hertz_parameters(rows[k].value), rest, alone).type == AttractorType::chaotic);
+}
+
+TEST_CASE("sweep: what is kept on its way is the begin of the whole, and nothing stops for it") {
+  const std::vector<SweepRow> whole = varied(varied_options());
+  SweepOptions options = varied_options();
+  options.threads = GENERATE(1, 3);
+  std::size_t told = 0, longest = 0;
+  options.keep = [&](const std::function<std::vector<SweepRow>()>& so_far) {
+    if (++told % 5 != 0) return;
+    const std::vector<SweepRow> part = so_far();
+    CHECK(part.size() >= longest);
+    longest = part.size();
+    CHECK(same(part, {whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(part.size())}));
+  };
+  CHECK(same(varied(options), whole));
+  CHECK(told >= whole.size());
+  CHECK(longest > 0);
+}
+
 TEST_CASE("sweep: it is the same on any number of threads, to the last bit") {
   SweepOptions options = varied_options();
   options.directions = {SweepDirection::up, SweepDirection::down};
