@@ -73,8 +73,7 @@ class Search {
     std::vector<Run> runs(todo.size());
     std::vector<std::size_t> open(todo.size());
     std::iota(open.begin(), open.end(), std::size_t{0});
-    bool first = true;
-    while (!open.empty()) {
+    for (bool first = true; !open.empty(); first = false) {
       const std::size_t least = least_together * threads_here(), times = (open.size() + least - 1) / least;
       const std::size_t together = std::min(times * least_together, most_together);
       const std::size_t groups = (open.size() + together - 1) / together;
@@ -87,7 +86,6 @@ class Search {
         }
         carry_on(watches);
       });
-      first = false;
       std::vector<std::size_t> left;
       bool analysed = false, whole = true;
       for (const std::size_t k : open) {
