@@ -6,8 +6,8 @@
 //
 // What has not settled is left behind: the rest of its transient, its samples and its time average, which take long, are carried
 // out side by side, for many rows (SweepWork). On smooth branches the orbits of the values ahead are computed side by side, too
-// (SweepChain). And the values are divided into stretches that begin at the same time, each behind a guess of what those before it
-// come to (SweepStretches).
+// (SweepChain). And the values are divided into stretches that begin at the same time, each behind a guess of what those before
+// it come to (SweepStretches).
 #pragma once
 
 #include <graze/floquet/attractor.hpp>
