@@ -137,10 +137,10 @@ void SweepStretches::follow(const SweepRow& last, Stretch& behind) {
   guesses_well_ = behind.guess && on_same_attractor(last, behind.guess->row);
   if (guesses_well_ && behind.lead == behind.guess) return;
   take_back(behind, 0);
-  behind.lead = behind.guess;
-  if (!guesses_well_)
-    behind.lead =
-        std::make_shared<Entry>(this, &behind, SweepChain::Begin{.number = behind.begin - 1, .state = {}}, last, true, true);
+  const auto anew = [&] {
+    return std::make_shared<Entry>(this, &behind, SweepChain::Begin{.number = behind.begin - 1, .state = {}}, last, true, true);
+  };
+  behind.lead = guesses_well_ ? behind.guess : anew();
 }
 
 void SweepStretches::join() {

@@ -100,16 +100,9 @@ std::optional<std::shared_ptr<SweepWork::Entry>> SweepWork::go_on(std::size_t ca
 bool SweepWork::look_ahead(SweepStretches& direction, Stretch& stretch, std::unique_lock<std::mutex>& lock) {
   const std::size_t number = stretch.next(), taken_back = stretch.taken_back;
   const std::vector<std::vector<Vector>> before = direction.orbits_before(stretch);
-  SweepChain::Block ahead;
   stretch.looks_ahead = true;
   lock.unlock();
-  try {
-    ahead = direction.chain().look_ahead(number, before);
-  } catch (...) {
-    lock.lock();
-    stretch.looks_ahead = false;
-    throw;
-  }
+  SweepChain::Block ahead = direction.chain().look_ahead(number, before);  // should it throw, nothing goes on (work())
   lock.lock();
   stretch.looks_ahead = false;
   news_.notify_all();

@@ -110,20 +110,16 @@ std::function<int(const Console&)> setup(CLI::App& app) {
 }  // namespace
 
 Command sweep_command() {
-  return {
-      "sweep",
-      "the attractor followed from value to value of a parameter: bifurcation diagram and exponents",
-      "Each value starts from the orbit on which the one before ended, or from where the motion was after its transient "
-      "(in chaos\n"
-      "already after 64 forcing periods of it); up and down show hysteresis. Stretches of values are found at the same time: one "
-      "begins\n"
-      "on the attractor that --start leads to, and stands if the values before it come to the same one. Attractors are told "
-      "apart "
-      "as\n"
-      "periodic (n, p), chaotic or undecided, with exponents; the table holds the stroboscopic states.",
-      {"graze sweep data/problems/hertz-damped.toml --from 0.69 --to 0.75 --step 0.0005 --direction both --plot sweep.png",
-       "graze sweep data/problems/newton-elastic.toml --from 0.7 --to 0.76 --step 0.001 --out run"},
-      setup};
+  return {"sweep",
+          "the attractor followed from value to value of a parameter: bifurcation diagram and exponents",
+          "Each value starts from the orbit on which the one before ended, or from where the motion was after its transient\n"
+          "(in chaos already after 64 forcing periods of it); up and down show hysteresis. Stretches of values are found at the\n"
+          "same time: one begins on the attractor that --start leads to, and stands if the values before it come to the same\n"
+          "one. Attractors are told apart as periodic (n, p), chaotic or undecided, with exponents; the table holds the\n"
+          "stroboscopic states.",
+          {"graze sweep data/problems/hertz-damped.toml --from 0.69 --to 0.75 --step 0.0005 --direction both --plot sweep.png",
+           "graze sweep data/problems/newton-elastic.toml --from 0.7 --to 0.76 --step 0.001 --out run"},
+          setup};
 }
 
 }  // namespace graze::apps
