@@ -63,7 +63,8 @@ class Iteration {
     }
     const double after = size_of(trial_residual_) / (1.0 + size_of(trial_));
     if (!begun_) {
-      if (!std::isfinite(after) || growth(results, n) > patience_.most_growth) return end(false);
+      given_up_ = growth(results, n) > patience_.most_growth;
+      if (!std::isfinite(after) || given_up_) return end(false);
       begun_ = true;
       accept(results, after);
       return step(equations);
@@ -80,6 +81,7 @@ class Iteration {
   LaneOrbit orbit() const {
     LaneOrbit out;
     out.converged = converged_;
+    out.given_up = given_up_;
     if (!converged_) return out;
     out.states = nodes_;
     Square M = {1.0, 0.0, 0.0, 1.0};
@@ -160,7 +162,7 @@ class Iteration {
   std::vector<PeriodResult> carried_;  // from nodes_
   double now_ = 0.0, factor_ = 1.0;
   int iterations_ = 0, halvings_ = 0;
-  bool begun_ = false, open_ = true, converged_ = false;
+  bool begun_ = false, open_ = true, converged_ = false, given_up_ = false;
 };
 
 LaneTask<LaneOrbit> newton(LanePlace& lane, std::vector<Pair> states, LanePatience patience) {

@@ -23,6 +23,7 @@ struct LaneGuess {
 
 struct LaneOrbit {
   bool converged = false;
+  bool given_up = false;  ///< at once: LanePatience::most_growth
   /// Wants shoot() to decide: a node that the lanes left to the Propagator, or a monodromy matrix that does not tell the
   /// multipliers to 1e-10, or whether they are inside the unit circle.
   bool delicate = false;

@@ -26,6 +26,9 @@ constexpr double worth_trying = 0.03;
 constexpr double hopeless_growth = 1e3;
 constexpr int long_enough = 128;
 
+/// From between the halves of a doubled orbit the tangent grows by little more than the multiplier of the orbit that doubles.
+constexpr double growth_at_doubling = 2.0;
+
 /// Where time matters: a motion that comes to a stable orbit will be looked at again, with a tangent that grows no more.
 constexpr double growth_too_early = 30.0;
 
@@ -107,12 +110,32 @@ double growth_along(Propagator& propagator, const std::vector<Vector>& states) {
   return spectral_radius(growth);
 }
 
+Vector middle(const Vector& a, const Vector& b) { return 0.5 * (a + b); }
+Pair middle(const Pair& a, const Pair& b) { return {0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])}; }
+
+/// For states of an even number of periods, those in the middle of the two halves, if they are near: next to a period doubling
+/// Newton's method fails on the doubled orbit, whose equations are nearly singular, and not on the one that doubles, whose are
+/// not. Empty: they are not near.
+template <class State> std::vector<State> between_halves(const std::vector<State>& states) {
+  const std::size_t half = states.size() / 2;
+  if (states.size() % 2 != 0) return {};
+  std::vector<State> out;
+  for (std::size_t k = 0; k < half; ++k) {
+    if (apart(states[k], states[k + half]) > 4.0 * worth_trying * (1.0 + size(states[k]))) return {};
+    out.push_back(middle(states[k], states[k + half]));
+  }
+  return out;
+}
+
 /// The stable orbit of period n (or a divisor) that these states are near to.
-std::optional<PeriodicOrbit> stable_orbit_of(const Propagator& propagator, const std::vector<Vector>& states, int n) {
+std::optional<PeriodicOrbit> stable_orbit_of(Propagator& propagator, const std::vector<Vector>& states, int n) {
   ShootingOptions shooting;
   shooting.flow = propagator.options();
   shooting.max_halvings = few_halvings;
   PeriodicOrbit orbit = shoot(propagator.system(), propagator.parameters(), states, n, shooting);
+  if (!orbit.converged())
+    if (const auto half = between_halves(states); !half.empty() && growth_along(propagator, half) <= growth_at_doubling)
+      orbit = shoot(propagator.system(), propagator.parameters(), half, n / 2, shooting);
   const double scale = 1.0 + size(states.front());
   const bool near = orbit.converged() && distance(orbit, states.front()) < 2.0 * worth_trying * scale;
   if (near && orbit.stable() && orbit.admissible == Admissibility::admissible) return orbit;
@@ -232,7 +255,10 @@ LaneTask<SettlingLook> look_for_orbit_in_lanes(LanePlace& lane, const HybridSyst
   const LanePatience patience{growth_too_early, few_halvings};
   for (const int n : worth_a_try(returns)) {
     const std::vector<Pair> around(states.begin(), states.begin() + n);
-    const LaneOrbit orbit = co_await shoot_in_lanes(lane, around, patience);
+    LaneOrbit orbit = co_await shoot_in_lanes(lane, around, patience);
+    if (!orbit.converged && !orbit.given_up)
+      if (std::vector<Pair> half = between_halves(around); !half.empty())
+        orbit = co_await shoot_in_lanes(lane, std::move(half), {growth_at_doubling, few_halvings});
     const Verdict says = verdict(orbit, state);
     if (says == Verdict::delicate) {
       std::vector<Vector> nodes;
@@ -332,8 +358,11 @@ std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector
                          [&](const Vector& x) { return distance(orbit, x) < DistanceWatch::on_it; });
     };
     for (std::size_t i = 0; i < worth.size(); ++i) {
-      if (!orbits.empty() && (verdict(orbits[i], state) == Verdict::no || is_refused(orbits[i]))) continue;
-      auto orbit = stable_orbit_of(propagator, {states.begin(), states.begin() + worth[i]}, worth[i]);
+      const std::vector<Vector> around(states.begin(), states.begin() + worth[i]);
+      if (!orbits.empty() && (orbits[i].converged || between_halves(around).empty()) &&
+          (verdict(orbits[i], state) == Verdict::no || is_refused(orbits[i])))
+        continue;
+      auto orbit = stable_orbit_of(propagator, around, worth[i]);
       if (!orbit || is_refused(*orbit)) continue;
       if (approaches(propagator, *orbit, state)) return orbit;
       refused.push_back(orbit->state);
