@@ -32,7 +32,8 @@ Json to_json(const std::vector<std::complex<double>>& values) {
 std::string pretty(const Json& json) {
   std::string out;
   lay_out(json.dump(), 0, out);
-  return out + "\n";
+  out += "\n";
+  return out;
 }
 
 std::string pretty(const Json& json, const LongList& list, int threads) {
@@ -60,7 +61,8 @@ std::string pretty(const Json& json, const LongList& list, int threads) {
     });
     out += "\n  ]";
   }
-  return out + "\n}\n";
+  out += "\n}\n";
+  return out;
 }
 
 Json with_items(const Json& json, const LongList& list, int threads) {

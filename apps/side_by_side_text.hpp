@@ -26,6 +26,7 @@ template <class Work> void on_threads(int threads, std::size_t n, const Work& wo
 /// Appends to `text` what write(0, text) ... write(n - 1, text) append.
 template <class Write> void append_items(int threads, std::size_t n, std::string& text, const Write& write) {
   constexpr std::size_t fewest = 16, blocks_of_a_thread = 64;
+  constexpr std::size_t end_of_text = 256;  // for what the caller adds: a long text is not to be moved for it
   if (threads <= 1 || n <= fewest) {
     for (std::size_t k = 0; k < n; ++k) write(k, text);
     return;
@@ -35,7 +36,7 @@ template <class Write> void append_items(int threads, std::size_t n, std::string
   on_threads(threads, blocks.size(), [&](std::size_t i) {
     for (std::size_t k = i * together; k < std::min(n, (i + 1) * together); ++k) write(k, blocks[i]);
   });
-  std::size_t size = text.size();
+  std::size_t size = text.size() + end_of_text;
   for (const std::string& block : blocks) size += block.size();
   text.reserve(size);
   for (const std::string& block : blocks) text += block;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 namespace graze {
@@ -19,15 +20,16 @@ std::size_t length_of_stretches(std::size_t rows) {
 
 SweepStretches::SweepStretches(SweepChain chain, const std::vector<SweepRow>& so_far)
     : chain_(std::move(chain)), length_(length_of_stretches(chain_.size())) {
-  for (const SweepRow& row : so_far)
-    if (row.direction == chain_.direction())
-      kept_.push_back(
-          std::make_shared<Entry>(this, nullptr, SweepChain::Begin{.number = kept_.size(), .state = {}}, row, true, true));
+  kept_.reserve(chain_.size());
+  const auto is_own = [this](const SweepRow& row) { return row.direction == chain_.direction(); };
+  std::copy_if(so_far.begin(), so_far.end(), std::back_inserter(kept_), is_own);
   done_ = kept_.size();
   if (finished()) return;
   // The stretch that was in work: with nothing behind its last row, that is not compared yet.
   Stretch& stretch = add_stretch(kept_.empty() ? 0 : (kept_.size() - 1) / length_ * length_);
-  stretch.entries.assign(kept_.begin() + static_cast<std::ptrdiff_t>(stretch.begin), kept_.end());
+  for (std::size_t k = stretch.begin; k < kept_.size(); ++k)
+    stretch.entries.push_back(
+        std::make_shared<Entry>(this, &stretch, SweepChain::Begin{.number = k, .state = {}}, std::move(kept_[k]), true, true));
   kept_.resize(stretch.begin);
 }
 
@@ -166,18 +168,27 @@ void SweepStretches::join() {
 }
 
 void SweepStretches::keep_first() {
-  const auto& entries = stretches_.front()->entries;
-  kept_.insert(kept_.end(), entries.begin(), entries.end());
+  for (const auto& entry : stretches_.front()->entries) kept_.push_back(std::move(entry->row));
   stretches_.pop_front();
 }
 
-std::vector<std::shared_ptr<SweepStretches::Entry>> SweepStretches::so_far() const {
-  auto rows = kept_;
-  if (stretches_.empty()) return rows;
+/// Rows of the first stretch up to the first that is not done.
+std::size_t SweepStretches::known_of_first() const {
+  if (stretches_.empty()) return 0;
   const auto& entries = stretches_.front()->entries;
   const auto is_open = [](const auto& entry) { return !entry->done; };
-  rows.insert(rows.end(), entries.begin(), std::find_if(entries.begin(), entries.end(), is_open));
+  return static_cast<std::size_t>(std::find_if(entries.begin(), entries.end(), is_open) - entries.begin());
+}
+
+std::vector<SweepRow> SweepStretches::so_far() const& {
+  std::vector<SweepRow> rows = kept_;
+  for (std::size_t k = 0; k < known_of_first(); ++k) rows.push_back(stretches_.front()->entries[k]->row);
   return rows;
+}
+
+std::vector<SweepRow> SweepStretches::so_far() && {
+  for (std::size_t k = 0; k < known_of_first(); ++k) kept_.push_back(std::move(stretches_.front()->entries[k]->row));
+  return std::move(kept_);
 }
 
 }  // namespace graze

@@ -73,7 +73,8 @@ class SweepStretches {
   void finish(Entry& entry, SweepRow row, bool broken);
 
   /// Its rows up to the first that is not done, as far as nothing can change them any more.
-  std::vector<std::shared_ptr<Entry>> so_far() const;
+  std::vector<SweepRow> so_far() const&;
+  std::vector<SweepRow> so_far() &&;
 
  private:
   Stretch& add_stretch(std::size_t begin);
@@ -82,10 +83,11 @@ class SweepStretches {
   void follow(const SweepRow& last, Stretch& behind);
   void join();
   void keep_first();
+  std::size_t known_of_first() const;
 
   SweepChain chain_;
   std::size_t length_;                              ///< of a stretch
-  std::vector<std::shared_ptr<Entry>> kept_;        ///< of the stretches that nothing can change any more
+  std::vector<SweepRow> kept_;                      ///< of the stretches that nothing can change any more
   std::deque<std::shared_ptr<Stretch>> stretches_;  ///< the others that were begun
   bool guesses_well_ = true;                        ///< the last guess stood
   bool ended_ = false;                              ///< the motion could not be carried on

@@ -3,6 +3,7 @@
 #include <graze/floquet/rounds.hpp>
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace graze {
@@ -27,6 +28,11 @@ SweepOptions with_looks(SweepOptions options) {
   averaging.aligning = std::max(averaging.aligning, turning);
   averaging.motions = std::max(averaging.motions, motions_in_company(averaging));
   return options;
+}
+
+void append(std::vector<SweepRow> rows, std::vector<SweepRow>& all) {
+  if (all.empty()) return all.swap(rows);
+  all.insert(all.end(), std::make_move_iterator(rows.begin()), std::make_move_iterator(rows.end()));
 }
 
 /// Whether an average was broken off.
@@ -168,26 +174,15 @@ void SweepWork::tell(double value) {
   if (options_.progress) options_.progress(done, value);
   const auto rows = [this] {
     std::vector<SweepRow> all;
-    for (const auto& entry : so_far()) all.push_back(entry->row);
+    for (const SweepStretches& direction : directions_) append(direction.so_far(), all);
     return all;
   };
   if (options_.keep) options_.keep(rows);
 }
 
-std::vector<std::shared_ptr<SweepWork::Entry>> SweepWork::so_far() const {
-  std::vector<std::shared_ptr<Entry>> all;
-  for (const SweepStretches& direction : directions_) {
-    const auto its = direction.so_far();
-    all.insert(all.end(), its.begin(), its.end());
-  }
-  return all;
-}
-
 std::vector<SweepRow> SweepWork::rows() && {
   std::vector<SweepRow> all;
-  const auto entries = so_far();
-  all.reserve(entries.size());
-  for (const auto& entry : entries) all.push_back(std::move(entry->row));
+  for (SweepStretches& direction : directions_) append(std::move(direction).so_far(), all);
   return all;
 }
 

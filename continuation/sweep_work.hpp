@@ -42,7 +42,6 @@ class SweepWork {
   void hand_on(Entry& entry, const Vector& state);
   void finish(Entry& entry, SweepRow row);
   void tell(double value);
-  std::vector<std::shared_ptr<Entry>> so_far() const;
   bool cancelled() const { return failed_ || (options_.cancelled && options_.cancelled()); }
 
   const HybridSystem& system_;

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a motion is settling on where chaos and a stable orbit stand side by side.
+// What a motion is settling on: where chaos and a stable orbit stand side by side, and next to a period doubling.
 #include <graze/floquet/settle.hpp>
 #include <graze/floquet/settling_orbit.hpp>
 #include <graze/lib/oscillator.hpp>
 
 #include "support/checks.hpp"
+#include "support/damped_hertz.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -61,4 +62,50 @@ TEST_CASE("motions that end, or whose tangents grow for long, are not worth a lo
   REQUIRE(left.size() == 2);
   CHECK(left[0] == states[1]);
   CHECK(left[1] == states[3]);
+}
+
+TEST_CASE("next to a period doubling a motion is known to settle on the orbit that doubles, from far off") {
+  // The doubled orbit of eta = 0.9195 begins to shrink at 0.91955, just past the doubling at 0.919542643, where the multiplier of
+  // the 1/1 orbit is -0.99993: that takes tens of thousands of periods.
+  SettleOptions longer;
+  longer.periods = 20000;
+  const Vector doubled = settle(damped_hertz(), hertz_parameters(0.9195), vector({0.0, 0.0}), longer).state;
+  const Vector p = hertz_parameters(0.91955);
+  SettleOptions transient;
+  transient.periods = 300;
+  const Vector start = settle(damped_hertz(), p, doubled, transient).state;
+  constexpr int max_period = 8;
+  constexpr double nearness = 2e-3;
+  Propagator propagator(damped_hertz(), p);
+  const Returns returns = close_returns(propagator, start, max_period, nearness);
+  REQUIRE_FALSE(returns.periods.empty());
+  CHECK(returns.periods.front() == 2);
+
+  const auto alone = orbit_of_close_returns(propagator, start, max_period, nearness);
+  ManyMotions many(damped_hertz(), {});
+  SettlingLook look;
+  LanePool(many).run(1, [&](std::size_t, LanePlace& lane) -> LaneTask<> {
+    lane.take_parameters(p);
+    look = co_await look_for_orbit_in_lanes(lane, damped_hertz(), p, start, max_period, nearness);
+  });
+  const auto patient = settling_orbit(damped_hertz(), p, start, max_period);
+  for (const auto& orbit : {alone, look.orbit, patient}) {
+    REQUIRE(orbit);
+    CHECK(orbit->period == 1);
+    CHECK(std::abs(orbit->multipliers.values.front()) == Approx(1.0 - 7.5e-5).margin(1e-6));
+    CHECK((orbit->state - alone->state).norm() < 1e-10);
+    // The free motion says the same, in its time.
+    CHECK((start - orbit->state).norm() > 0.01);
+    longer.periods = 60000;
+    CHECK((settle(damped_hertz(), p, start, longer).state - orbit->state).norm() < 1e-3);
+  }
+}
+
+TEST_CASE("between the halves of a doubled orbit there is none to settle on where the one that doubles is unstable") {
+  const Vector p = hertz_parameters(0.9190);
+  Propagator propagator(damped_hertz(), p);
+  const Vector settled = settle(damped_hertz(), p, vector({0.0, 0.0}), {.periods = 3000}).state;
+  const auto orbit = orbit_of_close_returns(propagator, settled, 8, 2e-3);
+  REQUIRE(orbit);
+  CHECK(orbit->period == 2);
 }
