@@ -18,7 +18,7 @@ using namespace hdf5;
 namespace {
 
 constexpr unsigned deflation = 4;                     // more takes longer than it saves
-constexpr std::size_t growth = std::size_t(1) << 18;  // of the file in memory, in bytes
+constexpr std::size_t growth = std::size_t(1) << 20;  // of the file in memory, in bytes
 
 /// Of variable length, which h5py and MATLAB give as a string, not as bytes, and netCDF reads; of lists of texts of one length
 /// netCDF 4.9 reads the first alone. Octave reads only such ones, and all else if asked for by name.
