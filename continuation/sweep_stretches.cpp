@@ -182,12 +182,12 @@ std::size_t SweepStretches::known_of_first() const {
 
 std::vector<SweepRow> SweepStretches::so_far() const& {
   std::vector<SweepRow> rows = kept_;
-  for (std::size_t k = 0; k < known_of_first(); ++k) rows.push_back(stretches_.front()->entries[k]->row);
+  for (std::size_t k = 0, end = known_of_first(); k < end; ++k) rows.push_back(stretches_.front()->entries[k]->row);
   return rows;
 }
 
 std::vector<SweepRow> SweepStretches::so_far() && {
-  for (std::size_t k = 0; k < known_of_first(); ++k) kept_.push_back(std::move(stretches_.front()->entries[k]->row));
+  for (std::size_t k = 0, end = known_of_first(); k < end; ++k) kept_.push_back(std::move(stretches_.front()->entries[k]->row));
   return std::move(kept_);
 }
 

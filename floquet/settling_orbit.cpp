@@ -47,18 +47,13 @@ double size(const Pair& x) { return std::max(std::abs(x[0]), std::abs(x[1])); }
 double apart(const Vector& a, const Vector& b) { return (a - b).lpNorm<Eigen::Infinity>(); }
 double apart(const Pair& a, const Pair& b) { return size(Pair{a[0] - b[0], a[1] - b[1]}); }
 
-/// Distance of a state to the nearest of an orbit's states at phase 0.
-double distance(const PeriodicOrbit& orbit, const Vector& x) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const Vector& state : orbit.states) least = std::min(least, apart(state, x));
-  return least;
-}
-
 Pair pair_of(const Vector& state) { return {state[0], state[1]}; }
+double apart(const Pair& a, const Vector& b) { return apart(a, pair_of(b)); }
 
-double distance(const LaneOrbit& orbit, const Vector& x) {
+/// Distance of a state to the nearest of an orbit's states at phase 0.
+template <class Orbit> double distance(const Orbit& orbit, const Vector& x) {
   double least = std::numeric_limits<double>::infinity();
-  for (const Pair& state : orbit.states) least = std::min(least, apart(state, pair_of(x)));
+  for (const auto& state : orbit.states) least = std::min(least, apart(state, x));
   return least;
 }
 
@@ -357,11 +352,13 @@ std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector
       return std::any_of(refused.begin(), refused.end(),
                          [&](const Vector& x) { return distance(orbit, x) < DistanceWatch::on_it; });
     };
+    const auto leads_nowhere = [&](const LaneOrbit& orbit, const std::vector<Vector>& around) {
+      if (!orbit.converged) return between_halves(around).empty();
+      return verdict(orbit, state) == Verdict::no || is_refused(orbit);
+    };
     for (std::size_t i = 0; i < worth.size(); ++i) {
       const std::vector<Vector> around(states.begin(), states.begin() + worth[i]);
-      if (!orbits.empty() && (orbits[i].converged || between_halves(around).empty()) &&
-          (verdict(orbits[i], state) == Verdict::no || is_refused(orbits[i])))
-        continue;
+      if (!orbits.empty() && leads_nowhere(orbits[i], around)) continue;
       auto orbit = stable_orbit_of(propagator, around, worth[i]);
       if (!orbit || is_refused(*orbit)) continue;
       if (approaches(propagator, *orbit, state)) return orbit;
