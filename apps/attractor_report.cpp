@@ -53,9 +53,9 @@ Json attractor_json(const Attractor& attractor) {
               {"period", attractor.period > 0 ? Json(attractor.period) : Json(nullptr)},
               {"impacts", attractor.period > 0 ? Json(attractor.impacts) : Json(nullptr)},
               {"state", to_json(attractor.state)}};
-  if (!attractor.orbit) return out;
-  add_sticking(out, attractor.orbit->impacts, attractor.orbit->isolated_impacts);
-  out["multipliers"] = multipliers_json(attractor.orbit->multipliers);
+  if (attractor.multipliers.empty()) return out;
+  add_sticking(out, attractor.impacts, attractor.isolated_impacts);
+  out["multipliers"] = to_json(attractor.multipliers);
   return out;
 }
 
@@ -67,19 +67,14 @@ Attractor attractor_of(const Json& json) {
   if (json.at("impacts").is_number()) out.impacts = json["impacts"];
   out.state = vector_from(json.at("state"));
   out.termination = Termination::time;
-  if (!json.contains("multipliers")) return out;
-  out.orbit.emplace();
-  out.orbit->period = out.period;
-  out.orbit->impacts = out.impacts;
-  out.orbit->isolated_impacts = json.value("isolated_impacts", out.impacts);
-  out.orbit->state = out.state;
-  out.orbit->multipliers = multipliers_from(json["multipliers"]);
+  out.isolated_impacts = json.value("isolated_impacts", out.impacts);
+  if (json.contains("multipliers")) out.multipliers = multipliers_from(json["multipliers"]).values;
   return out;
 }
 
 std::string attractor_name(const Attractor& attractor) {
   if (attractor.type != AttractorType::periodic) return std::string(attractor_type_name(attractor.type));
-  return attractor.orbit ? z_label(*attractor.orbit) : z_label(attractor.impacts, attractor.period);
+  return z_label(attractor.impacts, attractor.isolated_impacts, attractor.period);
 }
 
 std::string attractor_text(const Attractor& attractor, int max_period) {

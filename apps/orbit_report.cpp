@@ -98,6 +98,8 @@ Table contacts_table(const std::vector<Contact>& contacts) {
 
 std::string z_label(int impacts, int period) { return "z = " + label(impacts, period); }
 
+std::string z_label(int impacts, int isolated, int period) { return "z = " + label(impacts, isolated, period); }
+
 std::string z_label(const PeriodicOrbit& orbit) { return "z = " + label(orbit.impacts, orbit.isolated_impacts, orbit.period); }
 
 std::string z_label_of(const Json& orbit) {

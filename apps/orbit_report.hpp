@@ -29,6 +29,7 @@ Table contacts_table(const std::vector<Contact>& contacts);
 
 /// "z = 2/3": impacts and forcing periods.
 std::string z_label(int impacts, int period);
+std::string z_label(int impacts, int isolated, int period);  ///< of them isolated: sticking, see PeriodicOrbit
 std::string z_label(const PeriodicOrbit& orbit);
 std::string z_label_of(const Json& orbit);  ///< of an orbit, a special point or a periodic attractor as a result has it
 /// "sticking": true and "isolated_impacts" (those outside complete chatters), for an orbit that sticks.

@@ -67,16 +67,17 @@ LaneGuess guess_of(std::size_t parameters, const States& guess) {
   return out;
 }
 
+/// Puts down the orbit, if the motion from there comes to it.
 LaneTask<> approach(LanePlace& lane, const HybridSystem& system, std::size_t parameters, const Vector& p, const LaneOrbit& orbit,
-                    Vector from, std::optional<OrbitAhead>& reached) {
+                    Vector from, OrbitAhead& reached) {
   lane.take_parameters(parameters);
   std::optional<PeriodicOrbit> approached = co_await orbit_approached_in_lanes(lane, system, p, orbit, from);
   if (!approached) co_return;
-  reached.emplace(OrbitAhead{std::move(*approached), {}});
-  if (reached->orbit.impacts == 0) co_return;
+  reached.orbit = std::move(*approached);
+  if (reached.orbit.impacts == 0) co_return;
   ImpactSpeeds speeds;
-  co_await lane.carry(reached->orbit.state, static_cast<std::size_t>(reached->orbit.period), &speeds);
-  reached->impact_speeds = speeds.list();
+  co_await lane.carry(reached.orbit.state, static_cast<std::size_t>(reached.orbit.period), &speeds);
+  reached.impact_speeds = speeds.list();
 }
 
 Vector begin_of(const LaneOrbit& orbit) { return Vector{{orbit.states.front()[0], orbit.states.front()[1]}}; }
@@ -95,17 +96,14 @@ std::vector<OrbitAhead> orbits_ahead(const HybridSystem& system, const std::vect
   std::vector<LaneOrbit> found = shoot_side_by_side(many, guesses, patience);
   const auto missing = std::find_if(found.begin(), found.end(), [](const LaneOrbit& orbit) { return !orbit.converged; });
   found.erase(missing, found.end());
-  std::vector<std::optional<OrbitAhead>> reached(found.size());
+  std::vector<OrbitAhead> reached(found.size());
   LanePool(many).run(found.size(), [&](std::size_t i, LanePlace& lane) {
     const Vector from = i == 0 ? before.back().front() : begin_of(found[i - 1]);
     return approach(lane, system, guesses[i].parameters, next[i], found[i], from, reached[i]);
   });
-  std::vector<OrbitAhead> orbits;
-  for (auto& orbit : reached) {
-    if (!orbit) break;
-    orbits.push_back(std::move(*orbit));
-  }
-  return orbits;
+  const auto not_reached = [](const OrbitAhead& ahead) { return !ahead.orbit.converged(); };
+  reached.erase(std::find_if(reached.begin(), reached.end(), not_reached), reached.end());
+  return reached;
 }
 
 }  // namespace graze

@@ -26,7 +26,7 @@ std::string_view sweep_direction_name(SweepDirection direction);
 struct SweepRow {
   double value = 0.0;
   SweepDirection direction = SweepDirection::up;
-  Attractor attractor;                ///< its orbit without nodes, signature, events and factors (there may be a million rows)
+  Attractor attractor;                ///< without the orbit in full
   Vector end;                         ///< state at phase 0 from which the next value starts (behind it, a transient may go on)
   std::vector<Vector> states;         ///< at forcing phase 0: those of the orbit, or SweepOptions::samples of them
   std::vector<double> impact_speeds;  ///< of the impacts (entries) on the way through them

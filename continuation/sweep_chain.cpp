@@ -15,21 +15,6 @@ namespace {
 /// it is on its attractor by then, if that is chaotic.
 constexpr int handed_on_early = 64;
 
-/// Keeps of an orbit what it is, and not how it was found: there may be a million rows.
-void describe_briefly(PeriodicOrbit& orbit) {
-  orbit.nodes = {};
-  orbit.signature = {};
-  orbit.newton.residual_history = {};
-  orbit.events = {};
-  orbit.monodromy = {};
-}
-
-void put_down_orbit(SweepRow& row) {
-  row.end = row.attractor.state;
-  row.states = row.attractor.orbit->states;
-  describe_briefly(*row.attractor.orbit);
-}
-
 void add_speeds(const std::vector<EventRecord>& events, std::vector<double>& speeds) {
   for (const EventRecord& event : events)
     if (begins_contact(event.kind)) speeds.push_back(event.normal_speed);
@@ -76,9 +61,11 @@ std::optional<SweepRow> SweepChain::known(Block& ahead, std::size_t number) cons
   const std::size_t place = number - block_of(number);
   if (block_of(number) != ahead.begin || place >= ahead.orbits.size()) return std::nullopt;
   SweepRow out = row(number);
-  settle_on(out.attractor, std::move(ahead.orbits[place].orbit));
-  out.impact_speeds = std::move(ahead.orbits[place].impact_speeds);
-  put_down_orbit(out);
+  OrbitAhead& found = ahead.orbits[place];
+  describe_orbit(out.attractor, found.orbit);
+  out.end = out.attractor.state;
+  out.states = std::move(found.orbit.states);
+  out.impact_speeds = std::move(found.impact_speeds);
   return out;
 }
 
@@ -149,7 +136,10 @@ LaneTask<> SweepChain::sample(LanePlace& lane, const Vector& p, SweepRow& row) c
       if (period.termination == Termination::time) row.states.push_back(Vector{{period.x, period.v}});
     row.impact_speeds = speeds.list();
   }
-  if (periodic) put_down_orbit(row);
+  if (!periodic) co_return;
+  row.end = row.attractor.state;
+  row.states = row.attractor.orbit->states;
+  row.attractor.orbit.reset();
 }
 
 void SweepChain::sample_alone(const Vector& p, std::size_t periods, SweepRow& row) const {

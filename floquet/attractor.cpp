@@ -17,15 +17,22 @@ std::string_view attractor_type_name(AttractorType type) {
   return "undecided";
 }
 
-void settle_on(Attractor& attractor, PeriodicOrbit orbit) {
+void describe_orbit(Attractor& attractor, const PeriodicOrbit& orbit) {
   attractor.type = AttractorType::periodic;
   attractor.termination = Termination::time;
   attractor.period = orbit.period;
   attractor.impacts = orbit.impacts;
+  attractor.isolated_impacts = orbit.isolated_impacts;
   attractor.state = orbit.state;
+  attractor.multipliers = orbit.multipliers.values;
   attractor.exponents = orbit.multipliers.exponents;
   attractor.standard_errors.assign(attractor.exponents.size(), 0.0);
-  attractor.orbit = std::move(orbit);
+  attractor.orbit.reset();
+}
+
+void settle_on(Attractor& attractor, PeriodicOrbit orbit) {
+  describe_orbit(attractor, orbit);
+  attractor.orbit = std::make_shared<const PeriodicOrbit>(std::move(orbit));
 }
 
 Attractor approach_attractor(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options) {

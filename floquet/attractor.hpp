@@ -9,9 +9,11 @@
 #include <graze/floquet/lyapunov_lanes.hpp>
 #include <graze/floquet/settling_orbit.hpp>
 
+#include <complex>
 #include <cstdint>
 #include <limits>
-#include <optional>
+#include <memory>
+#include <vector>
 
 namespace graze {
 
@@ -36,9 +38,12 @@ struct AttractorOptions {
 
 struct Attractor {
   AttractorType type = AttractorType::undecided;
-  int period = 0, impacts = 0;  ///< n and p of a periodic one
-  Vector state;                 ///< on it, at forcing phase 0
-  std::optional<PeriodicOrbit> orbit;
+  int period = 0, impacts = 0;                    ///< n and p of a periodic one
+  int isolated_impacts = 0;                       ///< as in PeriodicOrbit
+  Vector state;                                   ///< on it, at forcing phase 0
+  std::vector<std::complex<double>> multipliers;  ///< of a periodic one
+  /// In full. Null where there is none, or no more (there may be a million of them), or what is above is all that was kept.
+  std::shared_ptr<const PeriodicOrbit> orbit;
   std::vector<double> exponents, standard_errors;  ///< of a periodic one from its multipliers, without error
   LyapunovSpectrum time_average;
   Termination termination = Termination::failed;  ///< of the transient; time: all is well
@@ -57,6 +62,8 @@ void average_on_attractor(const HybridSystem& system, const Vector& p, Attractor
 
 /// Makes it the periodic attractor that a stable orbit is.
 void settle_on(Attractor& attractor, PeriodicOrbit orbit);
+/// The same, without the orbit in full.
+void describe_orbit(Attractor& attractor, const PeriodicOrbit& orbit);
 
 /// find_attractor from each start, where options.recurrence > 0 and options.periods_on_orbit = 0 side by side in SIMD lanes, if
 /// they know the oscillator; else one after the other.

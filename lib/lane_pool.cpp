@@ -100,6 +100,13 @@ std::optional<std::size_t> LanePool::free_place() {
   return place;
 }
 
+/// For another computation.
+void LanePool::clear(LanePlace& place) {
+  if (place.own_parameters_) free_parameters_.push_back(*place.own_parameters_);
+  place.own_parameters_.reset();
+  place.hurries_ = false;
+}
+
 /// Every other member to a pool that has none.
 void LanePool::give(std::vector<std::unique_ptr<Member>>& members) {
   std::vector<LaneExchange::Parcel> parcels;
@@ -177,25 +184,27 @@ void LanePool::run(std::size_t count, const std::function<LaneTask<>(std::size_t
 }
 
 void LanePool::run(const std::function<std::optional<LaneTask<>>(LanePlace&, std::size_t)>& next) {
-  std::vector<std::unique_ptr<Member>> members;
-  std::unique_ptr<Member> fresh;
-  const auto has_ended = [&](const std::unique_ptr<Member>& member) {
-    if (!member->task.ended()) return false;
+  std::vector<std::unique_ptr<Member>> members, spare;
+  const auto end = [&](std::unique_ptr<Member>& member) {
     member->task.result();
-    if (member->place.own_parameters_) free_parameters_.push_back(*member->place.own_parameters_);
-    return true;
+    member->task = {};
+    clear(member->place);
+    spare.push_back(std::move(member));
   };
   for (;;) {
-    std::erase_if(members, has_ended);
+    for (auto& member : members)
+      if (member->task.ended()) end(member);
+    std::erase(members, nullptr);
     if (exchange_ && members.size() > 1 && exchange_->wants()) give(members);
     while (members.size() < together) {
-      if (!fresh) fresh = std::make_unique<Member>(Member{LanePlace(*this), {}});
-      auto task = next(fresh->place, members.size());
+      if (spare.empty()) spare.push_back(std::make_unique<Member>(Member{LanePlace(*this), {}}));
+      auto task = next(spare.back()->place, members.size());
       if (!task) break;
-      fresh->task = std::move(*task);
-      fresh->task.begin();
-      if (!has_ended(fresh)) members.push_back(std::move(fresh));
-      fresh = nullptr;
+      std::unique_ptr<Member> begun = std::move(spare.back());
+      spare.pop_back();
+      begun->task = std::move(*task);
+      begun->task.begin();
+      begun->task.ended() ? end(begun) : members.push_back(std::move(begun));
     }
     if (members.empty() && exchange_) take(members);
     if (members.empty()) return;

@@ -88,6 +88,7 @@ class LanePool {
   void give(std::vector<std::unique_ptr<Member>>& members);
   void take(std::vector<std::unique_ptr<Member>>& members);
   std::optional<std::size_t> free_place();
+  void clear(LanePlace& place);
   void choose(std::span<const std::unique_ptr<Member>> members, bool tangent);
   void carry(std::span<const std::unique_ptr<Member>> members, bool tangent);
 

@@ -60,6 +60,13 @@ struct ManyMotions::Set {
   lanes::ContactPieces pieces = {};  ///< of the table
 };
 
+/// A motion that goes on, with the periods that are behind it.
+struct ManyMotions::Going {
+  const MotionRun* run;
+  Set* set;
+  std::size_t done;
+};
+
 bool ManyMotions::applies(const HybridSystem& system, const Vector& p, const FlowOptions& options) {
   return options.kind == FlowKind::automatic && lanes::lanes_know(system, p);
 }
@@ -200,51 +207,43 @@ void ManyMotions::carry(const std::vector<MotionStart>& starts, std::size_t peri
 }
 
 void ManyMotions::carry(std::span<const MotionRun> runs, bool tangent) {
-  // Motions that go on, with the periods that are behind them. Those that wait for a table stop in between and look.
-  struct Going {
-    const MotionRun* run;
-    Set* set;
-    std::size_t done;
-  };
-  std::vector<Going> going;
-  going.reserve(runs.size());
+  // Those that wait for a table stop in between and look.
+  going_.clear();
   for (const MotionRun& run : runs)
-    if (Set& set = set_of(run.start.parameters); run.periods > 0) going.push_back({&run, &set, 0});
+    if (Set& set = set_of(run.start.parameters); run.periods > 0) going_.push_back({&run, &set, 0});
   const auto is_linear = [](const Going& one) { return !one.set->oscillator.cubic; };
-  std::stable_partition(going.begin(), going.end(), is_linear);
-  std::vector<lanes::Motion> motions;
-  std::vector<std::size_t> carried;
-  while (!going.empty()) {
-    motions.clear();
-    for (const Going& one : going) {
+  std::stable_partition(going_.begin(), going_.end(), is_linear);
+  while (!going_.empty()) {
+    motions_.clear();
+    for (const Going& one : going_) {
       const MotionStart& start = one.run->start;
       Set& set = *one.set;
       if (set.awaits_table) make_table(set);
       PeriodResult* const next = one.run->results + one.done;
       const std::size_t left = one.run->periods - one.done;
-      motions.push_back({one.done == 0 ? start.x : next[-1].x, one.done == 0 ? start.v : next[-1].v, start.parameters,
-                         &set.oscillator.coefficients, set.oscillator.grid.get(), &set.oscillator.pressed,
-                         set.oscillator.pressed_grid.get(), set.awaits_table ? std::min(left, periods_between_looks) : left, next,
-                         set.table ? &set.pieces : nullptr, set.awaits_table ? &set.met : nullptr, one.run->speeds});
+      motions_.push_back({one.done == 0 ? start.x : next[-1].x, one.done == 0 ? start.v : next[-1].v, start.parameters,
+                          &set.oscillator.coefficients, set.oscillator.grid.get(), &set.oscillator.pressed,
+                          set.oscillator.pressed_grid.get(), set.awaits_table ? std::min(left, periods_between_looks) : left,
+                          next, set.table ? &set.pieces : nullptr, set.awaits_table ? &set.met : nullptr, one.run->speeds});
     }
-    const auto linear = static_cast<std::size_t>(std::partition_point(going.begin(), going.end(), is_linear) - going.begin());
-    carried.assign(motions.size(), 0);
-    carry_in_lanes(std::span(motions).first(linear), false, tangent, carried.data());
-    carry_in_lanes(std::span(motions).subspan(linear), true, tangent, carried.data() + linear);
+    const auto linear = static_cast<std::size_t>(std::partition_point(going_.begin(), going_.end(), is_linear) - going_.begin());
+    carried_each_.assign(motions_.size(), 0);
+    carry_in_lanes(std::span(motions_).first(linear), false, tangent, carried_each_.data());
+    carry_in_lanes(std::span(motions_).subspan(linear), true, tangent, carried_each_.data() + linear);
     std::size_t kept = 0;
-    for (std::size_t i = 0; i < going.size(); ++i) {
-      Going one = going[i];
-      one.done += carried[i];
-      carried_ += carried[i];
-      if (carried[i] < motions[i].periods) {  // it ended there
+    for (std::size_t i = 0; i < going_.size(); ++i) {
+      Going one = going_[i];
+      one.done += carried_each_[i];
+      carried_ += carried_each_[i];
+      if (carried_each_[i] < motions_[i].periods) {  // it ended there
         ++carried_;
         PeriodResult* const end = one.run->results + one.done;
         for (std::size_t k = 1; k < one.run->periods - one.done; ++k) (end[k] = {}).termination = end->termination;
       } else if (one.done < one.run->periods) {
-        going[kept++] = one;
+        going_[kept++] = one;
       }
     }
-    going.resize(kept);
+    going_.resize(kept);
   }
 }
 

@@ -104,6 +104,7 @@ class ManyMotions {
 
  private:
   struct Set;
+  struct Going;
   struct DeleteSet {
     void operator()(Set* set) const;
   };
@@ -122,6 +123,9 @@ class ManyMotions {
   LaneWidth width_;
   std::optional<lanes::Law> law_;  ///< of all sets
   std::vector<OwnSet> sets_;       ///< those taken: null
+  std::vector<Going> going_;       // of carry(): they keep their memory from one call to the next
+  std::vector<lanes::Motion> motions_;
+  std::vector<std::size_t> carried_each_;
   Transition transition_;
   std::mutex left_over_lock_;  ///< the lanes of several threads leave something over
   bool all_threads_ = false;

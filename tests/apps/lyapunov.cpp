@@ -78,7 +78,7 @@ TEST_CASE("lyapunov: an average that was taken on the way to an orbit says so") 
   Attractor attractor;
   attractor.type = AttractorType::periodic;
   attractor.period = 34;
-  attractor.impacts = 60;
+  attractor.impacts = attractor.isolated_impacts = 60;
   attractor.state = Vector{{0.6, -0.1}};
   attractor.exponents = {-0.005, -0.075};
   LyapunovSpectrum& average = attractor.time_average;

@@ -54,7 +54,7 @@ SweepRow swept(double eta, SweepDirection direction, AttractorType type, int per
   row.direction = direction;
   row.attractor.type = type;
   row.attractor.period = period;
-  row.attractor.impacts = impacts;
+  row.attractor.impacts = row.attractor.isolated_impacts = impacts;
   return row;
 }
 
