@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/distance_watch.hpp>
 #include <graze/floquet/lane_orbits.hpp>
+#include <graze/floquet/near_doubling.hpp>
 #include <graze/floquet/settling_orbit.hpp>
 #include <graze/floquet/side_by_side.hpp>
 #include <graze/floquet/stroboscopic_states.hpp>
@@ -8,7 +9,6 @@
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -26,8 +26,9 @@ constexpr double worth_trying = 0.03;
 constexpr double hopeless_growth = 1e3;
 constexpr int long_enough = 128;
 
-/// From between the halves of a doubled orbit the tangent grows by little more than the multiplier of the orbit that doubles.
-constexpr double growth_at_doubling = 2.0;
+/// Halves of a doubled orbit may be so far apart that its period is still worth trying. From between them the tangent grows by
+/// little more than the multiplier of the orbit that doubles.
+constexpr double near_halves = 4.0 * worth_trying, growth_at_doubling = 2.0;
 
 /// Where time matters: a motion that comes to a stable orbit will be looked at again, with a tangent that grows no more.
 constexpr double growth_too_early = 30.0;
@@ -40,34 +41,17 @@ constexpr int few_halvings = 6;
 /// Returns that orbit_of_close_returns tries.
 constexpr std::size_t most_tries = 3;
 
-using Pair = std::array<double, 2>;
-
-double size(const Vector& x) { return x.lpNorm<Eigen::Infinity>(); }
-double size(const Pair& x) { return std::max(std::abs(x[0]), std::abs(x[1])); }
-double apart(const Vector& a, const Vector& b) { return (a - b).lpNorm<Eigen::Infinity>(); }
-double apart(const Pair& a, const Pair& b) { return size(Pair{a[0] - b[0], a[1] - b[1]}); }
-
-Pair pair_of(const Vector& state) { return {state[0], state[1]}; }
-double apart(const Pair& a, const Vector& b) { return apart(a, pair_of(b)); }
-
-/// Distance of a state to the nearest of an orbit's states at phase 0.
-template <class Orbit> double distance(const Orbit& orbit, const Vector& x) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const auto& state : orbit.states) least = std::min(least, apart(state, x));
-  return least;
-}
-
 /// A motion that may come closer to an orbit, to be carried until that is known.
 template <class Orbit> class NearOrbit {
  public:
   NearOrbit(const Orbit& orbit, const Vector& x, double slowest, std::size_t period)
-      : orbit_(&orbit), at_(x), watch_(distance(orbit, x), slowest, static_cast<int>(period)) {}
+      : orbit_(&orbit), at_(x), watch_(nearest_distance(orbit.states, x), slowest, static_cast<int>(period)) {}
   bool open() const { return watch_.open(); }
   const Vector& state() const { return at_; }
   void see(Termination end, const Vector& state) {
     if (end != Termination::time) return watch_.stop();
     at_ = state;
-    if (++periods_ % watch_.periods() == 0) watch_.see(distance(*orbit_, at_));
+    if (++periods_ % watch_.periods() == 0) watch_.see(nearest_distance(orbit_->states, at_));
   }
   bool comes_closer() const { return watch_.comes_closer(); }
 
@@ -105,34 +89,28 @@ double growth_along(Propagator& propagator, const std::vector<Vector>& states) {
   return spectral_radius(growth);
 }
 
-Vector middle(const Vector& a, const Vector& b) { return 0.5 * (a + b); }
-Pair middle(const Pair& a, const Pair& b) { return {0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])}; }
-
-/// For states of an even number of periods, those in the middle of the two halves, if they are near: next to a period doubling
-/// Newton's method fails on the doubled orbit, whose equations are nearly singular, and not on the one that doubles, whose are
-/// not. Empty: they are not near.
-template <class State> std::vector<State> between_halves(const std::vector<State>& states) {
-  const std::size_t half = states.size() / 2;
-  if (states.size() % 2 != 0) return {};
-  std::vector<State> out;
-  for (std::size_t k = 0; k < half; ++k) {
-    if (apart(states[k], states[k + half]) > 4.0 * worth_trying * (1.0 + size(states[k]))) return {};
-    out.push_back(middle(states[k], states[k + half]));
-  }
-  return out;
-}
-
 /// The stable orbit of period n (or a divisor) that these states are near to.
 std::optional<PeriodicOrbit> stable_orbit_of(Propagator& propagator, const std::vector<Vector>& states, int n) {
   ShootingOptions shooting;
   shooting.flow = propagator.options();
   shooting.max_halvings = few_halvings;
-  PeriodicOrbit orbit = shoot(propagator.system(), propagator.parameters(), states, n, shooting);
+  const auto shoot_from = [&](const std::vector<Vector>& guess) {
+    return shoot(propagator.system(), propagator.parameters(), guess, static_cast<int>(guess.size()), shooting);
+  };
+  PeriodicOrbit orbit = shoot_from(states);
   if (!orbit.converged())
-    if (const auto half = between_halves(states); !half.empty() && growth_along(propagator, half) <= growth_at_doubling)
-      orbit = shoot(propagator.system(), propagator.parameters(), half, n / 2, shooting);
-  const double scale = 1.0 + size(states.front());
-  const bool near = orbit.converged() && distance(orbit, states.front()) < 2.0 * worth_trying * scale;
+    if (const auto half = between_halves(states, near_halves);
+        !half.empty() && growth_along(propagator, half) <= growth_at_doubling)
+      orbit = shoot_from(half);
+  if (orbit.converged() && 2 * orbit.period == n && has_doubled(orbit.multipliers.values.front())) {
+    const double mu = orbit.multipliers.values.front().real();
+    const std::size_t three_times = 3 * orbit.states.size() + 1;
+    const std::vector<Vector> motion = stroboscopic_states(propagator, states.front(), three_times);
+    if (motion.size() == three_times)
+      if (const auto doubled = doubled_states(orbit.states, mu, motion); !doubled.empty()) orbit = shoot_from(doubled);
+  }
+  const double scale = 1.0 + state_size(states.front());
+  const bool near = orbit.converged() && nearest_distance(orbit.states, states.front()) < 2.0 * worth_trying * scale;
   if (near && orbit.stable() && orbit.admissible == Admissibility::admissible) return orbit;
   return std::nullopt;
 }
@@ -150,10 +128,10 @@ constexpr double settled = 0.05;
 /// The periods after which states return to the first of them, the closest return first.
 template <class State> std::vector<int> returns_of(const std::vector<State>& states, double nearness, int max_period) {
   constexpr double alike = 1e-10;  // returns this close are as good as each other: the shortest comes first
-  const double scale = 1.0 + size(states.front());
+  const double scale = 1.0 + state_size(states.front());
   std::vector<std::pair<double, int>> found;
   for (int n = 1; n <= max_period && n < static_cast<int>(states.size()); ++n) {
-    const double distance = std::max(alike, apart(states[static_cast<std::size_t>(n)], states.front()) / scale);
+    const double distance = std::max(alike, state_distance(states[static_cast<std::size_t>(n)], states.front()) / scale);
     if (distance < (n > short_return ? settled * nearness : nearness)) found.emplace_back(distance, n);
   }
   std::sort(found.begin(), found.end());
@@ -195,13 +173,11 @@ std::optional<PeriodicOrbit> orbit_of_close_returns(Propagator& propagator, cons
 
 namespace {
 
-Vector vector_of(const Pair& state) { return Vector{{state[0], state[1]}}; }
-
 /// What an orbit that was found in lanes says to a motion that may be settling on it.
 enum class Verdict { no, delicate, yes };
 Verdict verdict(const LaneOrbit& orbit, const Vector& state) {
   const double scale = 1.0 + state.lpNorm<Eigen::Infinity>();
-  if (!orbit.converged || !(distance(orbit, state) < 2.0 * worth_trying * scale)) return Verdict::no;
+  if (!orbit.converged || !(nearest_distance(orbit.states, state) < 2.0 * worth_trying * scale)) return Verdict::no;
   if (orbit.delicate) return Verdict::delicate;
   return orbit.stable() ? Verdict::yes : Verdict::no;
 }
@@ -211,7 +187,7 @@ PeriodicOrbit plain_orbit(const HybridSystem& system, const Vector& p, const Lan
   orbit.parameters = p;
   orbit.period = static_cast<int>(found.states.size());
   orbit.duration = orbit.period * forcing_period(system, p);
-  for (const Pair& state : found.states) orbit.states.push_back(vector_of(state));
+  for (const StatePair& state : found.states) orbit.states.push_back(vector_of(state));
   orbit.nodes = orbit.states;
   orbit.state = orbit.states.front();
   orbit.impacts = orbit.isolated_impacts = found.impacts;  // the lanes leave it to shoot() if it sticks
@@ -236,10 +212,33 @@ LaneTask<std::optional<PeriodicOrbit>> orbit_approached_in_lanes(LanePlace& lane
   co_return plain_orbit(system, p, orbit);
 }
 
+namespace {
+
+/// The orbit that Newton's method comes to from the states around a return, or from a guess next to a period doubling.
+LaneTask<LaneOrbit> shoot_next_to_doubling(LanePlace& lane, const std::vector<StatePair>& around) {
+  const LanePatience patience{growth_too_early, few_halvings};
+  LaneOrbit orbit = co_await shoot_in_lanes(lane, around, patience);
+  if (!orbit.converged && !orbit.given_up)
+    if (std::vector<StatePair> half = between_halves(around, near_halves); !half.empty())
+      orbit = co_await shoot_in_lanes(lane, std::move(half), {growth_at_doubling, few_halvings});
+  if (const auto mu = orbit.multipliers[0]; 2 * orbit.states.size() == around.size() && has_doubled(mu)) {
+    const Vector begin = vector_of(around.front());
+    const std::span<const PeriodResult> periods = co_await lane.carry(begin, 3 * orbit.states.size());
+    if (periods.back().termination != Termination::time) co_return orbit;
+    std::vector<StatePair> motion = {around.front()};
+    for (const PeriodResult& period : periods) motion.push_back({period.x, period.v});
+    std::vector<StatePair> doubled = doubled_states(orbit.states, mu.real(), motion);
+    if (!doubled.empty()) orbit = co_await shoot_in_lanes(lane, std::move(doubled), patience);
+  }
+  co_return orbit;
+}
+
+}  // namespace
+
 LaneTask<SettlingLook> look_for_orbit_in_lanes(LanePlace& lane, const HybridSystem& system, const Vector& p, const Vector& state,
                                                int max_period, double nearness, const FlowOptions& flow) {
   SettlingLook out;
-  std::vector<Pair> states = {pair_of(state)};
+  std::vector<StatePair> states = {pair_of(state)};
   const std::span<const PeriodResult> periods = co_await lane.carry(state, static_cast<std::size_t>(max_period));
   for (const PeriodResult& period : periods) {
     if (period.termination != Termination::time) break;
@@ -247,13 +246,9 @@ LaneTask<SettlingLook> look_for_orbit_in_lanes(LanePlace& lane, const HybridSyst
   }
   const std::vector<int> returns = returns_of(states, nearness, max_period);
   if (!returns.empty()) out.closest = returns.front();
-  const LanePatience patience{growth_too_early, few_halvings};
   for (const int n : worth_a_try(returns)) {
-    const std::vector<Pair> around(states.begin(), states.begin() + n);
-    LaneOrbit orbit = co_await shoot_in_lanes(lane, around, patience);
-    if (!orbit.converged && !orbit.given_up)
-      if (std::vector<Pair> half = between_halves(around); !half.empty())
-        orbit = co_await shoot_in_lanes(lane, std::move(half), {growth_at_doubling, few_halvings});
+    const std::vector<StatePair> around(states.begin(), states.begin() + n);
+    const LaneOrbit orbit = co_await shoot_next_to_doubling(lane, around);
     const Verdict says = verdict(orbit, state);
     if (says == Verdict::delicate) {
       std::vector<Vector> nodes;
@@ -343,17 +338,18 @@ std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector
         many->add_parameters(p);
       }
       std::vector<LaneGuess> guesses;
-      std::vector<Pair> pairs;
+      std::vector<StatePair> pairs;
       std::transform(states.begin(), states.end(), std::back_inserter(pairs), pair_of);
       for (const int n : worth) guesses.push_back({0, {pairs.begin(), pairs.begin() + n}});
       orbits = shoot_side_by_side(*many, guesses, {.max_halvings = few_halvings});
     }
     const auto is_refused = [&](const auto& orbit) {
       return std::any_of(refused.begin(), refused.end(),
-                         [&](const Vector& x) { return distance(orbit, x) < DistanceWatch::on_it; });
+                         [&](const Vector& x) { return nearest_distance(orbit.states, x) < DistanceWatch::on_it; });
     };
     const auto leads_nowhere = [&](const LaneOrbit& orbit, const std::vector<Vector>& around) {
-      if (!orbit.converged) return between_halves(around).empty();
+      if (!orbit.converged) return between_halves(around, near_halves).empty();
+      if (2 * orbit.states.size() == around.size() && has_doubled(orbit.multipliers[0])) return false;
       return verdict(orbit, state) == Verdict::no || is_refused(orbit);
     };
     for (std::size_t i = 0; i < worth.size(); ++i) {
@@ -379,7 +375,7 @@ std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector
     if (transition.termination != Termination::time) break;
     const Vector next = transition.x1;
     growth = transition.Phi * growth;
-    distances.push_back(apart(next, state) / scale);
+    distances.push_back(state_distance(next, state) / scale);
     if (n <= max_period && distances.back() < worth_trying && closer_than_divisors(distances)) {
       const double grown = spectral_radius(growth);
       if (!(grown > hopeless_growth)) worth.push_back(n);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/multipliers.hpp>
+#include <graze/floquet/state_distance.hpp>
 #include <graze/floquet/trapping_region.hpp>
 
 #include <Eigen/Cholesky>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <random>
 
 namespace graze {
@@ -80,11 +80,7 @@ bool TrappingRegion::holds(const Vector& x) const {
   return false;
 }
 
-double TrappingRegion::distance(const Vector& x) const {
-  double least = std::numeric_limits<double>::infinity();
-  for (const Vector& centre : centres) least = std::min(least, (x - centre).lpNorm<Eigen::Infinity>());
-  return least;
-}
+double TrappingRegion::distance(const Vector& x) const { return nearest_distance(centres, x); }
 
 TrappingRegion trapping_region(const HybridSystem& system, const Vector& p, const Vector& state, int period,
                                const FlowOptions& flow) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a motion is settling on: where chaos and a stable orbit stand side by side, and next to a period doubling.
+#include <graze/floquet/near_doubling.hpp>
 #include <graze/floquet/settle.hpp>
 #include <graze/floquet/settling_orbit.hpp>
 #include <graze/lib/oscillator.hpp>
@@ -31,6 +32,17 @@ Vector later(const Vector& state, int periods) {
   options.periods = periods;
   options.max_period = 0;
   return settle(system_with_both(), with_both(), state, options).state;
+}
+
+/// What look_for_orbit_in_lanes says.
+std::optional<PeriodicOrbit> looked_in_lanes(const Vector& p, const Vector& start, int max_period, double nearness) {
+  ManyMotions many(damped_hertz(), {});
+  SettlingLook look;
+  LanePool(many).run(1, [&](std::size_t, LanePlace& lane) -> LaneTask<> {
+    lane.take_parameters(p);
+    look = co_await look_for_orbit_in_lanes(lane, damped_hertz(), p, start, max_period, nearness);
+  });
+  return look.orbit;
 }
 
 }  // namespace
@@ -82,16 +94,11 @@ TEST_CASE("next to a period doubling a motion is known to settle on the orbit th
   CHECK(returns.periods.front() == 2);
 
   const auto alone = orbit_of_close_returns(propagator, start, max_period, nearness);
-  ManyMotions many(damped_hertz(), {});
-  SettlingLook look;
-  LanePool(many).run(1, [&](std::size_t, LanePlace& lane) -> LaneTask<> {
-    lane.take_parameters(p);
-    look = co_await look_for_orbit_in_lanes(lane, damped_hertz(), p, start, max_period, nearness);
-  });
+  const auto in_lanes = looked_in_lanes(p, start, max_period, nearness);
   const auto patient = settling_orbit(damped_hertz(), p, start, max_period);
   longer.periods = 60000;
   const Vector late = settle(damped_hertz(), p, start, longer).state;
-  for (const auto& orbit : {alone, look.orbit, patient}) {
+  for (const auto& orbit : {alone, in_lanes, patient}) {
     REQUIRE(orbit);
     CHECK(orbit->period == 1);
     CHECK(std::abs(orbit->multipliers.values.front()) == Approx(1.0 - 7.5e-5).margin(1e-6));
@@ -109,4 +116,57 @@ TEST_CASE("between the halves of a doubled orbit there is none to settle on wher
   const auto orbit = orbit_of_close_returns(propagator, settled, 8, 2e-3);
   REQUIRE(orbit);
   CHECK(orbit->period == 2);
+}
+
+TEST_CASE("behind a period doubling a motion is known to settle on the doubled orbit, from far off") {
+  // The doubled orbit of eta = 0.9194 shrinks to that of 0.9195, where the 1/1 orbit (multiplier -1.0004) is unstable since
+  // 0.919542643: Newton's method comes to that one.
+  SettleOptions longer;
+  longer.periods = 20000;
+  const Vector wider = settle(damped_hertz(), hertz_parameters(0.9194), vector({0.0, 0.0}), longer).state;
+  const Vector p = hertz_parameters(0.9195);
+  SettleOptions transient;
+  transient.periods = 300;
+  const Vector start = settle(damped_hertz(), p, wider, transient).state;
+  constexpr int max_period = 8;
+  constexpr double nearness = 2e-3;
+  Propagator propagator(damped_hertz(), p);
+  const Returns returns = close_returns(propagator, start, max_period, nearness);
+  REQUIRE_FALSE(returns.periods.empty());
+  REQUIRE(returns.periods.front() == 2);
+  const PeriodicOrbit by_newton = shoot(damped_hertz(), p, std::vector<Vector>{returns.states[0], returns.states[1]}, 2);
+  CHECK((!by_newton.converged() || by_newton.period == 1));
+
+  const Vector late = settle(damped_hertz(), p, start, longer).state;
+  for (const auto& orbit :
+       {orbit_of_close_returns(propagator, start, max_period, nearness), looked_in_lanes(p, start, max_period, nearness),
+        settling_orbit(damped_hertz(), p, start, max_period)}) {
+    REQUIRE(orbit);
+    CHECK(orbit->period == 2);
+    CHECK(orbit->stable());
+    // The free motion says the same, in its time.
+    CHECK((start - orbit->state).norm() > 0.003);
+    CHECK(std::min((late - orbit->states[0]).norm(), (late - orbit->states[1]).norm()) < 1e-6);
+  }
+}
+
+TEST_CASE("the states of a doubled orbit are guessed from how a motion crosses the one that has doubled") {
+  // x -> -(1 + e) x + x^3: the orbit that doubles is 0, its doubled one +-sqrt(e).
+  const auto next = [](double x, double e) { return -(1.0 + e) * x + x * x * x; };
+  for (const double e : {1e-5, 1e-3})
+    for (const double times : {0.3, 1.0, 3.0}) {
+      std::vector<Vector> motion = {vector({times * std::sqrt(e)})};
+      for (int k = 0; k < 3; ++k) motion.push_back(vector({next(motion.back()[0], e)}));
+      const std::vector<Vector> guess = doubled_states<Vector>({vector({0.0})}, -(1.0 + e), motion);
+      REQUIRE(guess.size() == 2);
+      CHECK(guess[0][0] == Approx(std::sqrt(e)).epsilon(20.0 * e));
+      CHECK(guess[1][0] == Approx(-std::sqrt(e)).epsilon(20.0 * e));
+    }
+  // What grows faster than the multiplier says is not on its way to a doubled orbit.
+  CHECK(
+      doubled_states<Vector>({vector({0.0})}, -1.001, {vector({0.1}), vector({-0.11}), vector({0.12}), vector({-0.13})}).empty());
+  CHECK(has_doubled(-1.001));
+  CHECK_FALSE(has_doubled(-0.999));
+  CHECK_FALSE(has_doubled({-1.0, 0.1}));
+  CHECK_FALSE(has_doubled(1.001));
 }
