@@ -7,6 +7,7 @@
 #include <graze/apps/progress.hpp>
 
 #include <graze/floquet/search.hpp>
+#include <graze/floquet/search_box.hpp>
 
 #include <fmt/format.h>
 

@@ -3,9 +3,9 @@
 
 #include <graze/continuation/branch_end.hpp>
 #include <graze/continuation/branch_switching.hpp>
-#include <graze/continuation/branch_task.hpp>
 #include <graze/continuation/grazing_turns.hpp>
 #include <graze/continuation/labels.hpp>
+#include <graze/continuation/task_queues.hpp>
 
 #include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -13,7 +13,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
 #include <mutex>
 #include <stdexcept>
 
@@ -45,24 +44,12 @@ class Graph {
       if (branch.stop != BranchStop::interrupted && !branch.points.empty()) restore(branch);
     for (const BranchSeed& seed : seeds) add_seed(seed, 0);
     oneapi::tbb::task_arena arena(std::max(1, options_.threads));
-    while (!(tasks_.empty() && seed_tasks_.empty() && multiple_tasks_.empty()) && !cancelled()) {
+    while (!tasks_.empty() && !cancelled()) {
       if (static_cast<int>(graph_.branches.size()) >= options_.max_branches) {
         cut_off_rest(fmt::format("{} branches are the limit", options_.max_branches));
         break;
       }
-      std::vector<Task> round;
-      const auto take = [&](std::deque<Task>& queue) {
-        for (; !queue.empty() && round.size() < round_size; queue.pop_front()) round.push_back(std::move(queue.front()));
-      };
-      take(tasks_);
-      // The next seed only when all that hangs together with the last one is done: most of the others lie on it.
-      if (round.empty() && !seed_tasks_.empty()) {
-        const int seed = seed_tasks_.front().seed;
-        for (; !seed_tasks_.empty() && seed_tasks_.front().seed == seed; seed_tasks_.pop_front())
-          round.push_back(std::move(seed_tasks_.front()));
-      }
-      // The families of several times a period, mostly unstable, last: they take nobody's place under the limit of branches.
-      if (round.empty()) take(multiple_tasks_);
+      const std::vector<Task> round = tasks_.next_round(round_size);
       std::vector<Outcome> outcomes(round.size());
       const std::size_t known = graph_.branches.size();
       arena.execute([&] {
@@ -125,8 +112,7 @@ class Graph {
   }
 
   void cut_off_rest(const std::string& reason) {
-    for (const auto& queue : {tasks_, seed_tasks_, multiple_tasks_})
-      for (const Task& task : queue) cut_off(task, reason);
+    tasks_.for_each([&](const Task& task) { cut_off(task, reason); });
   }
 
   void add_seed(const BranchSeed& seed, int generation) {
@@ -134,7 +120,7 @@ class Graph {
     for (const int direction : seed.directions) {
       Task task{Origin::seed, seed.orbit, direction, 0, 0, generation};
       task.seed = last_seed_;
-      seed_tasks_.push_back(std::move(task));
+      tasks_.add(std::move(task));
     }
   }
 
@@ -332,7 +318,7 @@ class Graph {
     const Branch& branch = graph_.branches[index];
     if (branch.stop == BranchStop::grazing) {
       const Task beyond{Origin::beyond_grazing, {}, 1, index, branch.special_points.size() - 1, generation};
-      tasks_.push_back(beyond);
+      tasks_.add(beyond);
       add_multiples(beyond);
     }
     if (branch.stop == BranchStop::step_too_small)
@@ -345,7 +331,7 @@ class Graph {
         cut_off(doubled, fmt::format("period {} is above the limit, {}", 2 * branch.period, options_.max_period));
         continue;
       }
-      tasks_.push_back(doubled);
+      tasks_.add(doubled);
     }
   }
 
@@ -366,7 +352,7 @@ class Graph {
     const int longest = options_.max_period > 0 ? std::min(most, options_.max_period / touching.period) : most;
     for (const TurnPattern pattern : patterns_up_to(longest, end.lost)) {
       task.pattern = pattern;
-      multiple_tasks_.push_back(task);
+      tasks_.add(task);
     }
     if (const int others = families_not_followed(end.grazing, static_cast<int>(orbit.nodes.size()), longest); others > 0)
       cut_off(task, others_text(others, longest), others);
@@ -379,7 +365,7 @@ class Graph {
   std::mutex progress_;
   Labels labels_;
   BranchGraph graph_;
-  std::deque<Task> tasks_, seed_tasks_, multiple_tasks_;
+  TaskQueues tasks_;
   std::vector<std::optional<GrazingEnd>> ends_;  ///< of each branch
   std::vector<int> generations_;
   std::vector<int> seeds_;  ///< of each branch: the seed it came from, or 0

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/basin_shares.hpp>
 #include <graze/floquet/basins.hpp>
 #include <graze/floquet/known_attractors.hpp>
 #include <graze/floquet/scout.hpp>
@@ -59,7 +60,7 @@ class Search {
       begin = end;
     }
     if (options_.progress) options_.progress(told_, out_.attractors.size());
-    return finish();
+    return with_shares(std::move(out_));
   }
 
  private:
@@ -337,41 +338,6 @@ class Search {
     ++told_;
     // Who finds another thread telling leaves it at that: the next start will tell of this one, too.
     if (const std::unique_lock lock(telling_, std::try_to_lock); lock) options_.progress(told_, out_.attractors.size());
-  }
-
-  Basins finish() {
-    for (CoexistingAttractor& found : out_.attractors) found.count = 0;
-    out_.admissible = out_.lost = 0;
-    out_.complete = true;
-    for (const StartOutcome& outcome : out_.outcomes) {
-      if (outcome.fate == Fate::reached) ++out_.attractors[outcome.attractor].count;
-      if (outcome.fate == Fate::lost) ++out_.lost;
-      if (outcome.fate == Fate::reached || outcome.fate == Fate::lost) ++out_.admissible;
-      if (outcome.fate == Fate::not_run) out_.complete = false;
-    }
-    for (CoexistingAttractor& found : out_.attractors) {
-      const auto N = static_cast<double>(out_.admissible), f = static_cast<double>(found.count) / N;
-      found.fraction = f;
-      found.fraction_error = std::sqrt(f * (1.0 - f) / N);
-    }
-    std::vector<std::size_t> order(out_.attractors.size()), place(out_.attractors.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    const auto before = [&](std::size_t a, std::size_t b) {
-      const CoexistingAttractor &A = out_.attractors[a], &B = out_.attractors[b];
-      if (A.count != B.count) return A.count > B.count;
-      return std::lexicographical_compare(A.attractor.state.begin(), A.attractor.state.end(), B.attractor.state.begin(),
-                                          B.attractor.state.end());
-    };
-    std::sort(order.begin(), order.end(), before);
-    std::vector<CoexistingAttractor> sorted;
-    for (std::size_t i = 0; i < order.size(); ++i) {
-      place[order[i]] = i;
-      sorted.push_back(std::move(out_.attractors[order[i]]));
-    }
-    out_.attractors = std::move(sorted);
-    for (StartOutcome& outcome : out_.outcomes)
-      if (outcome.fate == Fate::reached) outcome.attractor = place[outcome.attractor];
-    return std::move(out_);
   }
 
   const HybridSystem& system_;

@@ -15,7 +15,7 @@
 namespace graze {
 
 struct SearchOptions {
-  Vector lower = {}, upper = {};  ///< the box; empty: see search_box
+  Vector lower = {}, upper = {};  ///< the box; empty: search_box
   unsigned seed = 1;
   int patience = 2000;  ///< starts without a new orbit after which the search ends
   int max_starts = 40000;
@@ -31,10 +31,6 @@ struct SearchResult {
   int converged = 0;      ///< of them, how many converged to any orbit of the period or a divisor
   bool complete = false;  ///< ended by patience, not by max_starts or cancellation
 };
-
-/// A box that holds the bounded motions: as large as motions from rest get, as those get in the long run that start off the
-/// barriers and hit them, and as the distance of the barriers, all times 1.5.
-std::pair<Vector, Vector> search_box(const HybridSystem& system, const Vector& p, const FlowOptions& options = {});
 
 /// All orbits of least period `period` found in the box. @throws std::invalid_argument for an empty box or an autonomous system.
 SearchResult search_orbits(const HybridSystem& system, const Vector& p, int period, const SearchOptions& options = {});

@@ -8,6 +8,7 @@
 //     Newton's law, eta = 0.744 (4/4 and 2/3 orbits coexist)         1, 1, 2, 1
 //     beam with Hertz contact, beta = 0, eta = 0.554                 1, 1, 2, 1
 #include <graze/floquet/search.hpp>
+#include <graze/floquet/search_box.hpp>
 #include <graze/lib/oscillator.hpp>
 
 #include "support/checks.hpp"
