@@ -20,21 +20,23 @@ std::size_t length_of_stretches(std::size_t rows) {
 
 SweepStretches::SweepStretches(SweepChain chain, const std::vector<SweepRow>& so_far)
     : chain_(std::move(chain)), length_(length_of_stretches(chain_.size())) {
-  kept_.reserve(chain_.size());
+  rows_.reserve(chain_.size());
   const auto is_own = [this](const SweepRow& row) { return row.direction == chain_.direction(); };
-  std::copy_if(so_far.begin(), so_far.end(), std::back_inserter(kept_), is_own);
-  done_ = kept_.size();
+  std::copy_if(so_far.begin(), so_far.end(), std::back_inserter(rows_), is_own);
+  done_ = kept_ = rows_.size();
   if (finished()) return;
   // The stretch that was in work: with nothing behind its last row, that is not compared yet.
-  Stretch& stretch = add_stretch(kept_.empty() ? 0 : (kept_.size() - 1) / length_ * length_);
-  for (std::size_t k = stretch.begin; k < kept_.size(); ++k)
+  kept_ = kept_ == 0 ? 0 : (kept_ - 1) / length_ * length_;
+  Stretch& stretch = add_stretch(kept_);
+  for (std::size_t k = kept_; k < done_; ++k)
     stretch.entries.push_back(
-        std::make_shared<Entry>(this, &stretch, SweepChain::Begin{.number = k, .state = {}}, std::move(kept_[k]), true, true));
-  kept_.resize(stretch.begin);
+        std::make_shared<Entry>(this, &stretch, SweepChain::Begin{.number = k, .state = {}}, &rows_[k], true, true));
 }
 
 SweepStretches::Stretch& SweepStretches::add_stretch(std::size_t begin) {
-  return *stretches_.emplace_back(std::make_shared<Stretch>(begin, std::min(begin + length_, chain_.size())));
+  const std::size_t end = std::min(begin + length_, chain_.size());
+  rows_.resize(end);
+  return *stretches_.emplace_back(std::make_shared<Stretch>(begin, end));
 }
 
 bool SweepStretches::can_go_on(const Stretch& stretch) const {
@@ -58,7 +60,8 @@ std::shared_ptr<SweepStretches::Entry> SweepStretches::guess(std::size_t most) {
   if (static_cast<std::size_t>(std::count_if(stretches_.begin(), stretches_.end(), is_open)) >= most) return nullptr;
   Stretch& stretch = add_stretch(begin);
   const SweepChain::Begin from{.number = begin - 1, .state = chain_.start(), .at_start = true};
-  return stretch.lead = stretch.guess = std::make_shared<Entry>(this, &stretch, from, chain_.row(begin - 1));
+  stretch.guessed = chain_.row(begin - 1);
+  return stretch.lead = stretch.guess = std::make_shared<Entry>(this, &stretch, from, &stretch.guessed);
 }
 
 std::vector<std::vector<Vector>> SweepStretches::orbits_before(const Stretch& stretch) const {
@@ -66,7 +69,7 @@ std::vector<std::vector<Vector>> SweepStretches::orbits_before(const Stretch& st
   const std::size_t block = SweepChain::block_of(stretch.next());
   std::vector<std::vector<Vector>> before;
   for (std::size_t k = block - stretch.begin; k > 0 && before.size() < most_orbits_before; --k) {
-    const SweepRow &row = entries[k - 1]->row, &next = before.empty() ? row : entries[k]->row;
+    const SweepRow &row = *entries[k - 1]->row, &next = before.empty() ? row : *entries[k]->row;
     if (!entries[k - 1]->done || !SweepChain::alike(row, next)) break;
     before.insert(before.begin(), row.states);
   }
@@ -78,9 +81,9 @@ std::shared_ptr<SweepStretches::Entry> SweepStretches::add(Stretch& stretch, std
   const bool done = known.has_value();
   SweepChain::Begin begin{.number = number, .state = chain_.start(), .at_start = true};
   if (const Entry* const last = stretch.last())
-    begin = {.number = number, .state = last->row.end, .settled = last->row.attractor.type == AttractorType::periodic};
-  auto entry =
-      std::make_shared<Entry>(this, &stretch, std::move(begin), done ? std::move(*known) : chain_.row(number), done, done);
+    begin = {.number = number, .state = last->row->end, .settled = last->row->attractor.type == AttractorType::periodic};
+  rows_[number] = done ? std::move(*known) : chain_.row(number);
+  auto entry = std::make_shared<Entry>(this, &stretch, std::move(begin), &rows_[number], done, done);
   stretch.entries.push_back(entry);
   done ? ++done_ : ++stretch.open;
   if (done) join();
@@ -89,7 +92,7 @@ std::shared_ptr<SweepStretches::Entry> SweepStretches::add(Stretch& stretch, std
 
 void SweepStretches::hand_on(Entry& entry, const Vector& state) {
   if (entry.dropped) return;
-  entry.row.end = state;
+  entry.row->end = state;
   entry.handed_on = true;
 }
 
@@ -106,7 +109,7 @@ void SweepStretches::finish(Entry& entry, SweepRow row, bool broken) {
       stretch.ended = true;
   } else {
     if (row.attractor.type == AttractorType::periodic) take_back(stretch, behind);
-    entry.row = std::move(row);
+    *entry.row = std::move(row);
     entry.handed_on = entry.done = true;
     if (!is_guess) {
       --stretch.open;
@@ -136,11 +139,13 @@ void SweepStretches::take_back(Stretch& stretch, std::size_t from) {
 /// A stretch begins anew where the one before ended: behind its guess, if that is on the attractor of the last row there.
 void SweepStretches::follow(const SweepRow& last, Stretch& behind) {
   behind.joined = true;
-  guesses_well_ = behind.guess && on_same_attractor(last, behind.guess->row);
+  guesses_well_ = behind.guess && on_same_attractor(last, *behind.guess->row);
   if (guesses_well_ && behind.lead == behind.guess) return;
   take_back(behind, 0);
   const auto anew = [&] {
-    return std::make_shared<Entry>(this, &behind, SweepChain::Begin{.number = behind.begin - 1, .state = {}}, last, true, true);
+    behind.known = last;
+    return std::make_shared<Entry>(this, &behind, SweepChain::Begin{.number = behind.begin - 1, .state = {}}, &behind.known, true,
+                                   true);
   };
   behind.lead = guesses_well_ ? behind.guess : anew();
 }
@@ -149,7 +154,7 @@ void SweepStretches::join() {
   for (std::size_t i = 0; i + 1 < stretches_.size(); ++i) {
     Stretch& behind = *stretches_[i + 1];
     if (stretches_[i]->done() && !behind.joined && (!behind.guess || behind.guess->done))
-      follow(stretches_[i]->entries.back()->row, behind);
+      follow(*stretches_[i]->entries.back()->row, behind);
   }
   const auto nothing_can_change = [&] {
     return stretches_.front()->done() &&
@@ -168,27 +173,25 @@ void SweepStretches::join() {
 }
 
 void SweepStretches::keep_first() {
-  for (const auto& entry : stretches_.front()->entries) kept_.push_back(std::move(entry->row));
+  kept_ += stretches_.front()->entries.size();
   stretches_.pop_front();
 }
 
-/// Rows of the first stretch up to the first that is not done.
-std::size_t SweepStretches::known_of_first() const {
-  if (stretches_.empty()) return 0;
+/// Rows up to the first that is not done.
+std::size_t SweepStretches::known() const {
+  if (stretches_.empty()) return kept_;
   const auto& entries = stretches_.front()->entries;
   const auto is_open = [](const auto& entry) { return !entry->done; };
-  return static_cast<std::size_t>(std::find_if(entries.begin(), entries.end(), is_open) - entries.begin());
+  return kept_ + static_cast<std::size_t>(std::find_if(entries.begin(), entries.end(), is_open) - entries.begin());
 }
 
 std::vector<SweepRow> SweepStretches::so_far() const& {
-  std::vector<SweepRow> rows = kept_;
-  for (std::size_t k = 0, end = known_of_first(); k < end; ++k) rows.push_back(stretches_.front()->entries[k]->row);
-  return rows;
+  return {rows_.begin(), rows_.begin() + static_cast<std::ptrdiff_t>(known())};
 }
 
 std::vector<SweepRow> SweepStretches::so_far() && {
-  for (std::size_t k = 0, end = known_of_first(); k < end; ++k) kept_.push_back(std::move(stretches_.front()->entries[k]->row));
-  return std::move(kept_);
+  rows_.resize(known());
+  return std::move(rows_);
 }
 
 }  // namespace graze

@@ -27,7 +27,7 @@ class SweepStretches {
     SweepStretches* direction;
     Stretch* stretch;
     SweepChain::Begin begin;
-    SweepRow row;            ///< its end is where the next one begins, once it is handed on
+    SweepRow* row;           ///< in its place; its end is where the next one begins, once it is handed on
     bool handed_on = false;  ///< the next row may begin
     bool done = false;
     std::atomic<bool> dropped = false;  ///< a row before it has turned out another
@@ -37,7 +37,8 @@ class SweepStretches {
     /// The row before it: a guess, until that of the stretch before is known and is on another attractor. Null where there is
     /// none, or the guess failed.
     std::shared_ptr<Entry> guess = {}, lead = {};
-    bool joined = false;  ///< the stretch before is done, and this one begins on its attractor
+    SweepRow guessed = {}, known = {};  ///< the rows of the guess, and of a lead that is none
+    bool joined = false;                ///< the stretch before is done, and this one begins on its attractor
     std::vector<std::shared_ptr<Entry>> entries = {};
     SweepChain::Block ahead = {};
     bool looks_ahead = false;    ///< a thread does so, for `ahead`
@@ -55,7 +56,7 @@ class SweepStretches {
   SweepStretches& operator=(const SweepStretches&) = delete;
 
   const SweepChain& chain() const { return chain_; }
-  bool finished() const { return ended_ || kept_.size() == chain_.size(); }
+  bool finished() const { return ended_ || kept_ == chain_.size(); }
   /// Rows that are done.
   std::size_t done() const { return done_; }
 
@@ -83,11 +84,12 @@ class SweepStretches {
   void follow(const SweepRow& last, Stretch& behind);
   void join();
   void keep_first();
-  std::size_t known_of_first() const;
+  std::size_t known() const;
 
   SweepChain chain_;
   std::size_t length_;                              ///< of a stretch
-  std::vector<SweepRow> kept_;                      ///< of the stretches that nothing can change any more
+  std::vector<SweepRow> rows_;                      ///< to the end of the last stretch; they stay where they are
+  std::size_t kept_ = 0;                            ///< of them, those of stretches that nothing can change any more
   std::deque<std::shared_ptr<Stretch>> stretches_;  ///< the others that were begun
   bool guesses_well_ = true;                        ///< the last guess stood
   bool ended_ = false;                              ///< the motion could not be carried on

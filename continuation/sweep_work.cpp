@@ -139,7 +139,7 @@ std::shared_ptr<SweepWork::Entry> SweepWork::next_row(SweepStretches& direction,
 LaneTask<> SweepWork::find(LanePlace& lane, std::shared_ptr<Entry> entry) {
   AttractorOptions finding = options_.attractor;
   finding.lyapunov.cancelled = [this, &entry] { return entry->dropped || cancelled(); };
-  SweepRow row = entry->row;
+  SweepRow row = entry->direction->chain().row(entry->begin.number);
   try {
     row = co_await entry->direction->chain().find(lane, entry->begin, finding,
                                                   [this, &entry](const Vector& state) { hand_on(*entry, state); });
