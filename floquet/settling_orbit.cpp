@@ -94,20 +94,26 @@ std::optional<PeriodicOrbit> stable_orbit_of(Propagator& propagator, const std::
   ShootingOptions shooting;
   shooting.flow = propagator.options();
   shooting.max_halvings = few_halvings;
+  const HybridSystem& system = propagator.system();
+  const Vector& p = propagator.parameters();
   const auto shoot_from = [&](const std::vector<Vector>& guess) {
-    return shoot(propagator.system(), propagator.parameters(), guess, static_cast<int>(guess.size()), shooting);
+    return shoot(system, p, guess, static_cast<int>(guess.size()), shooting);
+  };
+  const auto in_front_of_barriers = [&](const std::vector<Vector>& guess) {
+    return std::all_of(guess.begin(), guess.end(), [&](const Vector& x) { return mode_at(system, 0.0, x, p).has_value(); });
   };
   PeriodicOrbit orbit = shoot_from(states);
   if (!orbit.converged())
     if (const auto half = between_halves(states, near_halves);
-        !half.empty() && growth_along(propagator, half) <= growth_at_doubling)
+        !half.empty() && in_front_of_barriers(half) && growth_along(propagator, half) <= growth_at_doubling)
       orbit = shoot_from(half);
   if (orbit.converged() && 2 * orbit.period == n && has_doubled(orbit.multipliers.values.front())) {
     const double mu = orbit.multipliers.values.front().real();
     const std::size_t three_times = 3 * orbit.states.size() + 1;
     const std::vector<Vector> motion = stroboscopic_states(propagator, states.front(), three_times);
     if (motion.size() == three_times)
-      if (const auto doubled = doubled_states(orbit.states, mu, motion); !doubled.empty()) orbit = shoot_from(doubled);
+      if (const auto doubled = doubled_states(orbit.states, mu, motion); !doubled.empty() && in_front_of_barriers(doubled))
+        orbit = shoot_from(doubled);
   }
   const double scale = 1.0 + state_size(states.front());
   const bool near = orbit.converged() && nearest_distance(orbit.states, states.front()) < 2.0 * worth_trying * scale;

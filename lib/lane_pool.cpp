@@ -105,6 +105,7 @@ void LanePool::clear(LanePlace& place) {
   if (place.own_parameters_) free_parameters_.push_back(*place.own_parameters_);
   place.own_parameters_.reset();
   place.hurries_ = false;
+  place.results_.clear();
 }
 
 /// Every other member to a pool that has none.
