@@ -351,3 +351,14 @@ TEST_CASE("orbits ahead begin where those before them do") {
     CHECK((orbit.states[1] - before.back()[1]).norm() < 0.3 * (orbit.states[0] - orbit.states[1]).norm());
   }
 }
+
+TEST_CASE("sweep: a guess of a doubled orbit that lies inside the barrier is none") {
+  // The 2/1 orbit has just doubled, and the motion is far from it.
+  const HybridSystem system = make_oscillator("cantilever", "newton");
+  const Vector p = parameters(system, {{"b", 0.026}, {"beta", 1.0285714}, {"xi", 0.08}, {"r", 0.079}, {"k_r", 1.0}});
+  SweepOptions options = coarse_averages(fine_sweep(0.498, 0.4985, SweepDirection::up));
+  options.step = 0.0005;
+  options.attractor.lyapunov.flow.kind = FlowKind::general;
+  options.attractor.lyapunov.flow.tolerance = 1e-10;
+  CHECK(sweep(system, p, Vector{{0.0, 0.0}}, options).size() == 2);
+}
