@@ -100,7 +100,7 @@ std::string z_label(int impacts, int period) { return "z = " + label(impacts, pe
 
 std::string z_label(int impacts, int isolated, int period) { return "z = " + label(impacts, isolated, period); }
 
-std::string z_label(const PeriodicOrbit& orbit) { return "z = " + label(orbit.impacts, orbit.isolated_impacts, orbit.period); }
+std::string z_label(const PeriodicOrbit& orbit) { return z_label(orbit.impacts, orbit.isolated_impacts, orbit.period); }
 
 std::string z_label_of(const Json& orbit) {
   const int impacts = orbit.at("impacts");

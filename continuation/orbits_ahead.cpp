@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/orbits_ahead.hpp>
 #include <graze/floquet/settling_orbit.hpp>
+#include <graze/floquet/state_distance.hpp>
 
 #include <algorithm>
 #include <limits>
@@ -20,7 +21,7 @@ States turned_to(const States& other, const States& states) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t first = 0; first < n; ++first) {
     double apart = 0.0;
-    for (std::size_t k = 0; k < n; ++k) apart = std::max(apart, (states[(first + k) % n] - other[k]).lpNorm<Eigen::Infinity>());
+    for (std::size_t k = 0; k < n; ++k) apart = std::max(apart, state_distance(states[(first + k) % n], other[k]));
     if (apart >= least) continue;
     least = apart;
     best.clear();
@@ -63,7 +64,7 @@ constexpr LanePatience patience{.max_halvings = 2};
 
 LaneGuess guess_of(std::size_t parameters, const States& guess) {
   LaneGuess out{parameters, {}};
-  for (const Vector& state : guess) out.states.push_back({state[0], state[1]});
+  for (const Vector& state : guess) out.states.push_back(pair_of(state));
   return out;
 }
 
@@ -79,8 +80,6 @@ LaneTask<> approach(LanePlace& lane, const HybridSystem& system, std::size_t par
   co_await lane.carry(reached.orbit.state, static_cast<std::size_t>(reached.orbit.period), &speeds);
   reached.impact_speeds = speeds.list();
 }
-
-Vector begin_of(const LaneOrbit& orbit) { return Vector{{orbit.states.front()[0], orbit.states.front()[1]}}; }
 
 }  // namespace
 
@@ -98,7 +97,7 @@ std::vector<OrbitAhead> orbits_ahead(const HybridSystem& system, const std::vect
   found.erase(missing, found.end());
   std::vector<OrbitAhead> reached(found.size());
   LanePool(many).run(found.size(), [&](std::size_t i, LanePlace& lane) {
-    const Vector from = i == 0 ? before.back().front() : begin_of(found[i - 1]);
+    const Vector from = i == 0 ? before.back().front() : vector_of(found[i - 1].states.front());
     return approach(lane, system, guesses[i].parameters, next[i], found[i], from, reached[i]);
   });
   const auto not_reached = [](const OrbitAhead& ahead) { return !ahead.orbit.converged(); };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/same_attractor.hpp>
+#include <graze/floquet/state_distance.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -22,13 +23,13 @@ constexpr double standard_errors = 5.0;
 double distance(const Vector& x, const States& states, std::size_t except) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < states.size(); ++k)
-    if (k != except) least = std::min(least, (states[k] - x).lpNorm<Eigen::Infinity>());
+    if (k != except) least = std::min(least, state_distance(states[k], x));
   return least;
 }
 
 double farthest(const States& from, const States& to) {
   double most = 0.0;
-  for (const Vector& x : from) most = std::max(most, distance(x, to, to.size()) / (1.0 + x.lpNorm<Eigen::Infinity>()));
+  for (const Vector& x : from) most = std::max(most, nearest_distance(to, x) / (1.0 + state_size(x)));
   return most;
 }
 

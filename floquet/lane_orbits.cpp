@@ -2,6 +2,7 @@
 #include <graze/floquet/cyclic_blocks.hpp>
 #include <graze/floquet/lane_orbits.hpp>
 #include <graze/floquet/log_product.hpp>
+#include <graze/floquet/state_distance.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -15,11 +16,9 @@ using Square = CyclicBlocks::Square;
 
 double size_of(const std::vector<Pair>& pairs) {
   double most = 0.0;
-  for (const Pair& pair : pairs) most = std::max({most, std::abs(pair[0]), std::abs(pair[1])});
+  for (const Pair& pair : pairs) most = std::max(most, state_size(pair));
   return most;
 }
-
-double between(const Pair& a, const Pair& b) { return std::max(std::abs(a[0] - b[0]), std::abs(a[1] - b[1])); }
 
 Square product(const Square& A, const Square& B) {
   return {A[0] * B[0] + A[1] * B[2], A[0] * B[1] + A[1] * B[3], A[2] * B[0] + A[3] * B[2], A[2] * B[1] + A[3] * B[3]};
@@ -184,9 +183,9 @@ std::vector<std::size_t> shorter_periods(const LaneOrbit& orbit) {
   std::vector<std::size_t> out;
   const std::size_t n = orbit.states.size();
   if (!orbit.converged) return out;
-  const double scale = 1.0 + std::max(std::abs(orbit.states[0][0]), std::abs(orbit.states[0][1]));
+  const double scale = 1.0 + state_size(orbit.states[0]);
   for (std::size_t d = 1; d <= n / 2; ++d)
-    if (n % d == 0 && between(orbit.states[d], orbit.states[0]) <= nearly * scale) out.push_back(d);
+    if (n % d == 0 && state_distance(orbit.states[d], orbit.states[0]) <= nearly * scale) out.push_back(d);
   return out;
 }
 
@@ -194,10 +193,10 @@ std::vector<std::size_t> shorter_periods(const LaneOrbit& orbit) {
 bool same(const LaneOrbit& shorter, const LaneOrbit& orbit) {
   if (!shorter.converged) return false;
   const auto times = static_cast<double>(orbit.states.size() / shorter.states.size());
-  const double scale = 1.0 + std::max(std::abs(orbit.states[0][0]), std::abs(orbit.states[0][1]));
+  const double scale = 1.0 + state_size(orbit.states[0]);
   double nearest = 1.0;
   for (const auto& mu : shorter.multipliers) nearest = std::min(nearest, std::abs(1.0 - std::pow(mu, times)));
-  return between(shorter.states[0], orbit.states[0]) < std::clamp(1e-12 / nearest, 1e-10, 1e-6) * scale;
+  return state_distance(shorter.states[0], orbit.states[0]) < std::clamp(1e-12 / nearest, 1e-10, 1e-6) * scale;
 }
 
 LaneTask<> shoot_to(LanePlace& lane, const LaneGuess& guess, LanePatience patience, LaneOrbit& orbit) {

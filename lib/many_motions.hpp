@@ -123,7 +123,7 @@ class ManyMotions {
   LaneWidth width_;
   std::optional<lanes::Law> law_;  ///< of all sets
   std::vector<OwnSet> sets_;       ///< those taken: null
-  std::vector<Going> going_;       // of carry(): they keep their memory from one call to the next
+  std::vector<Going> going_;       ///< of carry(): they keep their memory from one call to the next
   std::vector<lanes::Motion> motions_;
   std::vector<std::size_t> carried_each_;
   Transition transition_;

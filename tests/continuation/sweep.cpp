@@ -84,6 +84,7 @@ TEST_CASE("sweep: a row has the states and impacts of its orbit, and what descri
     INFO(row.value);
     CHECK(row.attractor.period == 2);
     REQUIRE(row.attractor.multipliers.size() == 2);
+    CHECK(std::abs(row.attractor.multipliers[0]) < 1.0);
     const PeriodicOrbit orbit = shoot(damped_hertz(), hertz_parameters(row.value), row.states, 2);
     REQUIRE(orbit.converged());
     for (std::size_t k = 0; k < 2; ++k) CHECK(std::abs(row.attractor.multipliers[k] - orbit.multipliers.values[k]) < 1e-7);

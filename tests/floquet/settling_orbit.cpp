@@ -34,15 +34,37 @@ Vector later(const Vector& state, int periods) {
   return settle(system_with_both(), with_both(), state, options).state;
 }
 
-/// What look_for_orbit_in_lanes says.
-std::optional<PeriodicOrbit> looked_in_lanes(const Vector& p, const Vector& start, int max_period, double nearness) {
+/// Where a motion of the damped Hertz oscillator is after so many periods.
+Vector settled(const Vector& p, const Vector& start, int periods) {
+  SettleOptions options;
+  options.periods = periods;
+  return settle(damped_hertz(), p, start, options).state;
+}
+
+/// Where it is a while after eta was changed from where it had settled.
+Vector after_change(double from, double to) {
+  return settled(hertz_parameters(to), settled(hertz_parameters(from), vector({0.0, 0.0}), 20000), 300);
+}
+
+constexpr int max_period = 8;
+constexpr double nearness = 2e-3;
+
+/// What each of the looks for an orbit says.
+std::vector<std::optional<PeriodicOrbit>> looked_for(const Vector& p, const Vector& start) {
+  Propagator propagator(damped_hertz(), p);
   ManyMotions many(damped_hertz(), {});
   SettlingLook look;
   LanePool(many).run(1, [&](std::size_t, LanePlace& lane) -> LaneTask<> {
     lane.take_parameters(p);
     look = co_await look_for_orbit_in_lanes(lane, damped_hertz(), p, start, max_period, nearness);
   });
-  return look.orbit;
+  return {orbit_of_close_returns(propagator, start, max_period, nearness), look.orbit,
+          settling_orbit(damped_hertz(), p, start, max_period)};
+}
+
+Returns returns_from(const Vector& p, const Vector& start) {
+  Propagator propagator(damped_hertz(), p);
+  return close_returns(propagator, start, max_period, nearness);
 }
 
 }  // namespace
@@ -79,30 +101,18 @@ TEST_CASE("motions that end, or whose tangents grow for long, are not worth a lo
 TEST_CASE("next to a period doubling a motion is known to settle on the orbit that doubles, from far off") {
   // The doubled orbit of eta = 0.9195 begins to shrink at 0.91955, just past the doubling at 0.919542643, where the multiplier of
   // the 1/1 orbit is -0.99993: that takes tens of thousands of periods.
-  SettleOptions longer;
-  longer.periods = 20000;
-  const Vector doubled = settle(damped_hertz(), hertz_parameters(0.9195), vector({0.0, 0.0}), longer).state;
-  const Vector p = hertz_parameters(0.91955);
-  SettleOptions transient;
-  transient.periods = 300;
-  const Vector start = settle(damped_hertz(), p, doubled, transient).state;
-  constexpr int max_period = 8;
-  constexpr double nearness = 2e-3;
-  Propagator propagator(damped_hertz(), p);
-  const Returns returns = close_returns(propagator, start, max_period, nearness);
+  const Vector p = hertz_parameters(0.91955), start = after_change(0.9195, 0.91955);
+  const Returns returns = returns_from(p, start);
   REQUIRE_FALSE(returns.periods.empty());
   CHECK(returns.periods.front() == 2);
 
-  const auto alone = orbit_of_close_returns(propagator, start, max_period, nearness);
-  const auto in_lanes = looked_in_lanes(p, start, max_period, nearness);
-  const auto patient = settling_orbit(damped_hertz(), p, start, max_period);
-  longer.periods = 60000;
-  const Vector late = settle(damped_hertz(), p, start, longer).state;
-  for (const auto& orbit : {alone, in_lanes, patient}) {
+  const auto orbits = looked_for(p, start);
+  const Vector late = settled(p, start, 60000);
+  for (const auto& orbit : orbits) {
     REQUIRE(orbit);
     CHECK(orbit->period == 1);
     CHECK(std::abs(orbit->multipliers.values.front()) == Approx(1.0 - 7.5e-5).margin(1e-6));
-    CHECK((orbit->state - alone->state).norm() < 1e-10);
+    CHECK((orbit->state - orbits.front()->state).norm() < 1e-10);
     // The free motion says the same, in its time.
     CHECK((start - orbit->state).norm() > 0.01);
     CHECK((late - orbit->state).norm() < 1e-3);
@@ -112,8 +122,8 @@ TEST_CASE("next to a period doubling a motion is known to settle on the orbit th
 TEST_CASE("between the halves of a doubled orbit there is none to settle on where the one that doubles is unstable") {
   const Vector p = hertz_parameters(0.9190);
   Propagator propagator(damped_hertz(), p);
-  const Vector settled = settle(damped_hertz(), p, vector({0.0, 0.0}), {.periods = 3000}).state;
-  const auto orbit = orbit_of_close_returns(propagator, settled, 8, 2e-3);
+  const Vector start = settled(p, vector({0.0, 0.0}), 3000);
+  const auto orbit = orbit_of_close_returns(propagator, start, max_period, nearness);
   REQUIRE(orbit);
   CHECK(orbit->period == 2);
 }
@@ -121,26 +131,15 @@ TEST_CASE("between the halves of a doubled orbit there is none to settle on wher
 TEST_CASE("behind a period doubling a motion is known to settle on the doubled orbit, from far off") {
   // The doubled orbit of eta = 0.9194 shrinks to that of 0.9195, where the 1/1 orbit (multiplier -1.0004) is unstable since
   // 0.919542643: Newton's method comes to that one.
-  SettleOptions longer;
-  longer.periods = 20000;
-  const Vector wider = settle(damped_hertz(), hertz_parameters(0.9194), vector({0.0, 0.0}), longer).state;
-  const Vector p = hertz_parameters(0.9195);
-  SettleOptions transient;
-  transient.periods = 300;
-  const Vector start = settle(damped_hertz(), p, wider, transient).state;
-  constexpr int max_period = 8;
-  constexpr double nearness = 2e-3;
-  Propagator propagator(damped_hertz(), p);
-  const Returns returns = close_returns(propagator, start, max_period, nearness);
+  const Vector p = hertz_parameters(0.9195), start = after_change(0.9194, 0.9195);
+  const Returns returns = returns_from(p, start);
   REQUIRE_FALSE(returns.periods.empty());
   REQUIRE(returns.periods.front() == 2);
   const PeriodicOrbit by_newton = shoot(damped_hertz(), p, std::vector<Vector>{returns.states[0], returns.states[1]}, 2);
   CHECK((!by_newton.converged() || by_newton.period == 1));
 
-  const Vector late = settle(damped_hertz(), p, start, longer).state;
-  for (const auto& orbit :
-       {orbit_of_close_returns(propagator, start, max_period, nearness), looked_in_lanes(p, start, max_period, nearness),
-        settling_orbit(damped_hertz(), p, start, max_period)}) {
+  const Vector late = settled(p, start, 20000);
+  for (const auto& orbit : looked_for(p, start)) {
     REQUIRE(orbit);
     CHECK(orbit->period == 2);
     CHECK(orbit->stable());
