@@ -9,6 +9,7 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace graze::apps {
 
@@ -48,15 +49,22 @@ Json spectrum_json(const LyapunovSpectrum& spectrum) {
           {"stop", lyapunov_stop_text(spectrum.stop)}};
 }
 
+void write_attractor(const Attractor& attractor, JsonText& json) {
+  const auto if_periodic = [&](int count) { return attractor.period > 0 ? std::optional(count) : std::nullopt; };
+  json.begin_object();
+  json.member("type", attractor_type_name(attractor.type));
+  json.member("period", if_periodic(attractor.period));
+  json.member("impacts", if_periodic(attractor.impacts));
+  json.member("state", attractor.state);
+  if (!attractor.multipliers.empty()) {
+    write_sticking(attractor.impacts, attractor.isolated_impacts, json);
+    json.member("multipliers", attractor.multipliers);
+  }
+  json.end_object();
+}
+
 Json attractor_json(const Attractor& attractor) {
-  Json out = {{"type", attractor_type_name(attractor.type)},
-              {"period", attractor.period > 0 ? Json(attractor.period) : Json(nullptr)},
-              {"impacts", attractor.period > 0 ? Json(attractor.impacts) : Json(nullptr)},
-              {"state", to_json(attractor.state)}};
-  if (attractor.multipliers.empty()) return out;
-  add_sticking(out, attractor.impacts, attractor.isolated_impacts);
-  out["multipliers"] = to_json(attractor.multipliers);
-  return out;
+  return tree_of([&](JsonText& json) { write_attractor(attractor, json); });
 }
 
 Attractor attractor_of(const Json& json) {

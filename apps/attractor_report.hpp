@@ -3,6 +3,7 @@
 #pragma once
 
 #include <graze/apps/json.hpp>
+#include <graze/apps/json_text.hpp>
 
 #include <graze/floquet/attractor.hpp>
 
@@ -25,6 +26,7 @@ Json spectrum_json(const LyapunovSpectrum& spectrum);
 
 /// "attractor" in graze.lyapunov/1, graze.sweep/1 and graze.attractors/1.
 Json attractor_json(const Attractor& attractor);
+void write_attractor(const Attractor& attractor, JsonText& json);
 /// What of it stands there, read back.
 Attractor attractor_of(const Json& json);
 

@@ -1,13 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/json.hpp>
 #include <graze/apps/json_layout.hpp>
-#include <graze/apps/side_by_side_text.hpp>
+#include <graze/apps/long_text.hpp>
 #include <graze/apps/version.hpp>
 
 #include <algorithm>
 #include <stdexcept>
 
 namespace graze::apps {
+
+namespace {
+
+std::string text_of(const LongList& list, std::size_t k) {
+  std::string text;
+  list.item(k, text);
+  return text;
+}
+
+}  // namespace
 
 void reserve_members(Json& object, std::size_t count) { object.get_ref<Json::object_t&>().reserve(count); }
 
@@ -36,11 +46,11 @@ std::string pretty(const Json& json) {
   return out;
 }
 
-std::string pretty(const Json& json, const LongList& list, int threads) {
+void pretty(const Json& json, const LongList& list, int threads, const TextSink& sink) {
   // As many empty objects might stand on one line; of more, each has lines of its own.
   constexpr std::size_t short_lists = json_line_width / 3;
-  if (!list.name.empty() && list.size <= short_lists) return pretty(with_items(json, list, threads), {}, threads);
-  if (!json.is_object() || json.empty()) return pretty(json);
+  if (!list.name.empty() && list.size <= short_lists) return pretty(with_items(json, list, threads), {}, threads, sink);
+  if (!json.is_object() || json.empty()) return sink(pretty(json));
   std::string out = "{";
   const char* separator = "\n  ";
   for (const auto& [name, value] : json.items()) {
@@ -54,22 +64,21 @@ std::string pretty(const Json& json, const LongList& list, int threads) {
       lay_out(here.dump(), 2, out);
       continue;
     }
-    out += "[";
-    append_items(threads, listed ? list.size : here.size(), out, [&](std::size_t k, std::string& text) {
+    sink(out + "[");
+    hand_on_items(threads, listed ? list.size : here.size(), sink, [&](std::size_t k, std::string& text) {
       text += k == 0 ? "\n    " : ",\n    ";
-      lay_out(listed ? list.item(k).dump() : here[k].dump(), 4, text);
+      lay_out(listed ? text_of(list, k) : here[k].dump(), 4, text);
     });
-    out += "\n  ]";
+    out = "\n  ]";
   }
-  out += "\n}\n";
-  return out;
+  sink(out + "\n}\n");
 }
 
 Json with_items(const Json& json, const LongList& list, int threads) {
   Json out = json;
   if (list.name.empty()) return out;
   Json& items = out[list.name] = Json::array_t(list.size);
-  on_threads(threads, list.size, [&](std::size_t k) { items[k] = list.item(k); });
+  on_threads(threads, list.size, [&](std::size_t k) { items[k] = Json::parse(text_of(list, k)); });
   return out;
 }
 

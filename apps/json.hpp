@@ -5,6 +5,7 @@
 //     "message".
 #pragma once
 
+#include <graze/apps/long_text.hpp>
 #include <graze/apps/problem.hpp>
 
 #include <nlohmann/json.hpp>
@@ -22,11 +23,12 @@ Json to_json(const Vector& vector);
 Vector vector_from(const Json& json);  ///< the inverse
 Json to_json(const std::vector<std::complex<double>>& values);
 
-/// A member of a result that is a list of objects, too long to be kept as JSON, too: `json` has null in its place.
+/// A member of a result that is a list of objects, too long to be kept as JSON, too: the result has null in its place.
 struct LongList {
   std::string name;  ///< of the member; empty: there is none
   std::size_t size = 0;
-  std::function<Json(std::size_t)> item = {};  ///< called by several threads
+  /// Appends the item's text, as Json::dump() writes it. Called by several threads.
+  std::function<void(std::size_t, std::string&)> item = {};
 };
 
 /// Room for so many members: an object that grows copies all that it has.
@@ -35,7 +37,7 @@ void reserve_members(Json& object, std::size_t count);
 /// Indented; what fits stands on one line.
 std::string pretty(const Json& json);
 /// With the items of the list. The text of long lists is made on so many threads.
-std::string pretty(const Json& json, const LongList& list, int threads);
+void pretty(const Json& json, const LongList& list, int threads, const TextSink& sink);
 
 /// The whole as JSON.
 Json with_items(const Json& json, const LongList& list, int threads);

@@ -113,6 +113,12 @@ void add_sticking(Json& out, int impacts, int isolated) {
   out["isolated_impacts"] = isolated;
 }
 
+void write_sticking(int impacts, int isolated, JsonText& json) {
+  if (isolated >= impacts) return;
+  json.member("sticking", true);
+  json.member("isolated_impacts", isolated);
+}
+
 Json multipliers_json(const FloquetMultipliers& multipliers) {
   return multipliers.valid ? to_json(multipliers.values) : Json::array();
 }

@@ -3,7 +3,7 @@
 // orbits.
 #pragma once
 
-#include <graze/apps/json.hpp>
+#include <graze/apps/json_text.hpp>
 #include <graze/apps/table.hpp>
 
 #include <graze/floquet/periodic_orbit.hpp>
@@ -34,6 +34,7 @@ std::string z_label(const PeriodicOrbit& orbit);
 std::string z_label_of(const Json& orbit);  ///< of an orbit, a special point or a periodic attractor as a result has it
 /// "sticking": true and "isolated_impacts" (those outside complete chatters), for an orbit that sticks.
 void add_sticking(Json& out, int impacts, int isolated);
+void write_sticking(int impacts, int isolated, JsonText& json);
 
 Json multipliers_json(const FloquetMultipliers& multipliers);
 Json exponents_json(const FloquetMultipliers& multipliers);

@@ -13,6 +13,7 @@
 #include <cstring>
 #include <filesystem>
 #include <stdexcept>
+#include <utility>
 
 namespace graze::apps {
 
@@ -83,6 +84,53 @@ int try_temporary(const fs::path& path) {
   return 0;
 }
 
+struct CannotWrite {
+  Errno error;
+};
+
+/// A file while it is being written.
+class WholeFile {
+ public:
+  explicit WholeFile(const std::string& file) : path_(resolved(file)), special_(is_special(path_)) {}
+  WholeFile(const WholeFile&) = delete;
+  WholeFile& operator=(const WholeFile&) = delete;
+  ~WholeFile() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+    if (!temporary_.empty()) ::unlink(temporary_.c_str());
+  }
+
+  /// Opens it at the first piece. @throws CannotWrite, like finish().
+  void write(std::string_view piece) {
+    open();
+    if (const Errno error = write_all(descriptor_, piece)) throw CannotWrite{error};
+  }
+
+  /// It takes the place of what was there.
+  void finish() {
+    open();
+    // A pipe or a terminal cannot be synchronised (EINVAL), and need not be.
+    if (::fsync(descriptor_) != 0 && !special_) throw CannotWrite{errno};
+    if (::close(std::exchange(descriptor_, -1)) != 0) throw CannotWrite{errno};
+    if (!special_ && ::rename(temporary_.c_str(), path_.c_str()) != 0) throw CannotWrite{errno};
+    temporary_.clear();
+  }
+
+ private:
+  void open() {
+    if (descriptor_ >= 0) return;
+    descriptor_ = special_ ? ::open(path_.c_str(), O_WRONLY | O_CLOEXEC) : open_temporary(path_, temporary_);
+    if (descriptor_ >= 0) return;
+    const Errno error = errno;
+    temporary_.clear();  // there is none
+    throw CannotWrite{error};
+  }
+
+  fs::path path_;
+  bool special_;
+  std::string temporary_;
+  int descriptor_ = -1;
+};
+
 }  // namespace
 
 bool is_special(const std::string& file) {
@@ -144,20 +192,17 @@ void check_regular(const std::string& option, const std::string& file) {
         fmt::format("{} {}: this is a device, a pipe or a folder; give the name of a file, new or to be replaced", option, file));
 }
 
+std::optional<std::string> write_whole(const std::string& file, const LongText& content) try {
+  WholeFile whole(file);
+  content([&whole](std::string_view piece) { whole.write(piece); });
+  whole.finish();
+  return std::nullopt;
+} catch (const CannotWrite& failure) {
+  return cannot_write(file, failure.error);
+}
+
 std::optional<std::string> write_whole(const std::string& file, std::string_view content) {
-  const fs::path path = resolved(file);
-  const bool special = is_special(path);
-  std::string temporary;
-  const int descriptor = special ? ::open(path.c_str(), O_WRONLY | O_CLOEXEC) : open_temporary(path, temporary);
-  if (descriptor < 0) return cannot_write(file, errno);
-  Errno error = write_all(descriptor, content);
-  // A pipe or a terminal cannot be synchronised (EINVAL), and need not be.
-  if (!error && ::fsync(descriptor) != 0 && !special) error = errno;
-  if (::close(descriptor) != 0 && !error) error = errno;
-  if (!error && !special && ::rename(temporary.c_str(), path.c_str()) != 0) error = errno;
-  if (!error) return std::nullopt;
-  if (!special) ::unlink(temporary.c_str());
-  return cannot_write(file, error);
+  return write_whole(file, [content](const TextSink& sink) { sink(content); });
 }
 
 void remove_unfinished(const std::string& folder, const std::string& command) {

@@ -3,6 +3,8 @@
 // regular file (/dev/stdout, a pipe) is written to directly.
 #pragma once
 
+#include <graze/apps/long_text.hpp>
+
 #include <optional>
 #include <string>
 #include <string_view>
@@ -34,7 +36,9 @@ bool is_special(const std::string& file);
 /// @throws std::invalid_argument if something that is no regular file is there.
 void check_regular(const std::string& option, const std::string& file);
 
-/// Writes `content`. nullopt: done; else one sentence why not, and what was there before is still there.
+/// Writes `content`. nullopt: done; else one sentence why not, and what was there before is still there; as it is if `content`
+/// throws.
+std::optional<std::string> write_whole(const std::string& file, const LongText& content);
 std::optional<std::string> write_whole(const std::string& file, std::string_view content);
 
 /// Removes what write_whole was writing into a folder for a command (its files are COMMAND.* and COMMAND-*) when it was killed.

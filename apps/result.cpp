@@ -23,7 +23,7 @@ constexpr const char* folder_format = "png";
 
 struct OutputFile {
   std::string file;
-  std::function<std::string()> content;
+  LongText content;
 };
 
 /// The files that get the JSON.
@@ -34,20 +34,23 @@ std::vector<std::string> json_files(const OutputOptions& options, const std::str
   return list;
 }
 
-std::string table_text(const Result& result) { return result.csv ? result.csv() : csv(result.table); }
+void write_table(const Result& result, const TextSink& sink) {
+  if (result.csv) return result.csv(sink);
+  sink(csv(result.table));
+}
 
 /// Files to be written, each with what goes into it. Pictures come last: who is told to end has a while for it, and not for ever.
 std::vector<OutputFile> files(const Result& result, const OutputOptions& options, const std::string& command, int threads) {
   std::vector<OutputFile> list;
-  const auto table = [&result] { return table_text(result); };
+  const auto table = [&result](const TextSink& sink) { write_table(result, sink); };
   std::shared_ptr<const Json> whole(std::shared_ptr<const Json>(), &result.json);
   if (!result.list.name.empty() && (!options.plot.empty() || !options.out.empty()))
     whole = std::make_shared<const Json>(with_items(result.json, result.list, threads));
   const auto picture = [whole](const std::string& file, const std::string& kind) {
-    return [whole, file, kind] { return draw(picture_of(*whole, kind), ending(file)); };
+    return [whole, file, kind](const TextSink& sink) { sink(draw(picture_of(*whole, kind), ending(file))); };
   };
   for (const std::string& file : json_files(options, command))
-    list.push_back({file, [&result, threads] { return pretty(result.json, result.list, threads); }});
+    list.push_back({file, [&result, threads](const TextSink& sink) { pretty(result.json, result.list, threads, sink); }});
   if (!options.csv.empty() && options.csv != "-") list.push_back({options.csv, table});
   if (!options.out.empty()) list.push_back({fmt::format("{}/{}.csv", options.out, command), table});
   if (!options.plot.empty()) list.push_back({options.plot, picture(options.plot, options.plot_kind)});
@@ -108,7 +111,8 @@ void keep(const Json& part, const OutputOptions& options, const std::string& com
           const LongList& list) {
   for (const std::string& file : json_files(options, command)) {
     if (is_special(file)) continue;  // a pipe gets one result
-    if (const auto failure = write_whole(file, pretty(part, list, console.thread_count())))
+    const auto text = [&](const TextSink& sink) { pretty(part, list, console.thread_count(), sink); };
+    if (const auto failure = write_whole(file, text))
       console.err << "graze " << command << ": " << *failure << "\n";
   }
 }
@@ -127,7 +131,7 @@ int deliver(const Result& result, const OutputOptions& options, const std::strin
   // Files first: if stdout is a pipe that closes early, they are there.
   for (const OutputFile& output : files(result, options, command, console.thread_count())) {
     try {
-      if (const auto failure = write_whole(output.file, output.content())) complain(*failure);
+      if (const auto failure = write_whole(output.file, output.content)) complain(*failure);
     } catch (const Interrupted& error) {
       complain(fmt::format("{}: {}", output.file, error.what()));
       code = 130;
@@ -135,11 +139,15 @@ int deliver(const Result& result, const OutputOptions& options, const std::strin
       complain(fmt::format("{}: {}", output.file, error.what()));
     }
   }
-  const std::string text = options.json == "-"  ? pretty(result.json, result.list, console.thread_count())
-                           : options.csv == "-" ? table_text(result)
-                                                : result.text;
   errno = 0;
-  console.out << text << std::flush;
+  const TextSink out = [&console](std::string_view piece) { console.out << piece; };
+  if (options.json == "-")
+    pretty(result.json, result.list, console.thread_count(), out);
+  else if (options.csv == "-")
+    write_table(result, out);
+  else
+    out(result.text);
+  console.out << std::flush;
   if (!console.out) complain(cannot_write_stdout(errno));
   return complete || code != 0 ? code : 2;
 }

@@ -20,7 +20,7 @@ struct Result {  // NOLINT(bugprone-exception-escape): of nlohmann's move constr
   Json json;
   LongList list = {};                     ///< one of its members
   Table table;                            ///< for --csv
-  std::function<std::string()> csv = {};  ///< its text, where it is too long to be a Table
+  LongText csv = {};                      ///< its text, where it is too long to be a Table
   std::string text;                       ///< for people
 };
 

@@ -3,7 +3,7 @@
 #include <graze/apps/cascades.hpp>
 #include <graze/apps/number.hpp>
 #include <graze/apps/orbit_report.hpp>
-#include <graze/apps/side_by_side_text.hpp>
+#include <graze/apps/long_text.hpp>
 #include <graze/apps/skeleton_report.hpp>
 
 #include <fmt/format.h>

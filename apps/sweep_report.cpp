@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/attractor_report.hpp>
 #include <graze/apps/branch_reading.hpp>
+#include <graze/apps/json_text.hpp>
 #include <graze/apps/number.hpp>
 #include <graze/apps/orbit_report.hpp>
-#include <graze/apps/side_by_side_text.hpp>
 #include <graze/apps/sweep_report.hpp>
 
 #include <fmt/format.h>
@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <iterator>
 #include <limits>
+#include <tuple>
 
 namespace graze::apps {
 
@@ -32,23 +33,30 @@ SweepRow row_of(const Json& json) {
 
 }  // namespace
 
-Json row_json(const SweepRow& row) {
-  Json json = {{"value", row.value},
-               {"direction", sweep_direction_name(row.direction)},
-               {"attractor", attractor_json(row.attractor)},
-               {"exponents", numbers_json(row.attractor.exponents)},
-               {"standard_errors", numbers_json(row.attractor.standard_errors)},
-               {"periods", row.attractor.time_average.periods},
-               {"end", to_json(row.end)}};
-  json["states"] = Json::array();
-  for (const Vector& state : row.states) json["states"].push_back(to_json(state));
-  json["impact_speeds"] = row.impact_speeds;
-  return json;
+void write_row(const SweepRow& row, std::string& out) {
+  JsonText json(out);
+  json.begin_object();
+  json.member("value", row.value);
+  json.member("direction", sweep_direction_name(row.direction));
+  json.key("attractor");
+  write_attractor(row.attractor, json);
+  json.member("exponents", row.attractor.exponents);
+  json.member("standard_errors", row.attractor.standard_errors);
+  json.member("periods", row.attractor.time_average.periods);
+  json.member("end", row.end);
+  json.member("states", row.states);
+  json.member("impact_speeds", row.impact_speeds);
+  json.end_object();
 }
 
 Json rows_json(const std::vector<SweepRow>& rows) {
   Json list = Json::array();
-  for (const SweepRow& row : rows) list.push_back(row_json(row));
+  std::string text;
+  for (const SweepRow& row : rows) {
+    text.clear();
+    write_row(row, text);
+    list.push_back(Json::parse(text));
+  }
   return list;
 }
 
@@ -58,29 +66,38 @@ std::vector<SweepRow> rows_from(const Json& rows) {
   return list;
 }
 
+namespace {
+
+/// attractor_name, without a text for each.
+bool of_same_name(const Attractor& a, const Attractor& b) {
+  const auto what = [](const Attractor& x) { return std::tuple(x.type, x.period, x.impacts, x.isolated_impacts); };
+  return a.type != AttractorType::periodic ? a.type == b.type : what(a) == what(b);
+}
+
+}  // namespace
+
 Table sweep_overview(const std::vector<SweepRow>& rows, const std::string& parameter) {
   Table table{{"direction", parameter + " from", "to", "attractor", "values", "largest exponent from", "to"}, {}};
   for (std::size_t i = 0; i < rows.size();) {
-    const std::string name = attractor_name(rows[i].attractor);
+    const Attractor& attractor = rows[i].attractor;
     std::size_t end = i;
     double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (; end < rows.size() && rows[end].direction == rows[i].direction && attractor_name(rows[end].attractor) == name; ++end) {
+    for (; end < rows.size() && rows[end].direction == rows[i].direction && of_same_name(rows[end].attractor, attractor); ++end) {
       if (rows[end].attractor.exponents.empty()) continue;
       low = std::min(low, rows[end].attractor.exponents[0]);
       high = std::max(high, rows[end].attractor.exponents[0]);
     }
     table.rows.push_back({std::string(sweep_direction_name(rows[i].direction)), rounded(rows[i].value, 7),
-                          rounded(rows[end - 1].value, 7), name, std::to_string(end - i),
+                          rounded(rows[end - 1].value, 7), attractor_name(attractor), std::to_string(end - i),
                           low <= high ? exponent_text(low, 4) : "-", low <= high ? exponent_text(high, 4) : "-"});
     i = end;
   }
   return table;
 }
 
-std::string samples_csv(const std::vector<SweepRow>& rows, const std::string& parameter, int threads) {
-  std::string text =
-      csv(Table{{parameter, "direction", "attractor", "period", "impacts", "exponent1", "exponent2", "x", "v"}, {}});
-  append_items(threads, rows.size(), text, [&](std::size_t k, std::string& lines) {
+void samples_csv(const std::vector<SweepRow>& rows, const std::string& parameter, int threads, const TextSink& sink) {
+  sink(csv(Table{{parameter, "direction", "attractor", "period", "impacts", "exponent1", "exponent2", "x", "v"}, {}}));
+  hand_on_items(threads, rows.size(), sink, [&](std::size_t k, std::string& lines) {
     const SweepRow& row = rows[k];
     const Attractor& attractor = row.attractor;
     std::string begin =
@@ -89,7 +106,6 @@ std::string samples_csv(const std::vector<SweepRow>& rows, const std::string& pa
     for (std::size_t i = 0; i < 2; ++i) begin += "," + (i < attractor.exponents.size() ? exact(attractor.exponents[i]) : "");
     for (const Vector& state : row.states) fmt::format_to(std::back_inserter(lines), "{},{},{}\n", begin, state[0], state[1]);
   });
-  return text;
 }
 
 std::vector<ChaoticWindow> chaotic_windows(const std::vector<SweepRow>& rows) {

@@ -13,7 +13,8 @@
 
 namespace graze::apps {
 
-Json row_json(const SweepRow& row);
+/// Appends a row as the text of its JSON (JsonText).
+void write_row(const SweepRow& row, std::string& out);
 Json rows_json(const std::vector<SweepRow>& rows);
 
 /// The inverse, as far as a sweep can go on from it and the rows are written again: of orbits state, label and multipliers, of
@@ -25,7 +26,7 @@ std::vector<SweepRow> rows_from(const Json& rows);
 Table sweep_overview(const std::vector<SweepRow>& rows, const std::string& parameter);
 
 /// As CSV: one line per stroboscopic state; made on so many threads.
-std::string samples_csv(const std::vector<SweepRow>& rows, const std::string& parameter, int threads);
+void samples_csv(const std::vector<SweepRow>& rows, const std::string& parameter, int threads, const TextSink& sink);
 
 /// Neighbouring values of one direction at which the attractor is chaotic, and the largest exponent there.
 struct ChaoticWindow {

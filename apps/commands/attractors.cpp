@@ -10,7 +10,6 @@
 #include <graze/apps/number.hpp>
 #include <graze/apps/progress.hpp>
 #include <graze/apps/result.hpp>
-#include <graze/apps/side_by_side_text.hpp>
 #include <graze/apps/stints.hpp>
 
 #include <graze/floquet/basins.hpp>
@@ -197,7 +196,7 @@ Basins earlier_basins(const Json& earlier, const std::string& folder, const Json
   return basins;
 }
 
-std::string starts_csv(const std::vector<Vector>& starts, const Basins& basins, int threads) {
+void starts_csv(const std::vector<Vector>& starts, const Basins& basins, int threads, const TextSink& sink) {
   std::vector<std::string> ends;  // of lines, by attractor
   for (std::size_t i = 0; i < basins.attractors.size(); ++i) {
     const Attractor& attractor = basins.attractors[i].attractor;
@@ -205,8 +204,8 @@ std::string starts_csv(const std::vector<Vector>& starts, const Basins& basins, 
     ends.push_back(fmt::format("{},{},{}", i + 1, attractor_type_name(attractor.type),
                                periodic ? fmt::format("{},{}", attractor.period, attractor.impacts) : ","));
   }
-  std::string text = csv(Table{{"x", "v", "attractor", "type", "period", "impacts"}, {}});
-  append_items(threads, starts.size(), text, [&](std::size_t k, std::string& lines) {
+  sink(csv(Table{{"x", "v", "attractor", "type", "period", "impacts"}, {}}));
+  hand_on_items(threads, starts.size(), sink, [&](std::size_t k, std::string& lines) {
     const StartOutcome& outcome = basins.outcomes[k];
     const char* other = outcome.fate == Fate::inadmissible ? ",beyond the barrier,,"
                         : outcome.fate == Fate::lost       ? ",lost,,"
@@ -214,7 +213,6 @@ std::string starts_csv(const std::vector<Vector>& starts, const Basins& basins, 
     fmt::format_to(std::back_inserter(lines), "{},{},{}\n", starts[k][0], starts[k][1],
                    outcome.fate == Fate::reached ? ends[outcome.attractor].c_str() : other);
   });
-  return text;
 }
 
 std::string overview(const Basins& basins) {
@@ -319,7 +317,7 @@ int run(const Options& given, const Console& console) {
     message = "no motion could be carried on";
   }
   result.json = with_basins(status, message);
-  result.csv = [&] { return starts_csv(starts, basins, console.thread_count()); };
+  result.csv = [&](const TextSink& sink) { starts_csv(starts, basins, console.thread_count(), sink); };
   result.text = describe(problem) + "\n\n" + (basins.attractors.empty() ? message + "\n" : overview(basins));
   if (status != Status::done) console.err << "graze attractors: " << message << how_to_go_on(status, options.output) << "\n";
   return deliver(result, options.output, "attractors", exit_code(status), console);

@@ -76,7 +76,8 @@ int run(const Options& given, const Console& console) {
     return json;
   };
   const auto rows_of = [](const Swept& swept) {
-    return LongList{"rows", swept.rows.size(), [&rows = swept.rows](std::size_t k) { return row_json(rows[k]); }};
+    return LongList{"rows", swept.rows.size(),
+                    [&rows = swept.rows](std::size_t k, std::string& text) { write_row(rows[k], text); }};
   };
   const KeepingRows keeping{keeping_stints(options.output), [&](const Swept& swept) {
                               keep(with_status(swept), options.output, "sweep", console, rows_of(swept));
@@ -84,7 +85,7 @@ int run(const Options& given, const Console& console) {
   const Swept swept = carry_out_sweeps(problem, options.start, range, options.sweeping, console, so_far, keeping);
   result.json = with_status(swept);
   result.list = rows_of(swept);
-  result.csv = [&] { return samples_csv(swept.rows, options.parameter, console.thread_count()); };
+  result.csv = [&](const TextSink& sink) { samples_csv(swept.rows, options.parameter, console.thread_count(), sink); };
   result.text = describe(problem, options.parameter) + "\n\n" + aligned(sweep_overview(swept.rows, options.parameter));
   if (swept.status != Status::done)
     console.err << "graze sweep: " << swept.message << how_to_go_on(swept.status, options.output) << "\n";

@@ -75,14 +75,18 @@ TEST_CASE("what fits stands on one line of JSON, and so do numbers and texts wit
 
 TEST_CASE("a list that is written item by item is the same text, on any number of threads") {
   for (const std::size_t size : {0U, 1U, 36U, 37U, 500U}) {
-    const LongList list{"list", size, [](std::size_t k) {
-                          return k % 3 == 0 ? Json::object() : Json{{"k", k}, {"numbers", std::vector<double>(k, 0.1)}};
+    const LongList list{"list", size, [](std::size_t k, std::string& text) {
+                          text += (k % 3 == 0 ? Json::object() : Json{{"k", k}, {"numbers", std::vector<double>(k, 0.1)}}).dump();
                         }};
     const Json head = {{"before", 1}, {"list", nullptr}, {"after", {{"x", 2}}}};
     for (const int threads : {1, 3}) {
-      CHECK(with_items(head, list, threads)["list"].size() == size);
-      CHECK(pretty(head, list, threads) == pretty(with_items(head, list, 1)));
-      CHECK(pretty(with_items(head, list, 1), {}, threads) == pretty(with_items(head, list, 1)));
+      const auto text_of = [threads](const Json& json, const LongList& items) {
+        return whole_text([&](const TextSink& sink) { pretty(json, items, threads, sink); });
+      };
+      const Json whole = with_items(head, list, threads);
+      CHECK(whole["list"].size() == size);
+      CHECK(text_of(head, list) == pretty(whole));
+      CHECK(text_of(whole, {}) == pretty(whole));
     }
   }
 }
