@@ -12,7 +12,9 @@ namespace graze::apps {
 namespace {
 
 std::string text_of(const LongList& list, std::size_t k) {
+  constexpr std::size_t usual = 1024;
   std::string text;
+  text.reserve(usual);
   list.item(k, text);
   return text;
 }
