@@ -64,13 +64,13 @@ void SweepWork::work() try {
 } catch (...) {
   const std::lock_guard lock(mutex_);
   failed_ = true;
-  news_.notify_all();
+  tell_news();
   throw;
 }
 
 /// What is begun next by a thread that carries so many rows. It waits if it has nothing to do.
 std::shared_ptr<SweepWork::Entry> SweepWork::draw(std::size_t carried) {
-  std::unique_lock lock(mutex_);
+  Lock lock(mutex_);
   for (;;) {
     if (carried >= rows_of_a_thread_) return nullptr;
     if (cancelled() || (carried == 0 && exchange_.has_some())) return nullptr;
@@ -91,7 +91,7 @@ std::shared_ptr<SweepWork::Entry> SweepWork::draw(std::size_t carried) {
 }
 
 /// A row that was begun; null: it is known already; none: nothing can be begun.
-std::optional<std::shared_ptr<SweepWork::Entry>> SweepWork::go_on(std::size_t carried, std::unique_lock<std::mutex>& lock) {
+std::optional<std::shared_ptr<SweepWork::Entry>> SweepWork::go_on(std::size_t carried, Lock& lock) {
   for (SweepStretches& direction : directions_)
     if (const auto stretch = direction.next(2 * carried < rows_of_a_thread_)) return next_row(direction, *stretch, lock);
   for (SweepStretches& direction : directions_)
@@ -103,7 +103,7 @@ std::optional<std::shared_ptr<SweepWork::Entry>> SweepWork::go_on(std::size_t ca
 }
 
 /// For the orbits of the next rows. False: rows were taken back meanwhile.
-bool SweepWork::look_ahead(SweepStretches& direction, Stretch& stretch, std::unique_lock<std::mutex>& lock) {
+bool SweepWork::look_ahead(SweepStretches& direction, Stretch& stretch, Lock& lock) {
   const std::size_t number = stretch.next(), taken_back = stretch.taken_back;
   const std::vector<std::vector<Vector>> before = direction.orbits_before(stretch);
   stretch.looks_ahead = true;
@@ -111,15 +111,14 @@ bool SweepWork::look_ahead(SweepStretches& direction, Stretch& stretch, std::uni
   SweepChain::Block ahead = direction.chain().look_ahead(number, before);  // should it throw, nothing goes on (work())
   lock.lock();
   stretch.looks_ahead = false;
-  news_.notify_all();
+  tell_news();
   if (stretch.taken_back != taken_back) return false;
   stretch.ahead = std::move(ahead);
   return true;
 }
 
 /// The next row, to be found; null: it is known already.
-std::shared_ptr<SweepWork::Entry> SweepWork::next_row(SweepStretches& direction, Stretch& stretch,
-                                                      std::unique_lock<std::mutex>& lock) {
+std::shared_ptr<SweepWork::Entry> SweepWork::next_row(SweepStretches& direction, Stretch& stretch, Lock& lock) {
   const std::size_t number = stretch.next();
   std::optional<SweepRow> known;
   if (!stretch.last() || stretch.last()->done) {
@@ -129,7 +128,7 @@ std::shared_ptr<SweepWork::Entry> SweepWork::next_row(SweepStretches& direction,
   auto entry = direction.add(stretch, std::move(known));
   if (entry->done) {
     tell(direction.chain().value(number));
-    news_.notify_all();
+    tell_news();
     return nullptr;
   }
   ++begun_;
@@ -148,18 +147,23 @@ LaneTask<> SweepWork::find(LanePlace& lane, std::shared_ptr<Entry> entry) {
   finish(*entry, std::move(row));
 }
 
+/// There may be something to do for who waits.
+void SweepWork::tell_news() {
+  if (idle_ > 0) news_.notify_all();
+}
+
 /// Of a row that was begun: the next one may be.
 void SweepWork::hand_on(Entry& entry, const Vector& state) {
   const std::lock_guard lock(mutex_);
   if (cancelled()) return;
   entry.direction->hand_on(entry, state);
-  news_.notify_all();
+  tell_news();
 }
 
 void SweepWork::finish(Entry& entry, SweepRow row) {
   const std::lock_guard lock(mutex_);
   --begun_;
-  news_.notify_all();
+  tell_news();
   // (What cut it short need not have left a trace.)
   const Attractor& attractor = row.attractor;
   const bool broken = attractor.type != AttractorType::periodic && (broken_off(attractor.time_average.stop) || cancelled());

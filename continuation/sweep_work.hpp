@@ -7,6 +7,8 @@
 #include <graze/continuation/sweep_stretches.hpp>
 #include <graze/lib/lane_exchange.hpp>
 
+#include <oneapi/tbb/mutex.h>
+
 #include <atomic>
 #include <condition_variable>
 #include <deque>
@@ -31,29 +33,32 @@ class SweepWork {
   std::vector<SweepRow> rows() &&;
 
  private:
+  using Mutex = oneapi::tbb::mutex;  // held for a few us at a time: whoever finds it taken does not sleep at once
+  using Lock = std::unique_lock<Mutex>;
   using Entry = SweepStretches::Entry;
   using Stretch = SweepStretches::Stretch;
 
   std::shared_ptr<Entry> draw(std::size_t carried);
-  std::optional<std::shared_ptr<Entry>> go_on(std::size_t carried, std::unique_lock<std::mutex>& lock);
-  std::shared_ptr<Entry> next_row(SweepStretches& direction, Stretch& stretch, std::unique_lock<std::mutex>& lock);
-  bool look_ahead(SweepStretches& direction, Stretch& stretch, std::unique_lock<std::mutex>& lock);
+  std::optional<std::shared_ptr<Entry>> go_on(std::size_t carried, Lock& lock);
+  std::shared_ptr<Entry> next_row(SweepStretches& direction, Stretch& stretch, Lock& lock);
+  bool look_ahead(SweepStretches& direction, Stretch& stretch, Lock& lock);
   LaneTask<> find(LanePlace& lane, std::shared_ptr<Entry> entry);
   void hand_on(Entry& entry, const Vector& state);
   void finish(Entry& entry, SweepRow row);
   void tell(double value);
+  void tell_news();
   bool cancelled() const { return failed_ || (options_.cancelled && options_.cancelled()); }
 
   const HybridSystem& system_;
   const SweepOptions options_;
   const std::size_t rows_of_a_thread_;  ///< fill its lanes
 
-  std::mutex mutex_;  ///< of all below, but for the chains of the directions
+  Mutex mutex_;  ///< of all below, but for the chains of the directions
   std::deque<SweepStretches> directions_;
-  std::condition_variable news_;
+  std::condition_variable_any news_;
   LaneExchange exchange_{[this] {
     const std::lock_guard lock(mutex_);
-    news_.notify_all();
+    tell_news();
   }};
   std::size_t idle_ = 0;                 ///< threads that have nothing to do
   std::size_t threads_ = 0, begun_ = 0;  ///< and rows that they are at
