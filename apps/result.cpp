@@ -112,8 +112,7 @@ void keep(const Json& part, const OutputOptions& options, const std::string& com
   for (const std::string& file : json_files(options, command)) {
     if (is_special(file)) continue;  // a pipe gets one result
     const auto text = [&](const TextSink& sink) { pretty(part, list, console.thread_count(), sink); };
-    if (const auto failure = write_whole(file, text))
-      console.err << "graze " << command << ": " << *failure << "\n";
+    if (const auto failure = write_whole(file, text)) console.err << "graze " << command << ": " << *failure << "\n";
   }
 }
 

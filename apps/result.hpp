@@ -18,10 +18,10 @@ namespace graze::apps {
 
 struct Result {  // NOLINT(bugprone-exception-escape): of nlohmann's move constructor
   Json json;
-  LongList list = {};                     ///< one of its members
-  Table table;                            ///< for --csv
-  LongText csv = {};                      ///< its text, where it is too long to be a Table
-  std::string text;                       ///< for people
+  LongList list = {};  ///< one of its members
+  Table table;         ///< for --csv
+  LongText csv = {};   ///< its text, where it is too long to be a Table
+  std::string text;    ///< for people
 };
 
 struct OutputOptions {

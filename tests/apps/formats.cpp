@@ -73,24 +73,6 @@ TEST_CASE("what fits stands on one line of JSON, and so do numbers and texts wit
   CHECK(pretty(Json(1.5)) == "1.5\n");
 }
 
-TEST_CASE("a list that is written item by item is the same text, on any number of threads") {
-  for (const std::size_t size : {0U, 1U, 36U, 37U, 500U}) {
-    const LongList list{"list", size, [](std::size_t k, std::string& text) {
-                          text += (k % 3 == 0 ? Json::object() : Json{{"k", k}, {"numbers", std::vector<double>(k, 0.1)}}).dump();
-                        }};
-    const Json head = {{"before", 1}, {"list", nullptr}, {"after", {{"x", 2}}}};
-    for (const int threads : {1, 3}) {
-      const auto text_of = [threads](const Json& json, const LongList& items) {
-        return whole_text([&](const TextSink& sink) { pretty(json, items, threads, sink); });
-      };
-      const Json whole = with_items(head, list, threads);
-      CHECK(whole["list"].size() == size);
-      CHECK(text_of(head, list) == pretty(whole));
-      CHECK(text_of(whole, {}) == pretty(whole));
-    }
-  }
-}
-
 TEST_CASE("a result's head names its model and can be turned into a problem again") {
   Problem p = load_problem(problem("beam-newton"));
   apply_settings(p, {"k_r=0.7"});
