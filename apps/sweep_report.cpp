@@ -31,6 +31,14 @@ SweepRow row_of(const Json& json) {
   return row;
 }
 
+/// attractor_name, without a text for each.
+bool of_same_name(const Attractor& a, const Attractor& b) {
+  const auto what = [](const Attractor& x) {  // of an orbit that sticks not how many impacts its chatter has
+    return std::tuple(x.period, std::min(x.impacts, x.isolated_impacts), x.isolated_impacts < x.impacts);
+  };
+  return a.type == b.type && (a.type != AttractorType::periodic || what(a) == what(b));
+}
+
 }  // namespace
 
 void write_row(const SweepRow& row, std::string& out) {
@@ -65,16 +73,6 @@ std::vector<SweepRow> rows_from(const Json& rows) {
   for (const Json& row : rows) list.push_back(row_of(row));
   return list;
 }
-
-namespace {
-
-/// attractor_name, without a text for each.
-bool of_same_name(const Attractor& a, const Attractor& b) {
-  const auto what = [](const Attractor& x) { return std::tuple(x.type, x.period, x.impacts, x.isolated_impacts); };
-  return a.type != AttractorType::periodic ? a.type == b.type : what(a) == what(b);
-}
-
-}  // namespace
 
 Table sweep_overview(const std::vector<SweepRow>& rows, const std::string& parameter) {
   Table table{{"direction", parameter + " from", "to", "attractor", "values", "largest exponent from", "to"}, {}};
