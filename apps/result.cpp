@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/arguments.hpp>
-#include <graze/apps/interrupt.hpp>
+#include <graze/apps/drawings.hpp>
 #include <graze/apps/output_file.hpp>
 #include <graze/apps/pictures/pictures.hpp>
 #include <graze/apps/result.hpp>
@@ -39,26 +39,29 @@ void write_table(const Result& result, const TextSink& sink) {
   sink(csv(result.table));
 }
 
-/// Files to be written, each with what goes into it. Pictures come last: who is told to end has a while for it, and not for ever.
+/// Files to be written, each with what goes into it.
 std::vector<OutputFile> files(const Result& result, const OutputOptions& options, const std::string& command, int threads) {
   std::vector<OutputFile> list;
   const auto table = [&result](const TextSink& sink) { write_table(result, sink); };
-  std::shared_ptr<const Json> whole(std::shared_ptr<const Json>(), &result.json);
-  if (!result.list.name.empty() && (!options.plot.empty() || !options.out.empty()))
-    whole = std::make_shared<const Json>(with_items(result.json, result.list, threads));
-  const auto picture = [whole](const std::string& file, const std::string& kind) {
-    return [whole, file, kind](const TextSink& sink) { sink(draw(picture_of(*whole, kind), ending(file))); };
-  };
   for (const std::string& file : json_files(options, command))
     list.push_back({file, [&result, threads](const TextSink& sink) { pretty(result.json, result.list, threads, sink); }});
   if (!options.csv.empty() && options.csv != "-") list.push_back({options.csv, table});
   if (!options.out.empty()) list.push_back({fmt::format("{}/{}.csv", options.out, command), table});
-  if (!options.plot.empty()) list.push_back({options.plot, picture(options.plot, options.plot_kind)});
+  return list;
+}
+
+std::vector<Drawing> drawings(const Result& result, const OutputOptions& options, const std::string& command, int threads) {
+  if (options.plot.empty() && options.out.empty()) return {};
+  std::shared_ptr<const Json> whole(std::shared_ptr<const Json>(), &result.json);
+  if (!result.list.name.empty()) whole = std::make_shared<const Json>(with_items(result.json, result.list, threads));
+  std::vector<Drawing> list;
+  const auto add = [&](const std::string& file, const std::string& kind) {
+    list.push_back({file, [whole, kind] { return picture_of(*whole, kind); }});
+  };
+  if (!options.plot.empty()) add(options.plot, options.plot_kind);
   if (!options.out.empty())
-    for (const std::string& kind : pictures_for(*whole)) {
-      const std::string file = fmt::format("{}/{}-{}.{}", options.out, command, kind, folder_format);
-      list.push_back({file, picture(file, kind)});
-    }
+    for (const std::string& kind : pictures_for(*whole))
+      add(fmt::format("{}/{}-{}.{}", options.out, command, kind, folder_format), kind);
   return list;
 }
 
@@ -127,21 +130,21 @@ int deliver(const Result& result, const OutputOptions& options, const std::strin
     complete = false;
     console.err << "graze " << command << ": " << sentence << "\n";
   };
-  // Files first: if stdout is a pipe that closes early, they are there.
-  for (const OutputFile& output : files(result, options, command, console.thread_count())) {
+  // Files first: if stdout is a pipe that closes early, they are there. Pictures come last of them: who is told to end has a
+  // while for it, and not for ever.
+  const int threads = console.thread_count();
+  for (const OutputFile& output : files(result, options, command, threads)) {
     try {
       if (const auto failure = write_whole(output.file, output.content)) complain(*failure);
-    } catch (const Interrupted& error) {
-      complain(fmt::format("{}: {}", output.file, error.what()));
-      code = 130;
-    } catch (const std::exception& error) {  // of a picture: one that cannot be drawn must not cost the numbers
+    } catch (const std::exception& error) {
       complain(fmt::format("{}: {}", output.file, error.what()));
     }
   }
+  if (!draw_into_files(drawings(result, options, command, threads), threads, complain)) code = 130;
   errno = 0;
   const TextSink out = [&console](std::string_view piece) { console.out << piece; };
   if (options.json == "-")
-    pretty(result.json, result.list, console.thread_count(), out);
+    pretty(result.json, result.list, threads, out);
   else if (options.csv == "-")
     write_table(result, out);
   else

@@ -3,6 +3,7 @@
 #include <graze/apps/arguments.hpp>
 #include <graze/apps/axis.hpp>
 #include <graze/apps/commands/command.hpp>
+#include <graze/apps/drawings.hpp>
 #include <graze/apps/find_orbit.hpp>
 #include <graze/apps/interrupt.hpp>
 #include <graze/apps/map_report.hpp>
@@ -155,31 +156,22 @@ int present(const Options& options, const MapPlan& plan, const Json& head, const
     if (code == 0) code = 2;
   };
   const std::vector<int> layers = layer_numbers(options.layers);
-  const auto picture = [&](const std::string& file, const std::string& kind) -> std::optional<std::string> {
-    try {
-      return write_whole(file, draw(picture_of_map(plan, rows, kind, layers), ending(file)));
-    } catch (const Interrupted& error) {
-      code = 130;
-      return fmt::format("{}: {}", file, error.what());
-    } catch (const std::exception& error) {
-      return fmt::format("{}: {}", file, error.what());
-    }
+  std::vector<Drawing> drawings;
+  const auto add = [&](const std::string& file, const std::string& kind) {
+    drawings.push_back({file, [&, kind] { return picture_of_map(plan, rows, kind, layers); }});
   };
-  // A cluster may have no gnuplot: then the folder goes without.
-  const auto folder_picture = [&](const std::string& kind) {
-    const std::string file = fmt::format("{}/map-{}.png", options.output.out, kind);
-    try {
-      check_picture_file(file);
-    } catch (const std::invalid_argument& missing) {
-      return console.note(missing.what());
-    }
-    if (const auto failure = picture(file, kind)) complain(*failure);
-  };
-  if (!options.output.plot.empty())
-    if (const auto failure = picture(options.output.plot, options.output.plot_kind)) complain(*failure);
+  if (!options.output.plot.empty()) add(options.output.plot, options.output.plot_kind);
   if (!options.output.out.empty() && run.status == Status::done)
-    for (const std::string& kind : picture_names("graze.map/1"))
-      if (code != 130) folder_picture(kind);
+    for (const std::string& kind : picture_names("graze.map/1")) {
+      const std::string file = fmt::format("{}/map-{}.png", options.output.out, kind);
+      try {
+        check_picture_file(file);
+        add(file, kind);
+      } catch (const std::invalid_argument& missing) {  // a cluster may have no gnuplot: then the folder goes without
+        console.note(missing.what());
+      }
+    }
+  if (!draw_into_files(drawings, console.thread_count(), complain)) code = 130;
   const std::vector<MapCounts> counts = count_map(plan, rows);
   Result result;
   result.json = head;

@@ -341,14 +341,13 @@ TEST_CASE("without gnuplot --out is refused where there would be pictures, and o
 TEST_CASE("numbers are written before pictures are drawn") {
   const TemporaryFolder folder;
   const std::string path = std::getenv("PATH"), out = folder.file("out"), seen = folder.file("seen");
-  std::filesystem::permissions(
-      folder.write("gnuplot", "#!/bin/sh\necho drawing >> '" + seen + "'\nls '" + out + "' >> '" + seen + "'\nexit 1\n"),
-      std::filesystem::perms::owner_all);
+  std::filesystem::permissions(folder.write("gnuplot", "#!/bin/sh\necho drawing $(ls '" + out + "') >> '" + seen + "'\nexit 1\n"),
+                               std::filesystem::perms::owner_all);
   ::setenv("PATH", (folder.file("") + ":" + path).c_str(), 1);
   const Outcome outcome = spawn("orbit " + newton + " --quiet --plot " + folder.file("x.png") + " --out " + out);
   ::setenv("PATH", path.c_str(), 1);
   CHECK(outcome.code == 2);  // nothing was drawn
-  CHECK_THAT(read_file(seen), StartsWith("drawing\norbit.csv\norbit.json\n"));
+  CHECK_THAT(read_file(seen), StartsWith("drawing orbit.csv orbit.json\n"));
 }
 
 TEST_CASE("gnuplot does not outlive the program or its patience") {

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Pictures that are drawn side by side.
+#include "graze_program.hpp"
+
+#include <graze/apps/drawings.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <filesystem>
+#include <stdexcept>
+
+using namespace graze::apps;
+using namespace graze::support;
+using Catch::Matchers::Contains;
+using Catch::Matchers::StartsWith;
+
+namespace {
+
+Picture picture_named(const std::string& title) {
+  Picture picture;
+  picture.title = title;
+  picture.curves.push_back({.title = "a", .points = {{0.0, 1.0, 0.0}, {1.0, 2.0, 0.0}}});
+  return picture;
+}
+
+}  // namespace
+
+TEST_CASE("pictures drawn side by side are those drawn alone, and one that fails costs no other") {
+  for (const int threads : {1, 3}) {
+    const TemporaryFolder folder;
+    std::vector<Drawing> drawings;
+    for (const char* name : {"one", "two", "three"})
+      drawings.push_back({folder.file(name + std::string(".svg")), [name] { return picture_named(name); }});
+    drawings.insert(drawings.begin() + 1,
+                    {folder.file("none.svg"), []() -> Picture { throw std::invalid_argument("there is nothing to see"); }});
+    drawings.push_back({folder.file("nowhere/four.svg"), [] { return picture_named("four"); }});
+    std::vector<std::string> complaints;
+    CHECK(draw_into_files(drawings, threads, [&](const std::string& sentence) { complaints.push_back(sentence); }));
+    REQUIRE(complaints.size() == 2);
+    CHECK(complaints[0] == folder.file("none.svg") + ": there is nothing to see");
+    CHECK_THAT(complaints[1], StartsWith(folder.file("nowhere/four.svg")) && Contains("cannot be written"));
+    CHECK(folder.files() == 3);
+    for (const char* name : {"one", "two", "three"})
+      CHECK(read_file(folder.file(name + std::string(".svg"))) == draw(picture_named(name), "svg"));
+  }
+}
+
+TEST_CASE("no pictures at all are drawn at once") {
+  CHECK(draw_into_files({}, 2, [](const std::string& sentence) { FAIL(sentence); }));
+}
