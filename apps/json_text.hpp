@@ -93,13 +93,14 @@ class JsonText {
       out_ += "null";
       return;
     }
-    if (digits_of(number).find_first_of(".e") == std::string_view::npos) out_ += ".0";  // it stays a double
+    if (digits_of(number, std::chars_format::general).find_first_of(".e") == std::string_view::npos)
+      out_ += ".0";  // it stays a double
   }
-  std::string_view digits_of(auto number) {
+  std::string_view digits_of(auto number, auto... format) {
     constexpr std::size_t most = 24;  // of a double
     const std::size_t size = out_.size();
     out_.resize(size + most);
-    const char* const end = std::to_chars(out_.data() + size, out_.data() + size + most, number).ptr;
+    const char* const end = std::to_chars(out_.data() + size, out_.data() + size + most, number, format...).ptr;
     out_.resize(static_cast<std::size_t>(end - out_.data()));
     return std::string_view(out_).substr(size);
   }
