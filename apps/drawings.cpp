@@ -8,54 +8,32 @@
 
 #include <atomic>
 #include <exception>
+#include <mutex>
 #include <optional>
 
 namespace graze::apps {
 
-namespace {
-
-struct Drawn {
-  std::optional<Picture> picture;
-  std::string text;
-  std::exception_ptr failure;
-};
-
-}  // namespace
-
 bool draw_into_files(const std::vector<Drawing>& drawings, int threads,
-                     const std::function<void(const std::string& sentence)>& complain) {
-  std::vector<Drawn> list(drawings.size());
-  for (std::size_t i = 0; i < list.size(); ++i) {  // (what a picture is of may be read from a file: one after the other)
-    try {
-      list[i].picture = drawings[i].picture();
-    } catch (...) {
-      list[i].failure = std::current_exception();
-    }
-  }
+                     const std::function<void(const std::string& sentence)>& complain,
+                     const std::function<void(std::size_t k)>& drawn) {
+  std::vector<std::optional<std::string>> failures(drawings.size());
   std::atomic<bool> is_interrupted = false;
-  on_threads(threads, list.size(), [&](std::size_t i) {
-    Drawn& drawn = list[i];
-    if (!drawn.picture) return;
+  std::mutex telling;
+  on_threads(threads, drawings.size(), [&](std::size_t k) {
+    const auto& [file, picture] = drawings[k];
     try {
       if (is_interrupted) throw Interrupted("it was not drawn, since drawing was interrupted");
-      drawn.text = draw(*drawn.picture, ending(drawings[i].file));
-    } catch (const Interrupted&) {
-      is_interrupted = true;
-      drawn.failure = std::current_exception();
-    } catch (...) {
-      drawn.failure = std::current_exception();
-    }
-    drawn.picture.reset();
-  });
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    const std::string& file = drawings[i].file;
-    try {
-      if (list[i].failure) std::rethrow_exception(list[i].failure);
-      if (const auto failure = write_whole(file, list[i].text)) complain(*failure);
+      failures[k] = write_whole(file, draw(picture(), ending(file)));
     } catch (const std::exception& error) {
-      complain(fmt::format("{}: {}", file, error.what()));
+      if (dynamic_cast<const Interrupted*>(&error)) is_interrupted = true;
+      failures[k] = fmt::format("{}: {}", file, error.what());
     }
-  }
+    if (!drawn) return;
+    const std::lock_guard lock(telling);
+    drawn(k);
+  });
+  for (const auto& failure : failures)
+    if (failure) complain(*failure);
   return !is_interrupted;
 }
 

@@ -4,6 +4,7 @@
 
 #include <graze/apps/picture.hpp>
 
+#include <cstddef>
 #include <functional>
 #include <string>
 #include <vector>
@@ -12,13 +13,14 @@ namespace graze::apps {
 
 struct Drawing {
   std::string file;
-  std::function<Picture()> picture;
+  std::function<Picture()> picture;  ///< those of several are asked for at the same time
 };
 
-/// Draws them, as many at a time as `threads`, and writes them in their order. What cannot be drawn or written is told to
-/// `complain`, in one sentence, and costs no other. False: who runs the program has interrupted the drawing; what was not begun
-/// by then is left out.
+/// Draws and writes them, as many at a time as `threads`. What cannot be drawn or written costs no other, and is told to
+/// `complain` in the end, in one sentence. `drawn(k)` is told of each that is done with, one at a time. False: who runs the
+/// program has interrupted the drawing; what was not begun by then is left out.
 bool draw_into_files(const std::vector<Drawing>& drawings, int threads,
-                     const std::function<void(const std::string& sentence)>& complain);
+                     const std::function<void(const std::string& sentence)>& complain,
+                     const std::function<void(std::size_t k)>& drawn = {});
 
 }  // namespace graze::apps

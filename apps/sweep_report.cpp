@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/attractor_report.hpp>
 #include <graze/apps/branch_reading.hpp>
-#include <graze/apps/json_text.hpp>
 #include <graze/apps/number.hpp>
 #include <graze/apps/orbit_report.hpp>
 #include <graze/apps/sweep_report.hpp>
@@ -11,7 +10,6 @@
 #include <algorithm>
 #include <iterator>
 #include <limits>
-#include <tuple>
 
 namespace graze::apps {
 
@@ -31,18 +29,9 @@ SweepRow row_of(const Json& json) {
   return row;
 }
 
-/// attractor_name, without a text for each.
-bool of_same_name(const Attractor& a, const Attractor& b) {
-  const auto what = [](const Attractor& x) {  // of an orbit that sticks not how many impacts its chatter has
-    return std::tuple(x.period, std::min(x.impacts, x.isolated_impacts), x.isolated_impacts < x.impacts);
-  };
-  return a.type == b.type && (a.type != AttractorType::periodic || what(a) == what(b));
-}
-
 }  // namespace
 
-void write_row(const SweepRow& row, std::string& out) {
-  JsonText json(out);
+void write_row(const SweepRow& row, JsonText& json) {
   json.begin_object();
   json.member("value", row.value);
   json.member("direction", sweep_direction_name(row.direction));
@@ -59,12 +48,7 @@ void write_row(const SweepRow& row, std::string& out) {
 
 Json rows_json(const std::vector<SweepRow>& rows) {
   Json list = Json::array();
-  std::string text;
-  for (const SweepRow& row : rows) {
-    text.clear();
-    write_row(row, text);
-    list.push_back(Json::parse(text));
-  }
+  for (const SweepRow& row : rows) list.push_back(tree_of([&](JsonText& json) { write_row(row, json); }));
   return list;
 }
 
@@ -77,16 +61,16 @@ std::vector<SweepRow> rows_from(const Json& rows) {
 Table sweep_overview(const std::vector<SweepRow>& rows, const std::string& parameter) {
   Table table{{"direction", parameter + " from", "to", "attractor", "values", "largest exponent from", "to"}, {}};
   for (std::size_t i = 0; i < rows.size();) {
-    const Attractor& attractor = rows[i].attractor;
+    const std::string name = attractor_name(rows[i].attractor);
     std::size_t end = i;
     double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (; end < rows.size() && rows[end].direction == rows[i].direction && of_same_name(rows[end].attractor, attractor); ++end) {
+    for (; end < rows.size() && rows[end].direction == rows[i].direction && attractor_name(rows[end].attractor) == name; ++end) {
       if (rows[end].attractor.exponents.empty()) continue;
       low = std::min(low, rows[end].attractor.exponents[0]);
       high = std::max(high, rows[end].attractor.exponents[0]);
     }
     table.rows.push_back({std::string(sweep_direction_name(rows[i].direction)), rounded(rows[i].value, 7),
-                          rounded(rows[end - 1].value, 7), attractor_name(attractor), std::to_string(end - i),
+                          rounded(rows[end - 1].value, 7), name, std::to_string(end - i),
                           low <= high ? exponent_text(low, 4) : "-", low <= high ? exponent_text(high, 4) : "-"});
     i = end;
   }

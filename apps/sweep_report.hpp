@@ -3,7 +3,7 @@
 // in which it is chaotic.
 #pragma once
 
-#include <graze/apps/json.hpp>
+#include <graze/apps/json_text.hpp>
 #include <graze/apps/table.hpp>
 
 #include <graze/continuation/sweep.hpp>
@@ -13,8 +13,7 @@
 
 namespace graze::apps {
 
-/// Appends a row as the text of its JSON (JsonText).
-void write_row(const SweepRow& row, std::string& out);
+void write_row(const SweepRow& row, JsonText& json);
 Json rows_json(const std::vector<SweepRow>& rows);
 
 /// The inverse, as far as a sweep can go on from it and the rows are written again: of orbits state, label and multipliers, of

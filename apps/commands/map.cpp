@@ -21,6 +21,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <stdexcept>
 
 namespace graze::apps {
@@ -156,9 +157,13 @@ int present(const Options& options, const MapPlan& plan, const Json& head, const
     if (code == 0) code = 2;
   };
   const std::vector<int> layers = layer_numbers(options.layers);
+  std::mutex reading;  // rows come out of a file
   std::vector<Drawing> drawings;
   const auto add = [&](const std::string& file, const std::string& kind) {
-    drawings.push_back({file, [&, kind] { return picture_of_map(plan, rows, kind, layers); }});
+    drawings.push_back({file, [&, kind] {
+                          const std::lock_guard lock(reading);
+                          return picture_of_map(plan, rows, kind, layers);
+                        }});
   };
   if (!options.output.plot.empty()) add(options.output.plot, options.output.plot_kind);
   if (!options.output.out.empty() && run.status == Status::done)

@@ -2,6 +2,7 @@
 // graze reproduce: published figures beside computed ones, row by row, and the pictures.
 #include <graze/apps/arguments.hpp>
 #include <graze/apps/commands/command.hpp>
+#include <graze/apps/drawings.hpp>
 #include <graze/apps/input_file.hpp>
 #include <graze/apps/interrupt.hpp>
 #include <graze/apps/number.hpp>
@@ -13,13 +14,10 @@
 #include <graze/apps/version.hpp>
 
 #include <fmt/format.h>
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <memory>
-#include <mutex>
 #include <stdexcept>
 
 namespace graze::apps {
@@ -105,26 +103,16 @@ std::string report(const Reproduction& found) {
 std::vector<std::string> write_pictures(const Published& published, const Reproduction& found, const std::string& folder,
                                         const Console& console) {
   const std::vector<Figure> figures = figures_of(published, found);
+  std::vector<Drawing> drawings;
+  for (const Figure& figure : figures) drawings.push_back({fmt::format("{}/{}.png", folder, figure.name), figure.picture});
   std::vector<std::string> failures;
   Progress progress(console.err, console.quiet, "drawing");
-  std::mutex telling;
   std::size_t done = 0;
-  oneapi::tbb::task_arena arena(console.thread_count());
-  arena.execute([&] {
-    const auto one = [&](std::size_t k) {
-      const std::string file = fmt::format("{}/{}.png", folder, figures[k].name);
-      std::optional<std::string> failure;
-      try {
-        failure = write_whole(file, draw(figures[k].picture(), "png"));
-      } catch (const std::exception& error) {
-        failure = fmt::format("{}: {}", file, error.what());
-      }
-      const std::lock_guard lock(telling);
-      if (failure) failures.push_back(*failure);
-      progress.update(static_cast<double>(++done) / static_cast<double>(figures.size()), [&] { return figures[k].name; });
-    };
-    oneapi::tbb::parallel_for(std::size_t{0}, figures.size(), one, oneapi::tbb::simple_partitioner());
-  });
+  draw_into_files(
+      drawings, console.thread_count(), [&](const std::string& sentence) { failures.push_back(sentence); },
+      [&](std::size_t k) {
+        progress.update(static_cast<double>(++done) / static_cast<double>(figures.size()), [&] { return figures[k].name; });
+      });
   if (const auto failure = write_whole(folder + "/index.html", index_page(published, found, figures)))
     failures.push_back(*failure);
   return failures;

@@ -76,8 +76,10 @@ int run(const Options& given, const Console& console) {
     return json;
   };
   const auto rows_of = [](const Swept& swept) {
-    return LongList{"rows", swept.rows.size(),
-                    [&rows = swept.rows](std::size_t k, std::string& text) { write_row(rows[k], text); }};
+    return LongList{"rows", swept.rows.size(), [&rows = swept.rows](std::size_t k, std::string& text) {
+                      JsonText json(text);
+                      write_row(rows[k], json);
+                    }};
   };
   const KeepingRows keeping{keeping_stints(options.output), [&](const Swept& swept) {
                               keep(with_status(swept), options.output, "sweep", console, rows_of(swept));
