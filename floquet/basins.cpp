@@ -21,8 +21,15 @@ namespace {
 constexpr std::size_t most_attractors = 200;                    // more are a parameter at which nothing can be told apart
 constexpr double return_distance = 1e-3;                        // relative to 1 + |x|: so near a return, an orbit is looked for
 constexpr int first_look = 64;                                  // periods
-constexpr std::size_t least_together = 8, most_together = 256;  // motions of one thread: whole registers
-constexpr std::int64_t usual_periods = 40;  // until a motion is recognised: says whether a table of contacts pays
+constexpr std::size_t least_together = 8, most_together = 256;  // motions of a group: whole registers
+
+std::size_t whole_parts(std::size_t n, std::size_t of) { return (n + of - 1) / of; }
+
+/// Of so many motions: as many groups for each thread, of much the same size.
+std::size_t motions_of_a_group(std::size_t motions, std::size_t threads) {
+  const std::size_t turns = whole_parts(motions, most_together * threads);
+  return whole_parts(whole_parts(motions, turns * threads), least_together) * least_together;
+}
 
 struct Run {
   enum class End { cancelled, reached, new_orbit, unrecognised, inadmissible, lost };
@@ -37,7 +44,7 @@ struct Run {
 class Search {
  public:
   Search(const HybridSystem& system, const Vector& p, const std::vector<Vector>& starts, const BasinOptions& options, Basins out)
-      : system_(system), p_(p), starts_(starts), options_(options), scout_(system, p, starts, usual_periods, options.flow),
+      : system_(system), p_(p), starts_(starts), options_(options), scout_(system, p, starts, options.flow),
         out_(std::move(out)) {
     for (CoexistingAttractor& found : out_.attractors) {
       std::vector<Vector> before = found.states;
@@ -75,9 +82,8 @@ class Search {
     std::vector<std::size_t> open(todo.size());
     std::iota(open.begin(), open.end(), std::size_t{0});
     for (bool first = true; !open.empty(); first = false) {
-      const std::size_t least = least_together * threads_here(), times = (open.size() + least - 1) / least;
-      const std::size_t together = std::min(times * least_together, most_together);
-      const std::size_t groups = (open.size() + together - 1) / together;
+      const std::size_t together = motions_of_a_group(open.size(), threads_here());
+      const std::size_t groups = whole_parts(open.size(), together);
       in_parallel(groups, [&](std::size_t group) {
         std::vector<Watch> watches;
         for (std::size_t i = group * together; i < std::min(open.size(), (group + 1) * together); ++i) {

@@ -40,8 +40,9 @@ struct LyapunovOptions {
   std::int64_t min_periods = 2000;
   std::int64_t max_periods = 200000;  ///< of all motions together, as min_periods
   FlowOptions flow = {};
-  /// With several motions: those are carried on all threads of the caller's arena (oneTBB), and contacts are looked up in a table
-  /// of these parameters, made before. The result does not depend on the former, and on the latter by its errors.
+  /// With several motions: those are carried on all threads of the caller's arena (oneTBB; so is what is done in lanes to tell an
+  /// attractor), and contacts are looked up in a table of these parameters, made before. The result does not depend on the
+  /// former, and on the latter by its errors.
   bool all_threads = false;
   const ContactTable* table = nullptr;
   std::function<bool()> cancelled = {};  ///< asked once per interval

@@ -2,6 +2,7 @@
 #include <graze/floquet/lyapunov_lanes.hpp>
 #include <graze/floquet/scout.hpp>
 #include <graze/floquet/spread_order.hpp>
+#include <graze/floquet/state_distance.hpp>
 #include <graze/floquet/stroboscopic_states.hpp>
 #include <graze/floquet/visited_cells.hpp>
 
@@ -9,24 +10,54 @@
 
 namespace graze {
 
-Scout::Scout(const HybridSystem& system, const Vector& p, const std::vector<Vector>& starts, std::int64_t expected,
-             const FlowOptions& flow)
+namespace {
+
+/// After how many of these periods the motion is back, nearly, where it was few periods before; all, where it is never, or ends.
+std::size_t periods_to_settle(std::span<const PeriodResult> periods) {
+  constexpr double nearly = 1e-3;  // relative to 1 + |x|
+  constexpr std::size_t few = 8;
+  for (std::size_t k = 1; k < periods.size() && periods[k].termination == Termination::time; ++k) {
+    const StatePair at{periods[k].x, periods[k].v};
+    for (std::size_t n = 1; n <= std::min(few, k); ++n)
+      if (state_distance(at, StatePair{periods[k - n].x, periods[k - n].v}) < nearly * (1.0 + state_size(at))) return k;
+  }
+  return periods.size();
+}
+
+/// Where the motions are after `stretch` periods, of those that can be carried on.
+std::vector<MotionStart> ends_of(const std::vector<PeriodResult>& results, std::size_t stretch) {
+  std::vector<MotionStart> ends;
+  for (std::size_t end = stretch; end <= results.size(); end += stretch)
+    if (const PeriodResult& last = results[end - 1]; last.termination == Termination::time) ends.push_back({0, last.x, last.v});
+  return ends;
+}
+
+}  // namespace
+
+Scout::Scout(const HybridSystem& system, const Vector& p, const std::vector<Vector>& starts, const FlowOptions& flow)
     : system_(system), p_(p), flow_(flow) {
   if (!ManyMotions::applies(system, p, flow)) return;
   many_ = std::make_unique<ManyMotions>(system, flow);
   many_->use_all_threads();
   many_->add_parameters(p);
-  expected *= static_cast<std::int64_t>(starts.size());
-  if (expected < ManyMotions::periods_for_table) return;
-  constexpr std::size_t first = 64, periods = 256;
-  many_->expect(0, expected);
+  constexpr std::size_t first = 64, stretch = ManyMotions::periods_between_looks, most_stretches = 4;
+  constexpr std::size_t longest = VisitedCells::window;  // until one in chaos is recognised
+  if (!ContactTable::applies(system, p) || longest * starts.size() < ManyMotions::periods_for_table) return;
   std::vector<MotionStart> motions;
   for (const std::size_t i : spread_order(starts.size())) {
     motions.push_back({0, starts[i][0], starts[i][1]});
     if (motions.size() == first) break;
   }
   std::vector<PeriodResult> results;
-  many_->carry(motions, periods, false, results);
+  many_->carry(motions, longest, false, results);
+  std::size_t periods = 0;
+  for (std::size_t i = 0; i < motions.size(); ++i) periods += periods_to_settle({&results[i * longest], longest});
+  many_->expect(0, static_cast<std::int64_t>(periods * starts.size() / motions.size()));
+  motions = ends_of(results, longest);
+  for (std::size_t i = 0; i < most_stretches && many_->awaits_table(0); ++i) {
+    many_->carry(motions, stretch, false, results);
+    motions = ends_of(results, stretch);
+  }
   table_ = many_->table(0);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Scout: goes ahead of many motions of one oscillator and one set of parameters: finds out how fast the first of them meet the
-// barrier, and keeps a table of contacts of those speeds for all, where one pays.
+// Scout: goes ahead of many motions of one oscillator and one set of parameters: finds out how soon the first of them settle and
+// how fast they meet the barrier, and keeps a table of contacts of those speeds for all, where one pays.
 #pragma once
 
 #include <graze/floquet/attractor.hpp>
@@ -12,10 +12,8 @@ namespace graze {
 
 class Scout {
  public:
-  /// `starts`: of all motions, at forcing phase 0; `expected`: forcing periods that a motion takes. The table depends on nothing
-  /// else.
-  Scout(const HybridSystem& system, const Vector& p, const std::vector<Vector>& starts, std::int64_t expected,
-        const FlowOptions& flow = {});
+  /// `starts`: of all motions, at forcing phase 0. The table, and whether there is one, depends on nothing else.
+  Scout(const HybridSystem& system, const Vector& p, const std::vector<Vector>& starts, const FlowOptions& flow = {});
 
   /// Null: the lanes do not know the oscillator, or it does not pay.
   const ContactTable* table() const { return table_; }

@@ -324,7 +324,7 @@ std::optional<PeriodicOrbit> settling_orbit(const HybridSystem& system, const Ve
   return settling_orbit(propagator, state, max_period);
 }
 
-std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector& state, int max_period) {
+std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector& state, int max_period, bool all_threads) {
   const HybridSystem& system = propagator.system();
   const Vector& p = propagator.parameters();
   const FlowOptions& flow = propagator.options();
@@ -341,6 +341,7 @@ std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector
     if (ManyMotions::applies(system, p, flow)) {
       if (!many) {
         many = std::make_unique<ManyMotions>(system, flow);
+        if (all_threads) many->use_all_threads();
         many->add_parameters(p);
       }
       std::vector<LaneGuess> guesses;

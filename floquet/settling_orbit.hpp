@@ -9,8 +9,10 @@
 
 namespace graze {
 
-/// The stable orbit that a motion at `state` is settling on, if it is periodic with period up to max_period.
-std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector& state, int max_period);
+/// The stable orbit that a motion at `state` is settling on, if it is periodic with period up to max_period. `all_threads`: of
+/// the caller's arena (oneTBB), for what is done in lanes; the result does not depend on them.
+std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector& state, int max_period,
+                                            bool all_threads = false);
 std::optional<PeriodicOrbit> settling_orbit(const HybridSystem& system, const Vector& p, const Vector& state, int max_period,
                                             const FlowOptions& flow = {});
 

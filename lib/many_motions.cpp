@@ -19,8 +19,6 @@ namespace {
 /// A table is made after so many contacts, of the speeds met in them but for the slowest and fastest few.
 constexpr std::int64_t contacts_before_table = 2000;
 constexpr double too_few = 0.001;
-/// Forcing periods between two looks at whether a table can be made.
-constexpr std::size_t periods_between_looks = 64;
 /// So many motions fill the lanes of a thread.
 constexpr std::size_t fewest_on_a_thread = 8;
 /// The series of the lanes are as good as the table at this tolerance; whoever wants a smaller one wants more.
@@ -145,6 +143,8 @@ void ManyMotions::use(std::size_t parameters, const ContactTable& table) {
 
 const ContactTable* ManyMotions::table(std::size_t parameters) const { return set_of(parameters).table; }
 
+bool ManyMotions::awaits_table(std::size_t parameters) const { return set_of(parameters).awaits_table; }
+
 void ManyMotions::make_table(Set& set) {
   const auto& met = set.met.of_band;
   if (std::accumulate(met.begin(), met.end(), std::int64_t{0}) < contacts_before_table) return;
@@ -191,9 +191,7 @@ void ManyMotions::carry_in_lanes(std::span<const lanes::Motion> motions, bool cu
     lane_kernels(width).carry({*law_, cubic, options_.tolerance, options_.max_steps, tangent, motions.data() + begin, end - begin,
                                carried + begin, do_given_up, this});
   };
-  // Those that write down what they meet write into the same place.
-  const bool apart = all_threads_ && std::none_of(motions.begin(), motions.end(), [](const auto& motion) { return motion.met; });
-  const std::size_t parts = apart ? std::clamp<std::size_t>(motions.size() / fewest_on_a_thread, 1, threads_here()) : 1;
+  const std::size_t parts = all_threads_ ? std::clamp<std::size_t>(motions.size() / fewest_on_a_thread, 1, threads_here()) : 1;
   in_parallel(parts, [&](std::size_t i) { carry(i * motions.size() / parts, (i + 1) * motions.size() / parts); });
 }
 
@@ -218,7 +216,6 @@ void ManyMotions::carry(std::span<const MotionRun> runs, bool tangent) {
     for (const Going& one : going_) {
       const MotionStart& start = one.run->start;
       Set& set = *one.set;
-      if (set.awaits_table) make_table(set);
       PeriodResult* const next = one.run->results + one.done;
       const std::size_t left = one.run->periods - one.done;
       motions_.push_back({one.done == 0 ? start.x : next[-1].x, one.done == 0 ? start.v : next[-1].v, start.parameters,
@@ -233,6 +230,7 @@ void ManyMotions::carry(std::span<const MotionRun> runs, bool tangent) {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < going_.size(); ++i) {
       Going one = going_[i];
+      if (one.set->awaits_table) make_table(*one.set);
       one.done += carried_each_[i];
       carried_ += carried_each_[i];
       if (carried_each_[i] < motions_[i].periods) {  // it ended there

@@ -80,6 +80,10 @@ class ManyMotions {
   /// and 47000.)
   static constexpr std::int64_t periods_for_table = 100000;
 
+  /// Whether one is still to be made. That is found out in carry(), after so many periods each time.
+  bool awaits_table(std::size_t parameters) const;
+  static constexpr std::size_t periods_between_looks = 64;
+
   /// A table of contacts made before, of the same parameters: keep it alive. @throws std::invalid_argument where it is of others.
   void use(std::size_t parameters, const ContactTable& table);
   /// The table in use; none: null.

@@ -118,7 +118,8 @@ template <class Real> void note_speeds(const Memory<Real>& m, const Landing<Real
   for_each(landing.where, [&](std::size_t lane) {
     if (!m.met[lane]) return;
     const std::int64_t band = band_of<Real>(speed[lane]) - SpeedsMet::lowest, last = SpeedsMet::count - 1;
-    ++m.met[lane]->of_band[static_cast<std::size_t>(band < 0 ? 0 : band > last ? last : band)];
+    const auto place = static_cast<std::size_t>(band < 0 ? 0 : band > last ? last : band);
+    __atomic_fetch_add(&m.met[lane]->of_band[place], 1, __ATOMIC_RELAXED);  // other threads count there, too
   });
 }
 

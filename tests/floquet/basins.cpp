@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Coexisting attractors: the published pairs, the short-cuts against plain simulation, independence of threads and interruptions.
 #include <graze/floquet/basins.hpp>
+#include <graze/floquet/scout.hpp>
 #include <graze/floquet/settle.hpp>
 #include <graze/lib/oscillator.hpp>
 
@@ -296,4 +297,16 @@ TEST_CASE("misuse of basins is refused in one sentence") {
   CHECK_THROWS_WITH(find_attractors(c.system, c.p, starts, {}, other), Catch::Contains("names an attractor"));
   const HybridSystem autonomous = van_der_pol_stop();
   CHECK_THROWS_AS(find_attractors(autonomous, default_parameters(autonomous.parameters), starts), std::invalid_argument);
+}
+
+TEST_CASE("a table of contacts is made for many starts whose motions do not settle soon") {
+  const HybridSystem system = make_oscillator("linear", "hertz"), hard = make_oscillator("linear", "newton");
+  const auto has_table = [](const HybridSystem& of, const Vector& p, int n) { return Scout(of, p, grid(n)).table() != nullptr; };
+  const Vector settles = parameters(system, {{"eta", 0.95}, {"b_H", 0.1}}),
+               chaos = parameters(system, {{"eta", 0.711}, {"b_H", 0.1}});
+  CHECK(has_table(system, chaos, 64));
+  CHECK_FALSE(has_table(system, chaos, 16));
+  CHECK_FALSE(has_table(system, settles, 64));
+  CHECK(has_table(system, settles, 256));
+  CHECK_FALSE(has_table(hard, parameters(hard, {{"eta", 0.744}}), 256));
 }

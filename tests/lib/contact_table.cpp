@@ -187,6 +187,27 @@ TEST_CASE("a table of contacts is the same to the last bit on any number of thre
   CHECK(same_bits(one, several));
 }
 
+TEST_CASE("a table of contacts is made of the speeds that motions on all threads meet") {
+  const HybridSystem system = make_oscillator("linear", "hertz");
+  const auto starts = random_starts(64, 2.0);
+  std::vector<PeriodResult> results, one;
+  for (const int threads : {1, 4})
+    oneapi::tbb::task_arena(threads).execute([&] {
+      ManyMotions many(system);
+      many.use_all_threads();
+      many.add_parameters(hertz_parameters(0.711, 0.1));
+      CHECK_FALSE(many.awaits_table(0));
+      many.expect(0, ManyMotions::periods_for_table);
+      CHECK(many.awaits_table(0));
+      many.carry(starts, ManyMotions::periods_between_looks, false, results);
+      CHECK_FALSE(many.awaits_table(0));
+      REQUIRE(many.table(0) != nullptr);
+      many.carry(starts, 20, true, results);  // with it
+      if (one.empty()) one = results;
+      CHECK(same_bits(results, one));
+    });
+}
+
 TEST_CASE("a table of contacts is made for many periods only") {
   const HybridSystem system = make_oscillator("linear", "hertz"), hard = make_oscillator("linear", "newton");
   const Vector p = hertz_parameters(0.711, 0.1);
