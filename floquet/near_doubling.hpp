@@ -30,10 +30,11 @@ template <class State> std::vector<State> between_halves(const std::vector<State
   return out;
 }
 
-/// Whether an orbit of this first multiplier is unstable since a period doubling not far off.
-inline bool has_doubled(std::complex<double> mu) {
+/// Whether an orbit that a return after so many periods has led to is half as long, and by its first multiplier unstable since a
+/// period doubling not far off.
+inline bool has_doubled(std::size_t period, std::complex<double> mu, std::size_t returned_after) {
   constexpr double far_off = 0.2;
-  return mu.imag() == 0.0 && mu.real() < -1.0 && mu.real() > -1.0 - far_off;
+  return 2 * period == returned_after && mu.imag() == 0.0 && mu.real() < -1.0 && mu.real() > -1.0 - far_off;
 }
 
 /// States of the doubled orbit around one that has doubled, of period n, states `single` and first multiplier mu: those of the

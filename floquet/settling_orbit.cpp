@@ -89,8 +89,8 @@ double growth_along(Propagator& propagator, const std::vector<Vector>& states) {
   return spectral_radius(growth);
 }
 
-/// The stable orbit of period n (or a divisor) that these states are near to.
-std::optional<PeriodicOrbit> stable_orbit_of(Propagator& propagator, const std::vector<Vector>& states, int n) {
+/// The stable orbit that these states are near to, of as many periods or a divisor.
+std::optional<PeriodicOrbit> stable_orbit_of(Propagator& propagator, const std::vector<Vector>& states) {
   ShootingOptions shooting;
   shooting.flow = propagator.options();
   shooting.max_halvings = few_halvings;
@@ -107,7 +107,7 @@ std::optional<PeriodicOrbit> stable_orbit_of(Propagator& propagator, const std::
     if (const auto half = between_halves(states, near_halves);
         !half.empty() && in_front_of_barriers(half) && growth_along(propagator, half) <= growth_at_doubling)
       orbit = shoot_from(half);
-  if (orbit.converged() && 2 * orbit.period == n && has_doubled(orbit.multipliers.values.front())) {
+  if (orbit.converged() && has_doubled(orbit.states.size(), orbit.multipliers.values.front(), states.size())) {
     const double mu = orbit.multipliers.values.front().real();
     const std::size_t three_times = 3 * orbit.states.size() + 1;
     const std::vector<Vector> motion = stroboscopic_states(propagator, states.front(), three_times);
@@ -122,8 +122,8 @@ std::optional<PeriodicOrbit> stable_orbit_of(Propagator& propagator, const std::
 }
 
 /// That, if the motion through them comes closer to it.
-std::optional<PeriodicOrbit> stable_orbit_near(Propagator& propagator, const std::vector<Vector>& states, int n) {
-  auto orbit = stable_orbit_of(propagator, states, n);
+std::optional<PeriodicOrbit> stable_orbit_near(Propagator& propagator, const std::vector<Vector>& states) {
+  auto orbit = stable_orbit_of(propagator, states);
   if (orbit && approaches(propagator, *orbit, states.front())) return orbit;
   return std::nullopt;
 }
@@ -172,7 +172,7 @@ std::optional<PeriodicOrbit> orbit_of_close_returns(Propagator& propagator, cons
   for (const int n : worth_a_try(returns.periods)) {
     const std::vector<Vector> states(returns.states.begin(), returns.states.begin() + n);
     if (growth_along(propagator, states) > growth_too_early) continue;
-    if (auto orbit = stable_orbit_near(propagator, states, n)) return orbit;
+    if (auto orbit = stable_orbit_near(propagator, states)) return orbit;
   }
   return std::nullopt;
 }
@@ -227,7 +227,7 @@ LaneTask<LaneOrbit> shoot_next_to_doubling(LanePlace& lane, const std::vector<St
   if (!orbit.converged && !orbit.given_up)
     if (std::vector<StatePair> half = between_halves(around, near_halves); !half.empty())
       orbit = co_await shoot_in_lanes(lane, std::move(half), {growth_at_doubling, few_halvings});
-  if (const auto mu = orbit.multipliers[0]; 2 * orbit.states.size() == around.size() && has_doubled(mu)) {
+  if (const auto mu = orbit.multipliers[0]; has_doubled(orbit.states.size(), mu, around.size())) {
     const Vector begin = vector_of(around.front());
     const std::span<const PeriodResult> periods = co_await lane.carry(begin, 3 * orbit.states.size());
     if (periods.back().termination != Termination::time) co_return orbit;
@@ -260,7 +260,7 @@ LaneTask<SettlingLook> look_for_orbit_in_lanes(LanePlace& lane, const HybridSyst
       std::vector<Vector> nodes;
       std::transform(around.begin(), around.end(), std::back_inserter(nodes), vector_of);
       Propagator propagator(system, p, {}, flow);
-      out.orbit = stable_orbit_near(propagator, nodes, n);
+      out.orbit = stable_orbit_near(propagator, nodes);
     } else if (says == Verdict::yes) {
       out.orbit = co_await orbit_approached_in_lanes(lane, system, p, orbit, state);
     }
@@ -356,13 +356,13 @@ std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector
     };
     const auto leads_nowhere = [&](const LaneOrbit& orbit, const std::vector<Vector>& around) {
       if (!orbit.converged) return between_halves(around, near_halves).empty();
-      if (2 * orbit.states.size() == around.size() && has_doubled(orbit.multipliers[0])) return false;
+      if (has_doubled(orbit.states.size(), orbit.multipliers[0], around.size())) return false;
       return verdict(orbit, state) == Verdict::no || is_refused(orbit);
     };
     for (std::size_t i = 0; i < worth.size(); ++i) {
       const std::vector<Vector> around(states.begin(), states.begin() + worth[i]);
       if (!orbits.empty() && leads_nowhere(orbits[i], around)) continue;
-      auto orbit = stable_orbit_of(propagator, around, worth[i]);
+      auto orbit = stable_orbit_of(propagator, around);
       if (!orbit || is_refused(*orbit)) continue;
       if (approaches(propagator, *orbit, state)) return orbit;
       refused.push_back(orbit->state);

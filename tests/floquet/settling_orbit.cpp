@@ -164,8 +164,9 @@ TEST_CASE("the states of a doubled orbit are guessed from how a motion crosses t
   // What grows faster than the multiplier says is not on its way to a doubled orbit.
   CHECK(
       doubled_states<Vector>({vector({0.0})}, -1.001, {vector({0.1}), vector({-0.11}), vector({0.12}), vector({-0.13})}).empty());
-  CHECK(has_doubled(-1.001));
-  CHECK_FALSE(has_doubled(-0.999));
-  CHECK_FALSE(has_doubled({-1.0, 0.1}));
-  CHECK_FALSE(has_doubled(1.001));
+  CHECK(has_doubled(3, -1.001, 6));
+  CHECK_FALSE(has_doubled(3, -0.999, 6));
+  CHECK_FALSE(has_doubled(3, {-1.0, 0.1}, 6));
+  CHECK_FALSE(has_doubled(3, 1.001, 6));
+  CHECK_FALSE(has_doubled(3, -1.001, 3));
 }
