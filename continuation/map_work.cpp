@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/map_work.hpp>
 #include <graze/floquet/attractor_in_lanes.hpp>
+#include <graze/lib/in_parallel.hpp>
 
 #include <fmt/format.h>
 
@@ -20,8 +21,6 @@ constexpr int shortest_average = 200;
 constexpr std::size_t enough = 32;
 /// Pieces in work beyond one for each thread.
 constexpr std::size_t more_pieces = 1;
-
-std::size_t share(std::size_t n, std::size_t threads) { return (n + threads - 1) / threads; }
 
 }  // namespace
 
@@ -98,8 +97,8 @@ std::optional<MapWork::Strand> MapWork::draw(std::size_t carried) {
     exchange_.end_waiting();
   }
   if (carried == 0 && exchange_.has_some()) return std::nullopt;
-  std::size_t most = share(strands_.size() + begun_, threads_);
-  if (threads_ > 1) most = std::min(most, std::max(enough, share(strands_.size(), threads_)));
+  std::size_t most = divided_up(strands_.size() + begun_, threads_);
+  if (threads_ > 1) most = std::min(most, std::max(enough, divided_up(strands_.size(), threads_)));
   if (failed_ || strands_.empty() || carried >= most) return std::nullopt;
   Strand strand = std::move(strands_.front());
   strands_.pop_front();

@@ -23,12 +23,10 @@ constexpr double return_distance = 1e-3;                        // relative to 1
 constexpr int first_look = 64;                                  // periods
 constexpr std::size_t least_together = 8, most_together = 256;  // motions of a group: whole registers
 
-std::size_t whole_parts(std::size_t n, std::size_t of) { return (n + of - 1) / of; }
-
 /// Of so many motions: as many groups for each thread, of much the same size.
 std::size_t motions_of_a_group(std::size_t motions, std::size_t threads) {
-  const std::size_t turns = whole_parts(motions, most_together * threads);
-  return whole_parts(whole_parts(motions, turns * threads), least_together) * least_together;
+  const std::size_t turns = divided_up(motions, most_together * threads);
+  return divided_up(divided_up(motions, turns * threads), least_together) * least_together;
 }
 
 struct Run {
@@ -83,7 +81,7 @@ class Search {
     std::iota(open.begin(), open.end(), std::size_t{0});
     for (bool first = true; !open.empty(); first = false) {
       const std::size_t together = motions_of_a_group(open.size(), threads_here());
-      const std::size_t groups = whole_parts(open.size(), together);
+      const std::size_t groups = divided_up(open.size(), together);
       in_parallel(groups, [&](std::size_t group) {
         std::vector<Watch> watches;
         for (std::size_t i = group * together; i < std::min(open.size(), (group + 1) * together); ++i) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/lyapunov_lanes.hpp>
+#include <graze/floquet/return_watch.hpp>
 #include <graze/floquet/scout.hpp>
 #include <graze/floquet/spread_order.hpp>
-#include <graze/floquet/state_distance.hpp>
 #include <graze/floquet/stroboscopic_states.hpp>
 #include <graze/floquet/visited_cells.hpp>
 
@@ -12,15 +12,12 @@ namespace graze {
 
 namespace {
 
-/// After how many of these periods the motion is back, nearly, where it was few periods before; all, where it is never, or ends.
+/// After how many of these periods the motion is seen to come back, nearly; all, where it does not, or ends.
 std::size_t periods_to_settle(std::span<const PeriodResult> periods) {
   constexpr double nearly = 1e-3;  // relative to 1 + |x|
-  constexpr std::size_t few = 8;
-  for (std::size_t k = 1; k < periods.size() && periods[k].termination == Termination::time; ++k) {
-    const StatePair at{periods[k].x, periods[k].v};
-    for (std::size_t n = 1; n <= std::min(few, k); ++n)
-      if (state_distance(at, StatePair{periods[k - n].x, periods[k - n].v}) < nearly * (1.0 + state_size(at))) return k;
-  }
+  ReturnWatch watch(nearly);
+  for (std::size_t k = 0; k < periods.size() && periods[k].termination == Termination::time; ++k)
+    if (watch.see(Vector{{periods[k].x, periods[k].v}}) > 0) return k + 1;
   return periods.size();
 }
 

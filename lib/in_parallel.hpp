@@ -18,6 +18,9 @@ inline std::size_t threads_here() {
   return std::min(in_arena, global_control::active_value(global_control::max_allowed_parallelism));
 }
 
+/// n / by, rounded up: how many parts of a size there are, or how large they are.
+constexpr std::size_t divided_up(std::size_t n, std::size_t by) { return (n + by - 1) / by; }
+
 /// body(0) ... body(n - 1), in any order. A thread that waits for the rest does not begin with anything else meanwhile, which it
 /// might have to finish first.
 template <class Body> void in_parallel(std::size_t n, const Body& body) {
