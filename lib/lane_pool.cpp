@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <memory>
 #include <utility>
 
@@ -12,8 +13,10 @@ namespace {
 
 /// Members that are carried at a time: what keeps the lanes full, also where many ask for one period only.
 constexpr std::size_t together = 128;
-/// Periods of a turn: as many as keep so many motions busy, since all wait for the last of them, but not one by one.
-constexpr std::size_t busy = 48, fewest_periods = 2, most_periods = 32;
+/// Of a kind that has so many motions, some are carried each time; of fewer, where the other kind has not more.
+constexpr std::size_t busy = 48;
+/// Periods of a turn, of all motions, and of each.
+constexpr std::size_t work_of_turn = 512, fewest_periods = 4, most_periods = 32;
 
 }  // namespace
 
@@ -61,35 +64,43 @@ void LanePlace::take_parameters(const Vector& p) {
 }
 
 LanePlace::Carrying LanePlace::carry(std::span<const MotionStart> motions, std::size_t periods, bool tangent) {
-  starts_.assign(motions.begin(), motions.end());
-  periods_ = periods;
-  carried_ = 0;
   tangent_ = tangent;
-  speeds_ = nullptr;
   results_.resize(motions.size() * periods);
+  left_.clear();
+  for (std::size_t m = 0; m < motions.size(); ++m) left_.push_back({motions[m], periods, &results_[m * periods]});
   return Carrying(*this);
 }
 
 LanePlace::Carrying LanePlace::carry(const Vector& state, std::size_t periods, ImpactSpeeds* speeds) {
   const MotionStart start = at(state);
   const Carrying carrying = carry({&start, 1}, periods, false);
-  speeds_ = speeds;
+  left_.front().speeds = speeds;
   return carrying;
 }
 
-/// Adds the next periods of its motions.
-void LanePlace::add_runs(std::size_t periods, std::vector<MotionRun>& runs) {
-  periods = std::min(periods, periods_ - carried_);
-  for (std::size_t m = 0; m < starts_.size(); ++m) {
-    PeriodResult* const next = &results_[m * periods_ + carried_];
-    if (carried_ == 0)
-      runs.push_back({{parameters_, starts_[m].x, starts_[m].v}, periods, next, speeds_});
-    else if (next[-1].termination == Termination::time)
-      runs.push_back({{parameters_, next[-1].x, next[-1].v}, periods, next, speeds_});
-    else
-      std::fill_n(next, periods, PeriodResult{.termination = next[-1].termination});
+/// Of each of its motions, so many of the periods that are left; all where there is a table of contacts: with it, results depend
+/// on how periods are divided between calls, and that must not depend on company.
+void LanePlace::add_runs(std::size_t most, std::vector<MotionRun>& runs) const {
+  if (motions().table(parameters_)) most = std::numeric_limits<std::size_t>::max();
+  for (const MotionRun& run : left_)
+    runs.push_back({{parameters_, run.start.x, run.start.v}, std::min(most, run.periods), run.results, run.speeds});
+}
+
+/// They were carried. Returns the next after them.
+const MotionRun* LanePlace::see(const MotionRun* done) {
+  for (MotionRun& run : left_) {
+    run.results += done->carried;
+    run.periods -= done->carried;
+    ++done;
+    const PeriodResult& last = run.results[-1];
+    run.start = {parameters_, last.x, last.v};
+    if (last.termination == Termination::time) continue;
+    std::fill_n(run.results, run.periods, PeriodResult{.termination = last.termination});
+    run.periods = 0;
   }
-  carried_ += periods;
+  std::erase_if(left_, [](const MotionRun& run) { return run.periods == 0; });
+  if (left_.empty()) motions().look_for_table(parameters_);
+  return done;
 }
 
 /// The number of a parameter set that nobody has.
@@ -132,51 +143,23 @@ void LanePool::take(std::vector<std::unique_ptr<Member>>& members) {
   }
 }
 
-/// Those of a kind whose motions are carried next: all, but for few more than fill the lanes of a register, which are carried
-/// sooner in turn than with most lanes of a second one idle.
-void LanePool::choose(std::span<const std::unique_ptr<Member>> members, bool tangent) {
-  chosen_.clear();
-  const auto is_one = [&](const auto& member) { return member->place.tangent_ == tangent; };
-  std::size_t motions = 0;
-  for (const auto& member : members) motions += is_one(member) ? member->place.starts_.size() : 0;
-  const std::size_t lanes = motions_.lanes(), most = motions > lanes && 8 * motions <= 14 * lanes ? lanes : motions;
-  std::size_t& next = next_[tangent ? 1 : 0];
-  std::size_t room = most, left_out = members.size();
-  next %= members.size();
-  for (const bool hurrying : {true, false})
-    for (std::size_t k = 0; k < members.size(); ++k) {
-      const std::size_t i = (next + k) % members.size();
-      if (!is_one(members[i]) || members[i]->place.hurries_ != hurrying) continue;
-      const std::size_t n = members[i]->place.starts_.size();
-      if (hurrying || n <= room || room == most) {
-        chosen_.push_back(members[i].get());
-        room -= std::min(n, room);
-      } else if (left_out == members.size()) {
-        left_out = i;
-      }
-    }
-  if (left_out < members.size()) next = left_out;
-}
-
+/// The motions of a kind: those first that others wait for.
 void LanePool::carry(std::span<const std::unique_ptr<Member>> members, bool tangent) {
-  choose(members, tangent);
-  // motions_left[k]: that are to be carried for so many periods more, the last: or for longer
-  std::array<std::size_t, most_periods + 1> motions_left{};
+  chosen_.clear();
   std::size_t motions = 0;
-  for (const Member* const member : chosen_) {
-    const LanePlace& place = member->place;
-    motions_left[std::min(place.periods_ - place.carried_, most_periods)] += place.starts_.size();
-    motions += place.starts_.size();
-  }
-  const std::size_t all = std::min(busy, motions);
-  std::size_t periods = 1, work = motions, going_on = motions - motions_left[1];
-  while (periods < fewest_periods || (periods < most_periods && work + going_on >= all * (periods + 1))) {
-    work += going_on;
-    going_on -= motions_left[++periods];
-  }
+  for (const bool hurrying : {true, false})
+    for (const auto& member : members) {
+      const LanePlace& place = member->place;
+      if (place.tangent_ != tangent || place.hurries_ != hurrying) continue;
+      chosen_.push_back(member.get());
+      motions += place.left_.size();
+    }
+  const std::size_t periods = std::clamp(work_of_turn / motions, fewest_periods, most_periods);
   runs_.clear();
-  for (Member* const member : chosen_) member->place.add_runs(periods, runs_);
-  motions_.carry(runs_, tangent);
+  for (const Member* const member : chosen_) member->place.add_runs(periods, runs_);
+  motions_.carry_while_full(runs_, tangent);
+  const MotionRun* next = runs_.data();
+  for (Member* const member : chosen_) next = member->place.see(next);
 }
 
 void LanePool::run(std::size_t count, const std::function<LaneTask<>(std::size_t, LanePlace&)>& make) {
@@ -213,14 +196,14 @@ void LanePool::run(const std::function<std::optional<LaneTask<>>(LanePlace&, std
     std::array<bool, 2> hurries{};
     for (const auto& member : members) {
       const LanePlace& place = member->place;
-      motions[place.tangent_ ? 1 : 0] += place.starts_.size();
+      motions[place.tangent_ ? 1 : 0] += place.left_.size();
       hurries[place.tangent_ ? 1 : 0] |= place.hurries_;
     }
     // Where there are few of a kind, they wait for company.
     for (const std::size_t kind : {0, 1})
       if (hurries[kind] || motions[kind] >= std::min(busy, motions[1 - kind])) carry(members, kind == 1);
     for (const auto& member : members)
-      if (member->place.carried_ == member->place.periods_) member->place.waiting_.resume();
+      if (member->place.left_.empty()) member->place.waiting_.resume();
   }
 }
 

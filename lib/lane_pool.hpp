@@ -7,7 +7,6 @@
 #include <graze/lib/lane_task.hpp>
 #include <graze/lib/many_motions.hpp>
 
-#include <array>
 #include <coroutine>
 #include <cstddef>
 #include <functional>
@@ -44,17 +43,16 @@ class LanePlace {
 
  private:
   friend class LanePool;
-  void add_runs(std::size_t periods, std::vector<MotionRun>& runs);
+  void add_runs(std::size_t most, std::vector<MotionRun>& runs) const;
+  const MotionRun* see(const MotionRun* done);
 
   LanePool* pool_;
   std::optional<std::size_t> own_parameters_;
   Vector own_;
   std::size_t parameters_ = 0;
-  std::vector<MotionStart> starts_;
-  std::size_t periods_ = 0, carried_ = 0;
   bool tangent_ = false, hurries_ = false;
-  ImpactSpeeds* speeds_ = nullptr;
   std::vector<PeriodResult> results_;
+  std::vector<MotionRun> left_;  ///< of the motions asked for, those with periods that are not carried yet
   std::coroutine_handle<> waiting_;
 };
 
@@ -89,13 +87,11 @@ class LanePool {
   void take(std::vector<std::unique_ptr<Member>>& members);
   std::optional<std::size_t> free_place();
   void clear(LanePlace& place);
-  void choose(std::span<const std::unique_ptr<Member>> members, bool tangent);
   void carry(std::span<const std::unique_ptr<Member>> members, bool tangent);
 
   ManyMotions& motions_;
   LaneExchange* exchange_;
   std::vector<std::size_t> free_parameters_;  ///< parameter sets that nobody has
-  std::array<std::size_t, 2> next_{};         ///< whose turn it is, without and with the tangent
   std::vector<Member*> chosen_;
   std::vector<MotionRun> runs_;
 };

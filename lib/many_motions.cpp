@@ -58,12 +58,13 @@ struct ManyMotions::Set {
   lanes::ContactPieces pieces = {};  ///< of the table
 };
 
-/// A motion that goes on, with the periods that are behind it.
+/// A motion that goes on.
 struct ManyMotions::Going {
-  const MotionRun* run;
+  MotionRun* run;
   Set* set;
-  std::size_t done;
 };
+
+bool ManyMotions::is_linear(const Going& one) { return !one.set->oscillator.cubic; }
 
 bool ManyMotions::applies(const HybridSystem& system, const Vector& p, const FlowOptions& options) {
   return options.kind == FlowKind::automatic && lanes::lanes_know(system, p);
@@ -145,6 +146,10 @@ const ContactTable* ManyMotions::table(std::size_t parameters) const { return se
 
 bool ManyMotions::awaits_table(std::size_t parameters) const { return set_of(parameters).awaits_table; }
 
+void ManyMotions::look_for_table(std::size_t parameters) {
+  if (Set& set = set_of(parameters); set.awaits_table) make_table(set);
+}
+
 void ManyMotions::make_table(Set& set) {
   const auto& met = set.met.of_band;
   if (std::accumulate(met.begin(), met.end(), std::int64_t{0}) < contacts_before_table) return;
@@ -181,7 +186,8 @@ bool ManyMotions::do_left_over(const lanes::Motion& motion, std::size_t period, 
   return true;
 }
 
-void ManyMotions::carry_in_lanes(std::span<const lanes::Motion> motions, bool cubic, bool tangent, std::size_t* carried) {
+void ManyMotions::carry_in_lanes(std::span<const lanes::Motion> motions, bool cubic, bool tangent, bool while_full,
+                                 lanes::Carried* carried) {
   if (motions.empty()) return;
   const auto carry = [&](std::size_t begin, std::size_t end) {
     const LaneWidth width = width_ == LaneWidth::widest ? width_for(end - begin) : width_;
@@ -189,7 +195,7 @@ void ManyMotions::carry_in_lanes(std::span<const lanes::Motion> motions, bool cu
       return static_cast<ManyMotions*>(self)->do_left_over(motion, period, job.tangent);
     };
     lane_kernels(width).carry({*law_, cubic, options_.tolerance, options_.max_steps, tangent, motions.data() + begin, end - begin,
-                               carried + begin, do_given_up, this});
+                               carried + begin, while_full, do_given_up, this});
   };
   const std::size_t parts = all_threads_ ? std::clamp<std::size_t>(motions.size() / fewest_on_a_thread, 1, threads_here()) : 1;
   in_parallel(parts, [&](std::size_t i) { carry(i * motions.size() / parts, (i + 1) * motions.size() / parts); });
@@ -204,44 +210,55 @@ void ManyMotions::carry(const std::vector<MotionStart>& starts, std::size_t peri
   carry(runs, tangent);
 }
 
-void ManyMotions::carry(std::span<const MotionRun> runs, bool tangent) {
-  // Those that wait for a table stop in between and look.
-  going_.clear();
-  for (const MotionRun& run : runs)
-    if (Set& set = set_of(run.start.parameters); run.periods > 0) going_.push_back({&run, &set, 0});
-  const auto is_linear = [](const Going& one) { return !one.set->oscillator.cubic; };
-  std::stable_partition(going_.begin(), going_.end(), is_linear);
+void ManyMotions::carry(std::span<MotionRun> runs, bool tangent) {
+  begin(runs);
   while (!going_.empty()) {
-    motions_.clear();
-    for (const Going& one : going_) {
-      const MotionStart& start = one.run->start;
-      Set& set = *one.set;
-      PeriodResult* const next = one.run->results + one.done;
-      const std::size_t left = one.run->periods - one.done;
-      motions_.push_back({one.done == 0 ? start.x : next[-1].x, one.done == 0 ? start.v : next[-1].v, start.parameters,
-                          &set.oscillator.coefficients, set.oscillator.grid.get(), &set.oscillator.pressed,
-                          set.oscillator.pressed_grid.get(), set.awaits_table ? std::min(left, periods_between_looks) : left,
-                          next, set.table ? &set.pieces : nullptr, set.awaits_table ? &set.met : nullptr, one.run->speeds});
-    }
-    const auto linear = static_cast<std::size_t>(std::partition_point(going_.begin(), going_.end(), is_linear) - going_.begin());
-    carried_each_.assign(motions_.size(), 0);
-    carry_in_lanes(std::span(motions_).first(linear), false, tangent, carried_each_.data());
-    carry_in_lanes(std::span(motions_).subspan(linear), true, tangent, carried_each_.data() + linear);
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < going_.size(); ++i) {
-      Going one = going_[i];
+    go_on(tangent, false);
+    // Those that wait for a table have stopped for a look.
+    for (const Going& one : going_)
       if (one.set->awaits_table) make_table(*one.set);
-      one.done += carried_each_[i];
-      carried_ += carried_each_[i];
-      if (carried_each_[i] < motions_[i].periods) {  // it ended there
-        ++carried_;
-        PeriodResult* const end = one.run->results + one.done;
-        for (std::size_t k = 1; k < one.run->periods - one.done; ++k) (end[k] = {}).termination = end->termination;
-      } else if (one.done < one.run->periods) {
-        going_[kept++] = one;
-      }
-    }
-    going_.resize(kept);
+    std::erase_if(going_, [](const Going& one) { return one.run->carried == one.run->periods; });
+  }
+}
+
+void ManyMotions::carry_while_full(std::span<MotionRun> runs, bool tangent) {
+  begin(runs);
+  go_on(tangent, true);
+}
+
+void ManyMotions::begin(std::span<MotionRun> runs) {
+  going_.clear();
+  for (MotionRun& run : runs) {
+    run.carried = 0;
+    if (Set& set = set_of(run.start.parameters); run.periods > 0) going_.push_back({&run, &set});
+  }
+  std::stable_partition(going_.begin(), going_.end(), is_linear);
+}
+
+void ManyMotions::go_on(bool tangent, bool while_full) {
+  motions_.clear();
+  for (const auto& [run, set] : going_) {
+    const MotionStart& start = run->start;
+    PeriodResult* const next = run->results + run->carried;
+    const bool first = run->carried == 0, looks = set->awaits_table && !while_full;
+    const std::size_t left = run->periods - run->carried;
+    motions_.push_back({first ? start.x : next[-1].x, first ? start.v : next[-1].v, start.parameters,
+                        &set->oscillator.coefficients, set->oscillator.grid.get(), &set->oscillator.pressed,
+                        set->oscillator.pressed_grid.get(), looks ? std::min(left, periods_between_looks) : left, next,
+                        set->table ? &set->pieces : nullptr, set->awaits_table ? &set->met : nullptr, run->speeds});
+  }
+  const auto linear = static_cast<std::size_t>(std::partition_point(going_.begin(), going_.end(), is_linear) - going_.begin());
+  carried_each_.assign(motions_.size(), {});
+  carry_in_lanes(std::span(motions_).first(linear), false, tangent, while_full, carried_each_.data());
+  carry_in_lanes(std::span(motions_).subspan(linear), true, tangent, while_full, carried_each_.data() + linear);
+  for (std::size_t i = 0; i < going_.size(); ++i) {
+    MotionRun& run = *going_[i].run;
+    run.carried += carried_each_[i].periods;
+    carried_ += carried_each_[i].periods;
+    if (!carried_each_[i].ended) continue;
+    ++carried_;
+    const PeriodResult* const end = run.results + run.carried;
+    for (++run.carried; run.carried < run.periods; ++run.carried) (run.results[run.carried] = {}).termination = end->termination;
   }
 }
 

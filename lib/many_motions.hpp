@@ -51,6 +51,7 @@ struct MotionRun {
   std::size_t periods = 0;
   PeriodResult* results = nullptr;
   ImpactSpeeds* speeds = nullptr;  ///< and at what speeds it hit the barrier; may be null
+  std::size_t carried = 0;         ///< of the periods
 };
 
 class ManyMotions {
@@ -80,9 +81,11 @@ class ManyMotions {
   /// and 47000.)
   static constexpr std::int64_t periods_for_table = 100000;
 
-  /// Whether one is still to be made. That is found out in carry(), after so many periods each time.
+  /// Whether one is still to be made. That is found out in carry(), after so many periods each time,
   bool awaits_table(std::size_t parameters) const;
   static constexpr std::size_t periods_between_looks = 64;
+  /// and, where motions are carried by carry_while_full, here.
+  void look_for_table(std::size_t parameters);
 
   /// A table of contacts made before, of the same parameters: keep it alive. @throws std::invalid_argument where it is of others.
   void use(std::size_t parameters, const ContactTable& table);
@@ -100,7 +103,10 @@ class ManyMotions {
   /// parameters.
   void carry(const std::vector<MotionStart>& starts, std::size_t periods, bool tangent, std::vector<PeriodResult>& results);
   /// The same, of each motion as many as it asks for.
-  void carry(std::span<const MotionRun> runs, bool tangent);
+  void carry(std::span<MotionRun> runs, bool tangent);
+  /// As long as that keeps most lanes busy: then the motions stop that are still on their way, each at the end of a period
+  /// (MotionRun::carried). No tables are made.
+  void carry_while_full(std::span<MotionRun> runs, bool tangent);
 
   /// Periods that the lanes left to the Propagator, of all so far.
   std::size_t left_over() const { return left_over_; }
@@ -117,8 +123,11 @@ class ManyMotions {
   Set& set_of(std::size_t parameters) const;
   OwnSet make_set(const Vector& p);
   void make_table(Set& set);
+  static bool is_linear(const Going& one);
+  void begin(std::span<MotionRun> runs);
+  void go_on(bool tangent, bool while_full);
   /// Those that are alike.
-  void carry_in_lanes(std::span<const lanes::Motion> motions, bool cubic, bool tangent, std::size_t* carried);
+  void carry_in_lanes(std::span<const lanes::Motion> motions, bool cubic, bool tangent, bool while_full, lanes::Carried* carried);
   /// A period that the lanes give up, by the Propagator. False: the motion ends in it.
   bool do_left_over(const lanes::Motion& motion, std::size_t period, bool tangent);
 
@@ -129,7 +138,7 @@ class ManyMotions {
   std::vector<OwnSet> sets_;       ///< those taken: null
   std::vector<Going> going_;       ///< of carry(): they keep their memory from one call to the next
   std::vector<lanes::Motion> motions_;
-  std::vector<std::size_t> carried_each_;
+  std::vector<lanes::Carried> carried_each_;
   Transition transition_;
   std::mutex left_over_lock_;  ///< the lanes of several threads leave something over
   bool all_threads_ = false;

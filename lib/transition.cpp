@@ -160,11 +160,11 @@ bool carry_in_lane(Propagator& propagator, double t0, double t1, const Vector& x
   lanes::Period period;
   const lanes::Motion motion{x0[0], x0[1], 0, &lane->coefficients, lane->grid.get(), nullptr, nullptr, 1, &period};
   const bool tangent = options.sensitivity == Sensitivity::state;
-  std::size_t carried = 0;
+  lanes::Carried carried;
   static const LaneKernels one_lane = lane_kernels(LaneWidth::one);
   one_lane.carry(
       {lane->law, lane->cubic, propagator.options().tolerance, propagator.options().max_steps, tangent, &motion, 1, &carried});
-  if (carried == 0 || static_cast<std::size_t>(period.impacts) > options.max_events) return false;
+  if (carried.periods == 0 || static_cast<std::size_t>(period.impacts) > options.max_events) return false;
   propagator.count_time(t1);
   out.factors.clear();
   out.factor_log_dets.clear();

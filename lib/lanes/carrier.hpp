@@ -15,13 +15,18 @@
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
+/// How many of a job's motions are or were in a lane, and have ended.
+struct Queue {
+  std::size_t taken = 0, ended = 0;
+};
+
 template <class Flight> class Carrier {
   using Real = typename Flight::Real;
   static constexpr bool Tangent = Flight::tangent;
 
  public:
-  /// `taken`: how many of the job's motions are in a lane already, of this or of another Carrier.
-  Carrier(const Job& job, std::size_t& taken) : job_(job), taken_(taken) {
+  /// `queue`: of the job's motions, for this and for another Carrier.
+  Carrier(const Job& job, Queue& queue) : job_(job), queue_(queue) {
     if (job.law == Law::hertz) ratio_ = std::pow(job.tolerance, 1.0 / static_cast<double>(Flight::order));
     for (std::size_t i = 0; i < job.count; ++i) {
       tables_ = tables_ || job.motions[i].table;
@@ -131,7 +136,7 @@ template <class Flight> class Carrier {
       result.impacts = impacts;
       result.termination = Termination::time;
       result.by_propagator = false;
-      if (++memory_.period[lane] == motion.periods) return end_motion(lane, starts);
+      if (++memory_.period[lane] == motion.periods || ends_early(motion)) return end_motion(lane, starts, false);
       place(lane, motion, at[lane], at_speed[lane], starts);
       goes_on |= 1U << lane;
     });
@@ -151,9 +156,9 @@ template <class Flight> class Carrier {
 
   /// Puts the next motion, if there is one, in a lane.
   void next_motion(std::size_t lane, Starts& starts) {
-    if (taken_ == job_.count) return memory_.assign(lane, Task::idle);
-    const Motion& motion = job_.motions[taken_];
-    memory_.motion[lane] = taken_++;
+    if (queue_.taken == job_.count) return memory_.assign(lane, Task::idle);
+    const Motion& motion = job_.motions[queue_.taken];
+    memory_.motion[lane] = queue_.taken++;
     memory_.period[lane] = 0;
     memory_.table[lane] = motion.table;
     memory_.met[lane] = motion.met;
@@ -173,8 +178,14 @@ template <class Flight> class Carrier {
     starts.there |= 1U << lane;
   }
 
-  void end_motion(std::size_t lane, Starts& starts) {
-    job_.carried[memory_.motion[lane]] = memory_.period[lane];
+  bool ends_early(const Motion& motion) const {
+    const std::size_t at_work = queue_.taken - queue_.ended, fill = std::min(job_.count, 2 * W);
+    return job_.while_full && !motion.table && queue_.taken == job_.count && 8 * at_work < 7 * fill;
+  }
+
+  void end_motion(std::size_t lane, Starts& starts, bool failed) {
+    job_.carried[memory_.motion[lane]] = {memory_.period[lane], failed};
+    ++queue_.ended;
     next_motion(lane, starts);
   }
 
@@ -186,14 +197,15 @@ template <class Flight> class Carrier {
       if (motion.notes) motion.notes->count = motion.notes->before;
       WideRegisters::leave();
       const bool done = job_.do_given_up && job_.do_given_up(job_.whom, job_, motion, period);
-      if (!done || ++memory_.period[lane] == motion.periods) return end_motion(lane, starts);
+      if (!done) return end_motion(lane, starts, true);
+      if (++memory_.period[lane] == motion.periods || ends_early(motion)) return end_motion(lane, starts, false);
       place(lane, motion, motion.results[period].x, motion.results[period].v, starts);
     });
     begin_periods(starts);
   }
 
   const Job& job_;
-  std::size_t& taken_;
+  Queue& queue_;
   double ratio_ = 1.0;
   bool tables_ = false, met_ = false, notes_ = false;
   Memory<Real> memory_;

@@ -33,13 +33,13 @@ template <class Flight> void sort_contacts(Carrier<Flight>& first, Carrier<Fligh
 }
 
 template <class Flight> void carry_with(const Job& job) {
-  std::size_t taken = 0;
-  Carrier<Flight> first(job, taken);
-  if (taken == job.count) {  // all are in its lanes
+  Queue queue;
+  Carrier<Flight> first(job, queue);
+  if (queue.taken == job.count) {  // all are in its lanes
     for (Task task = first.choice(true).task; task != Task::idle; task = first.choice(true).task) first.step(task);
     return;
   }
-  Carrier<Flight> second(job, taken);
+  Carrier<Flight> second(job, queue);
   if (first.steps_contacts())
     sort_contacts(first, second);
   else

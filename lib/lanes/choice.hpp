@@ -21,7 +21,7 @@ struct Choice {
 template <class Real> Choice choose(const Memory<Real>& m, bool with_table, bool alone) {
   constexpr std::size_t W = width<Real>;
   if constexpr (W == 1) return {m.task(0), 1};  // there is nothing to choose
-  const int most = static_cast<int>(with_table ? (W + 3) / 4 : alone ? (5 * W + 7) / 8 : (7 * W + 7) / 8);
+  const int most = static_cast<int>(with_table ? (W + 3) / 4 : alone ? (W + 1) / 2 : (7 * W + 7) / 8);
   constexpr int many = static_cast<int>((5 * W + 7) / 8);
   const int contacts = m.count(Task::contact), crossings = m.count(Task::crossing), flights = m.count(Task::flight),
             ends = m.count(Task::period_end), marching = m.count(Task::marching);
@@ -38,9 +38,8 @@ template <class Real> Choice choose(const Memory<Real>& m, bool with_table, bool
 /// Whether a register better lets another one go first: a step of contact, or of flight by series, takes as long for few lanes as
 /// for all.
 template <bool Cubic, class Real> bool waits(const Choice& choice) {
-  constexpr int enough = static_cast<int>((6 * width<Real> + 7) / 8);
   const bool takes_long = choice.task == Task::contact || (Cubic && choice.task == Task::flight);
-  return choice.task == Task::idle || (takes_long && choice.lanes < enough);
+  return choice.task == Task::idle || (takes_long && choice.lanes < static_cast<int>(width<Real>));
 }
 
 /// The motions in these lanes of two registers change places.
@@ -60,16 +59,18 @@ template <class Real> void exchange(Memory<Real>& a, std::size_t i, Memory<Real>
   std::swap(a.impacts[i], b.impacts[j]);
 }
 
-/// Lets the motions in contact come together in one of two registers.
+/// Lets the motions in contact come together in one of two registers, and the others in the other, as far as there is room.
 template <class Real> void gather_contacts(Memory<Real>& a, Memory<Real>& b) {
   const bool more_in_a = a.count(Task::contact) >= b.count(Task::contact);
   Memory<Real>&many = more_in_a ? a : b, &few = more_in_a ? b : a;
+  if (many.count(Task::contact) == 0) return;
   constexpr unsigned all = (1U << width<Real>)-1;
-  for (;;) {
-    const unsigned come = few.at(Task::contact), go = all & ~many.at(Task::contact);
-    if (come == 0 || go == 0) return;
-    exchange(many, static_cast<std::size_t>(std::countr_zero(go)), few, static_cast<std::size_t>(std::countr_zero(come)));
-  }
+  const auto change_places = [&](unsigned come, unsigned go) {
+    for (; come != 0 && go != 0; come &= come - 1, go &= go - 1)
+      exchange(many, static_cast<std::size_t>(std::countr_zero(go)), few, static_cast<std::size_t>(std::countr_zero(come)));
+  };
+  change_places(few.at(Task::contact), all & ~many.at(Task::contact));
+  change_places(few.at(Task::idle), all & ~(many.at(Task::contact) | many.at(Task::idle)));
 }
 
 }  // namespace GRAZE_ARITHMETIC

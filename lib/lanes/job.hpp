@@ -103,6 +103,14 @@ enum class Law { restitution, hertz, linear_elastic };
 /// A motion with more impacts in a period is given up: whether they are too many the Propagator says.
 inline constexpr int most_impacts = 4000;
 
+/// How far a motion came.
+struct Carried {
+  std::size_t periods = 0;
+  /// The next one failed, or was given up (an impact too weak for the lanes, the motion too close to the barrier) and there was
+  /// nobody to do it.
+  bool ended = false;
+};
+
 struct Job {
   Law law = Law::restitution;
   bool cubic = false;  ///< the flights have beta x^3, and no closed form; no tables
@@ -111,9 +119,10 @@ struct Job {
   bool tangent = true;
   const Motion* motions = nullptr;
   std::size_t count = 0;
-  /// Of each motion, how many periods were carried: fewer than asked for where one failed, or was given up (an impact too weak
-  /// for the lanes, the motion too close to the barrier) and there is nobody to do it.
-  std::size_t* carried = nullptr;
+  Carried* carried = nullptr;  ///< of each motion
+  /// Where motions have come to their ends, none is left to begin, and not nearly all lanes have something to do, the others
+  /// end with the periods that they are at. (With a table of contacts it matters where a motion is begun anew: those go on.)
+  bool while_full = false;
   /// Carries a period that the lanes give up, and writes it down; says whether the motion goes on. May be null.
   bool (*do_given_up)(void* whom, const Job& job, const Motion& motion, std::size_t period) = nullptr;
   void* whom = nullptr;

@@ -141,6 +141,80 @@ TEST_CASE("computations wait for each other, and what one throws ends the pool")
   pool.run(0, [&](std::size_t i, LanePlace& lane) { return ask_twice(lane, p, static_cast<int>(i), alive, sum); });
 }
 
+TEST_CASE("motions stop together when lanes have nothing left to do, and go on to the same") {
+  const auto [model, law] = GENERATE(table<const char*, const char*>(
+      {{"linear", "newton"}, {"linear", "hertz"}, {"cantilever", "newton"}, {"cantilever", "hertz"}}));
+  const HybridSystem system = make_oscillator(model, law);
+  const Vector p = parameters(system, {{"eta", 0.711}, {"r", 0.5}});
+  const bool tangent = GENERATE(false, true);
+  constexpr std::size_t count = 20;
+  std::vector<MotionStart> starts = random_starts(count, 0.3, 1);
+  starts.back() = {0, 0.8, 0.0};  // inside the barrier, which the rigid one refuses
+  const auto periods = [](std::size_t i) { return i < count / 2 ? 3 + i : 60 + 10 * i; };
+  for (const LaneWidth width : widths_of_processor) {
+    INFO(model << ", " << law << ", " << static_cast<int>(width));
+    ManyMotions many(system, {}, width), whole(system);
+    many.add_parameters(p);
+    whole.add_parameters(p);
+    std::vector<std::vector<PeriodResult>> results(count), expected(count);
+    std::vector<MotionRun> runs, left;
+    for (std::size_t i = 0; i < count; ++i) {
+      results[i].resize(periods(i));
+      runs.push_back({starts[i], periods(i), results[i].data()});
+      whole.carry({starts[i]}, periods(i), tangent, expected[i]);
+    }
+    int turns = 0;
+    for (; !runs.empty(); ++turns) {
+      many.carry_while_full(runs, tangent);
+      left.clear();
+      for (const MotionRun& run : runs) {
+        REQUIRE(run.carried > 0);
+        REQUIRE(run.carried <= run.periods);
+        const PeriodResult* const next = run.results + run.carried;
+        if (run.carried < run.periods)
+          left.push_back({{0, next[-1].x, next[-1].v}, run.periods - run.carried, run.results + run.carried});
+      }
+      if (turns == 0) CHECK(!left.empty());
+      runs.swap(left);
+    }
+    CHECK(turns > 1);
+    for (std::size_t i = 0; i < count; ++i) CHECK(same_bits(results[i], expected[i]));
+  }
+}
+
+TEST_CASE("with a table of contacts a computation comes to the same in any company") {
+  const HybridSystem system = make_oscillator("linear", "hertz");
+  const Vector p = parameters(system, {{"eta", 0.711}});
+  const auto average = [&](LanePlace& lane, std::vector<PeriodResult>& out, bool& has_table) -> LaneTask<> {
+    lane.take_parameters(p);
+    lane.motions().expect(lane.parameters(), ManyMotions::periods_for_table);
+    MotionStart start = lane.at(Vector{{0.1, 0.0}});
+    for (int turn = 0; turn < 150; ++turn) {
+      const std::span<const PeriodResult> next = co_await lane.carry({&start, 1}, 32, true);
+      out.insert(out.end(), next.begin(), next.end());
+      start.x = out.back().x;
+      start.v = out.back().v;
+    }
+    has_table = lane.motions().table(lane.parameters()) != nullptr;
+  };
+  std::vector<PeriodResult> alone;
+  for (const std::size_t company : {0, 1, 25}) {
+    std::vector<PeriodResult> own;
+    std::vector<std::vector<PeriodResult>> of_others(company);
+    bool has_table = false;
+    ManyMotions many(system);
+    LanePool pool(many);
+    const std::vector<MotionStart> starts = random_starts(company, 1.0);
+    pool.run(company + 1, [&](std::size_t i, LanePlace& lane) {
+      return i == company ? average(lane, own, has_table) : follow(lane, p, starts[i], {5000, 1 + i, true}, of_others[i]);
+    });
+    CHECK(has_table);
+    if (company == 0) alone = own;
+    INFO("in the company of " << company);
+    CHECK(same_bits(own, alone));
+  }
+}
+
 TEST_CASE("a computation that others wait for is carried each time, among many of the other kind") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = parameters(system, {});
