@@ -7,6 +7,7 @@
 #include <graze/lib/lanes/choice.hpp>
 #include <graze/lib/lanes/cubic_flight.hpp>
 #include <graze/lib/lanes/passage.hpp>
+#include <graze/lib/lanes/queue.hpp>
 #include <graze/lib/lanes/whole_contact.hpp>
 #include <graze/lib/lanes/wide_registers.hpp>
 
@@ -15,30 +16,21 @@
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
-/// How many of a job's motions are or were in a lane, and have ended.
-struct Queue {
-  std::size_t taken = 0, ended = 0;
-};
-
 template <class Flight> class Carrier {
   using Real = typename Flight::Real;
   static constexpr bool Tangent = Flight::tangent;
 
  public:
-  /// `queue`: of the job's motions, for this and for another Carrier.
-  Carrier(const Job& job, Queue& queue) : job_(job), queue_(queue) {
+  using Jobs = Queue<2 * width<Real>>;  // for this one and another
+
+  Carrier(const Job& job, Jobs& queue) : job_(job), queue_(queue) {
     if (job.law == Law::hertz) ratio_ = std::pow(job.tolerance, 1.0 / static_cast<double>(Flight::order));
-    for (std::size_t i = 0; i < job.count; ++i) {
-      tables_ = tables_ || job.motions[i].table;
-      met_ = met_ || job.motions[i].met;
-      notes_ = notes_ || job.motions[i].notes;
-    }
     Starts starts;
     for (std::size_t lane = 0; lane < W; ++lane) next_motion(lane, starts);
     begin_periods(starts);
   }
 
-  Choice choice(bool alone = false) const { return choose(memory_, tables_, alone); }
+  Choice choice(bool alone = false) const { return choose(memory_, queue_.tables(), alone); }
   static bool waits(const Choice& choice) { return lanes::waits<Flight::cubic, Real>(choice); }
 
   /// One step of the lanes that are at a task.
@@ -58,7 +50,7 @@ template <class Flight> class Carrier {
   }
 
   /// Whether contacts are carried in steps, most of them: so that one takes as long as all the rest of a period.
-  bool steps_contacts() const { return job_.law == Law::hertz && !tables_; }
+  bool steps_contacts() const { return job_.law == Law::hertz && !queue_.tables(); }
   void gather_contacts(Carrier& other) { lanes::gather_contacts(memory_, other.memory_); }
 
  private:
@@ -72,13 +64,13 @@ template <class Flight> class Carrier {
 
   void hit(Landing<Real> landing) {
     landing.where = memory_.count_impacts(landing.where);
-    if (notes_) note_impacts(landing);
+    if (queue_.notes()) note_impacts(landing);
     if (job_.law == Law::restitution) return rebound<Flight>(memory_, landing);
     if (job_.law == Law::linear_elastic) return change_sides<Flight>(memory_, landing, job_.motions);
     Mask<Real> touching = landing.where;
     if constexpr (!Flight::cubic) {  // there are no tables of others
-      if (met_) note_speeds(memory_, landing);
-      if (tables_) touching = touching & !pass_known(landing);
+      if (queue_.met()) note_speeds(memory_, landing);
+      if (queue_.tables()) touching = touching & !pass_known(landing);
     }
     if (any(touching)) touch(memory_, touching, Real(0.0), landing.v, landing.c, landing.s);
   }
@@ -136,7 +128,7 @@ template <class Flight> class Carrier {
       result.impacts = impacts;
       result.termination = Termination::time;
       result.by_propagator = false;
-      if (++memory_.period[lane] == motion.periods || ends_early(motion)) return end_motion(lane, starts, false);
+      if (++memory_.period[lane] == motion.periods || queue_.stops(motion)) return end_motion(lane, starts, false);
       place(lane, motion, at[lane], at_speed[lane], starts);
       goes_on |= 1U << lane;
     });
@@ -156,9 +148,9 @@ template <class Flight> class Carrier {
 
   /// Puts the next motion, if there is one, in a lane.
   void next_motion(std::size_t lane, Starts& starts) {
-    if (queue_.taken == job_.count) return memory_.assign(lane, Task::idle);
-    const Motion& motion = job_.motions[queue_.taken];
-    memory_.motion[lane] = queue_.taken++;
+    if (queue_.empty()) return memory_.assign(lane, Task::idle);
+    memory_.motion[lane] = queue_.take();
+    const Motion& motion = job_.motions[memory_.motion[lane]];
     memory_.period[lane] = 0;
     memory_.table[lane] = motion.table;
     memory_.met[lane] = motion.met;
@@ -178,14 +170,8 @@ template <class Flight> class Carrier {
     starts.there |= 1U << lane;
   }
 
-  bool ends_early(const Motion& motion) const {
-    const std::size_t at_work = queue_.taken - queue_.ended, fill = std::min(job_.count, 2 * W);
-    return job_.while_full && !motion.table && queue_.taken == job_.count && 8 * at_work < 7 * fill;
-  }
-
   void end_motion(std::size_t lane, Starts& starts, bool failed) {
-    job_.carried[memory_.motion[lane]] = {memory_.period[lane], failed};
-    ++queue_.ended;
+    queue_.end(memory_.motion[lane], {memory_.period[lane], failed});
     next_motion(lane, starts);
   }
 
@@ -198,16 +184,15 @@ template <class Flight> class Carrier {
       WideRegisters::leave();
       const bool done = job_.do_given_up && job_.do_given_up(job_.whom, job_, motion, period);
       if (!done) return end_motion(lane, starts, true);
-      if (++memory_.period[lane] == motion.periods || ends_early(motion)) return end_motion(lane, starts, false);
+      if (++memory_.period[lane] == motion.periods || queue_.stops(motion)) return end_motion(lane, starts, false);
       place(lane, motion, motion.results[period].x, motion.results[period].v, starts);
     });
     begin_periods(starts);
   }
 
   const Job& job_;
-  Queue& queue_;
+  Jobs& queue_;
   double ratio_ = 1.0;
-  bool tables_ = false, met_ = false, notes_ = false;
   Memory<Real> memory_;
 };
 

@@ -33,9 +33,9 @@ template <class Flight> void sort_contacts(Carrier<Flight>& first, Carrier<Fligh
 }
 
 template <class Flight> void carry_with(const Job& job) {
-  Queue queue;
+  typename Carrier<Flight>::Jobs queue(job);
   Carrier<Flight> first(job, queue);
-  if (queue.taken == job.count) {  // all are in its lanes
+  if (queue.empty()) {  // all are in its lanes
     for (Task task = first.choice(true).task; task != Task::idle; task = first.choice(true).task) first.step(task);
     return;
   }

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Queue: the motions of a job, as lanes take them, and how far each of them came.
+#pragma once
+
+#include <graze/lib/lanes/job.hpp>
+
+#include <algorithm>
+
+namespace graze::lanes {
+inline namespace GRAZE_ARITHMETIC {
+
+template <std::size_t Lanes> class Queue {
+ public:
+  /// For so many lanes, or fewer if there are not so many motions.
+  explicit Queue(const Job& job) : job_(job), lanes_(std::min(job.count, Lanes)) {
+    for (std::size_t i = 0; i < job.count; ++i) {
+      tables_ = tables_ || job.motions[i].table;
+      met_ = met_ || job.motions[i].met;
+      notes_ = notes_ || job.motions[i].notes;
+    }
+  }
+  /// Whether any motion has a table of contacts, wants the speeds met counted or those of its impacts written down.
+  bool tables() const { return tables_; }
+  bool met() const { return met_; }
+  bool notes() const { return notes_; }
+
+  bool empty() const { return taken_ == job_.count; }
+  /// The number of the next motion.
+  std::size_t take() { return taken_++; }
+  void end(std::size_t number, const Carried& carried) {
+    job_.carried[number] = carried;
+    ++ended_;
+  }
+  /// Whether a motion ends with its period, though more were asked for (Job::while_full): at less than 7/8 of the lanes, the
+  /// steps that are saved are more than those in which lanes wait for the ends of the others' periods.
+  bool stops(const Motion& motion) const {
+    return job_.while_full && !motion.table && empty() && 8 * (taken_ - ended_) < 7 * lanes_;
+  }
+
+ private:
+  const Job& job_;
+  std::size_t lanes_, taken_ = 0, ended_ = 0;
+  bool tables_ = false, met_ = false, notes_ = false;
+};
+
+}  // namespace GRAZE_ARITHMETIC
+}  // namespace graze::lanes
