@@ -19,7 +19,7 @@ constexpr std::int64_t turning = 60;
 /// So many motions fill the lanes of a thread. One that carries less than half of them begins what may be in vain, too.
 constexpr std::size_t enough = 32;
 /// Stretches of a direction that may go on behind a guess, besides one for each thread.
-constexpr std::size_t guesses = 4;
+constexpr std::size_t guesses = 8;
 
 SweepOptions with_looks(SweepOptions options) {
   options.attractor.recurrence = repeats;
