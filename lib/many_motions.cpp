@@ -255,7 +255,7 @@ void ManyMotions::go_on(bool tangent, bool while_full) {
     MotionRun& run = *going_[i].run;
     run.carried += carried_each_[i].periods;
     carried_ += carried_each_[i].periods;
-    if (!carried_each_[i].ended) continue;
+    if (!carried_each_[i].failed) continue;
     ++carried_;
     const PeriodResult* const end = run.results + run.carried;
     for (++run.carried; run.carried < run.periods; ++run.carried) (run.results[run.carried] = {}).termination = end->termination;

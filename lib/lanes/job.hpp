@@ -108,7 +108,7 @@ struct Carried {
   std::size_t periods = 0;
   /// The next one failed, or was given up (an impact too weak for the lanes, the motion too close to the barrier) and there was
   /// nobody to do it.
-  bool ended = false;
+  bool failed = false;
 };
 
 struct Job {
