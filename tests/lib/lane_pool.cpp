@@ -152,6 +152,7 @@ TEST_CASE("motions stop together when lanes have nothing left to do, and go on t
   starts.back() = {0, 0.8, 0.0};  // inside the barrier, which the rigid one refuses
   const auto periods = [](std::size_t i) { return i < count / 2 ? 3 + i : 60 + 10 * i; };
   for (const LaneWidth width : widths_of_processor) {
+    if (!available(width)) continue;
     INFO(model << ", " << law << ", " << static_cast<int>(width));
     ManyMotions many(system, {}, width), whole(system);
     many.add_parameters(p);
