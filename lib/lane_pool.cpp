@@ -143,23 +143,21 @@ void LanePool::take(std::vector<std::unique_ptr<Member>>& members) {
   }
 }
 
-/// The motions of a kind: those first that others wait for.
-void LanePool::carry(std::span<const std::unique_ptr<Member>> members, bool tangent) {
+/// Those of a kind, which have so many motions: first who others wait for.
+void LanePool::carry(std::span<const std::unique_ptr<Member>> members, bool tangent, std::size_t motions) {
+  const std::size_t periods = std::clamp(work_of_turn / motions, fewest_periods, most_periods);
   chosen_.clear();
-  std::size_t motions = 0;
+  runs_.clear();
   for (const bool hurrying : {true, false})
     for (const auto& member : members) {
-      const LanePlace& place = member->place;
+      LanePlace& place = member->place;
       if (place.tangent_ != tangent || place.hurries_ != hurrying) continue;
-      chosen_.push_back(member.get());
-      motions += place.left_.size();
+      chosen_.push_back(&place);
+      place.add_runs(periods, runs_);
     }
-  const std::size_t periods = std::clamp(work_of_turn / motions, fewest_periods, most_periods);
-  runs_.clear();
-  for (const Member* const member : chosen_) member->place.add_runs(periods, runs_);
   motions_.carry_while_full(runs_, tangent);
   const MotionRun* next = runs_.data();
-  for (Member* const member : chosen_) next = member->place.see(next);
+  for (LanePlace* const place : chosen_) next = place->see(next);
 }
 
 void LanePool::run(std::size_t count, const std::function<LaneTask<>(std::size_t, LanePlace&)>& make) {
@@ -201,7 +199,7 @@ void LanePool::run(const std::function<std::optional<LaneTask<>>(LanePlace&, std
     }
     // Where there are few of a kind, they wait for company.
     for (const std::size_t kind : {0, 1})
-      if (hurries[kind] || motions[kind] >= std::min(busy, motions[1 - kind])) carry(members, kind == 1);
+      if (hurries[kind] || motions[kind] >= std::min(busy, motions[1 - kind])) carry(members, kind == 1, motions[kind]);
     for (const auto& member : members)
       if (member->place.left_.empty()) member->place.waiting_.resume();
   }

@@ -87,12 +87,12 @@ class LanePool {
   void take(std::vector<std::unique_ptr<Member>>& members);
   std::optional<std::size_t> free_place();
   void clear(LanePlace& place);
-  void carry(std::span<const std::unique_ptr<Member>> members, bool tangent);
+  void carry(std::span<const std::unique_ptr<Member>> members, bool tangent, std::size_t motions);
 
   ManyMotions& motions_;
   LaneExchange* exchange_;
   std::vector<std::size_t> free_parameters_;  ///< parameter sets that nobody has
-  std::vector<Member*> chosen_;
+  std::vector<LanePlace*> chosen_;            ///< of a turn, and their motions, one after the other
   std::vector<MotionRun> runs_;
 };
 

@@ -34,20 +34,6 @@ bool available(LaneWidth width) {
   return true;
 }
 
-std::size_t lanes_of(LaneWidth width) {
-  switch (width == LaneWidth::widest ? widest_available() : width) {
-  case LaneWidth::eight:
-    return 8;
-  case LaneWidth::four:
-    return 4;
-  case LaneWidth::two:
-  case LaneWidth::plain_two:
-    return 2;
-  default:
-    return 1;
-  }
-}
-
 LaneWidth width_for(std::size_t motions) {
   if (motions <= 1) return LaneWidth::one;
   if (motions <= 2) return LaneWidth::two;

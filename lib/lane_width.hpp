@@ -17,9 +17,6 @@ bool available(LaneWidth width);
 /// bit on a processor; idle lanes cost as much as busy ones.
 LaneWidth width_for(std::size_t motions);
 
-/// The number of its lanes.
-std::size_t lanes_of(LaneWidth width);
-
 /// What the lanes of a width do.
 struct LaneKernels {
   void (*carry)(const lanes::Job&);

@@ -146,13 +146,12 @@ const ContactTable* ManyMotions::table(std::size_t parameters) const { return se
 
 bool ManyMotions::awaits_table(std::size_t parameters) const { return set_of(parameters).awaits_table; }
 
-void ManyMotions::look_for_table(std::size_t parameters) {
-  if (Set& set = set_of(parameters); set.awaits_table) make_table(set);
-}
+void ManyMotions::look_for_table(std::size_t parameters) { look_for_table(set_of(parameters)); }
 
-void ManyMotions::make_table(Set& set) {
+/// Makes the table of a set that awaits one, if it has met enough contacts.
+void ManyMotions::look_for_table(Set& set) {
   const auto& met = set.met.of_band;
-  if (std::accumulate(met.begin(), met.end(), std::int64_t{0}) < contacts_before_table) return;
+  if (!set.awaits_table || std::accumulate(met.begin(), met.end(), std::int64_t{0}) < contacts_before_table) return;
   set.awaits_table = false;
   set.own_table = std::make_unique<ContactTable>(*system_, set.p, speeds_of(set.met), width_);
   set.table = set.own_table.get();
@@ -215,8 +214,7 @@ void ManyMotions::carry(std::span<MotionRun> runs, bool tangent) {
   while (!going_.empty()) {
     go_on(tangent, false);
     // Those that wait for a table have stopped for a look.
-    for (const Going& one : going_)
-      if (one.set->awaits_table) make_table(*one.set);
+    for (const Going& one : going_) look_for_table(*one.set);
     std::erase_if(going_, [](const Going& one) { return one.run->carried == one.run->periods; });
   }
 }
@@ -257,8 +255,9 @@ void ManyMotions::go_on(bool tangent, bool while_full) {
     carried_ += carried_each_[i].periods;
     if (!carried_each_[i].failed) continue;
     ++carried_;
-    const PeriodResult* const end = run.results + run.carried;
-    for (++run.carried; run.carried < run.periods; ++run.carried) (run.results[run.carried] = {}).termination = end->termination;
+    PeriodResult* const end = run.results + run.carried;
+    std::fill(end + 1, run.results + run.periods, PeriodResult{.termination = end->termination});
+    run.carried = run.periods;
   }
 }
 

@@ -92,9 +92,6 @@ class ManyMotions {
   /// The table in use; none: null.
   const ContactTable* table(std::size_t parameters) const;
 
-  /// So many are carried side by side in one register.
-  std::size_t lanes() const { return lanes_of(width_); }
-
   /// Motions are carried on all threads of the caller's arena (oneTBB) from now on, where they are many.
   void use_all_threads() { all_threads_ = true; }
 
@@ -122,7 +119,7 @@ class ManyMotions {
   void check_set(std::size_t parameters) const;
   Set& set_of(std::size_t parameters) const;
   OwnSet make_set(const Vector& p);
-  void make_table(Set& set);
+  void look_for_table(Set& set);
   static bool is_linear(const Going& one);
   void begin(std::span<MotionRun> runs);
   void go_on(bool tangent, bool while_full);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A job in lanes. Those of two registers take turns where there are motions for them: each step waits for what the one before
 // decided, and the processor has the other's to do meanwhile. Where contacts are carried in steps, which take long, be it for few
-// lanes or for all, the motions in contact come together in one of the registers, and one with few lanes to do waits for the
-// other.
+// lanes or for all, the motions in contact come together in one of the registers, the others in the other, and one that is not
+// full lets the other go first.
 #pragma once
 
 #include <graze/lib/lanes/carrier.hpp>
