@@ -56,8 +56,10 @@ void MapWork::give(int first, int count) {
     const MapLayer& layer = layers_[static_cast<std::size_t>(k % layers)];
     MapPoint* const row = piece->points.data() + static_cast<std::ptrdiff_t>(k) * columns;
     const int together = layer.follow != MapDirection::none ? columns : 1;
-    for (int column = 0; column < columns; column += together, ++piece->left)
-      strands_.push_back({&layer, first + k / layers, column, together, row, piece});
+    for (int column = 0; column < columns; column += together, ++piece->left) {
+      MapRow points({row + column, static_cast<std::size_t>(together)}, layer.follow == MapDirection::down);
+      strands_.push_back(std::make_shared<Strand>(&layer, first + k / layers, column, std::move(points), piece));
+    }
   }
   if (piece->left > 0) ++pieces_;
   given_.notify_all();
@@ -77,9 +79,9 @@ void MapWork::close() {
 void MapWork::work() try {
   ManyMotions many(system_, from_start_.lyapunov.flow);
   LanePool(many, &exchange_).run([&](LanePlace& lane, std::size_t carried) -> std::optional<LaneTask<>> {
-    auto strand = draw(carried);
-    if (!strand) return std::nullopt;
-    return follow(lane, std::move(*strand));
+    auto begun = draw(carried);
+    if (!begun) return std::nullopt;
+    return find(lane, std::move(*begun));
   });
 } catch (...) {
   const std::lock_guard lock(mutex_);
@@ -89,61 +91,95 @@ void MapWork::work() try {
 }
 
 /// What is begun next by a thread that carries so many; it waits for something to do if it has nothing.
-std::optional<MapWork::Strand> MapWork::draw(std::size_t carried) {
+std::optional<MapWork::Begun> MapWork::draw(std::size_t carried) {
   std::unique_lock lock(mutex_);
-  if (carried == 0 && strands_.empty() && !exchange_.has_some()) {
+  if (carried == 0 && !has_some() && !exchange_.has_some()) {
     exchange_.begin_waiting();
-    given_.wait(lock, [this] { return failed_ || !strands_.empty() || exchange_.has_some() || (closed_ && begun_ == 0); });
+    given_.wait(lock, [this] { return failed_ || has_some() || exchange_.has_some() || (closed_ && begun_ == 0); });
     exchange_.end_waiting();
   }
   if (carried == 0 && exchange_.has_some()) return std::nullopt;
-  std::size_t most = divided_up(strands_.size() + begun_, threads_);
+  std::size_t most = divided_up(strands_.size() + unlikely_.size() + begun_, threads_);
   if (threads_ > 1) most = std::min(most, std::max(enough, divided_up(strands_.size(), threads_)));
-  if (failed_ || strands_.empty() || carried >= most) return std::nullopt;
-  Strand strand = std::move(strands_.front());
-  strands_.pop_front();
+  if (failed_ || carried >= most) return std::nullopt;
+  Begun begun{next(2 * carried < enough), {}};
+  if (!begun.strand) return std::nullopt;
+  begun.point = begun.strand->points.begin_next();
   ++begun_;
-  return strand;
+  return begun;
 }
 
-void MapWork::end(const Strand& strand) {
+/// What can go on next, `in_vain`: or may.
+std::shared_ptr<MapWork::Strand> MapWork::next(bool in_vain) {
+  if (strands_.empty() && (!in_vain || unlikely_.empty())) return nullptr;
+  auto& from = strands_.empty() ? unlikely_ : strands_;
+  std::shared_ptr<Strand> first = std::move(from.front());
+  from.pop_front();
+  first->queued = MapRow::Next::none;
+  return first;
+}
+
+/// Puts it where it belongs by now.
+void MapWork::queue(const std::shared_ptr<Strand>& strand) {
+  const MapRow::Next next = strand->points.next();
+  if (next == strand->queued) return;
+  if (strand->queued != MapRow::Next::none) std::erase(strand->queued == MapRow::Next::likely ? strands_ : unlikely_, strand);
+  strand->queued = next;
+  if (next == MapRow::Next::none) return;
+  next == MapRow::Next::likely ? strands_.push_front(strand) : unlikely_.push_back(strand);
+  given_.notify_all();
+}
+
+void MapWork::hand_on(const Begun& begun, const Vector& state) {
+  const std::lock_guard lock(mutex_);
+  begun.strand->points.hand_on(*begun.point, state);
+  queue(begun.strand);
+}
+
+void MapWork::end(const Begun& begun, MapPoint found) {
+  Strand& strand = *begun.strand;
+  std::size_t sure = 0;
+  bool last = false;
   {
     const std::lock_guard lock(mutex_);
     if (--begun_ == 0) given_.notify_all();
-    if (--strand.piece->left > 0) return;
-    --pieces_;
+    if (!begun.point->dropped) {
+      sure = strand.points.finish(*begun.point, std::move(found));
+      queue(begun.strand);
+      last = strand.points.finished() && --strand.piece->left == 0;
+      if (last) --pieces_;
+    }
   }
-  done_(strand.piece->first, std::move(strand.piece->points));
+  for (; options_.progress && sure > 0; --sure) options_.progress();
+  if (last) done_(strand.piece->first, std::move(strand.piece->points));
 }
 
-LaneTask<> MapWork::follow(LanePlace& lane, Strand strand) {
+LaneTask<> MapWork::find(LanePlace& lane, Begun begun) {
+  const MapRow::Point& point = *begun.point;
+  const Strand& strand = *begun.strand;
+  const int column = strand.column + static_cast<int>(strand.points.place(point));
   Vector p = p_, start;
   p[row_] = grid_.rows.at(strand.row);
-  std::optional<Vector> neighbour;
-  for (int k = 0; k < strand.count; ++k) {
-    const int column = strand.layer->follow == MapDirection::down ? strand.count - 1 - k : strand.column + k;
-    p[column_] = grid_.columns.at(column);
-    MapPoint& out = strand.out[column];
-    if (const AttractorOptions* const finding = begin(*strand.layer, p, neighbour, start, out)) {
-      if (cancelled()) break;
-      const Attractor found = co_await find_attractor_in_lanes(lane, system_, p, start, *finding);
-      take(found, out);
-    }
-    if (out.type == MapType::not_run) break;
-    const bool arrived = out.type != MapType::inadmissible && out.type != MapType::lost;
-    neighbour = arrived ? std::optional(out.state) : std::nullopt;
-    if (options_.progress) options_.progress();
+  p[column_] = grid_.columns.at(column);
+  MapPoint out;
+  if (const AttractorOptions* const begins = cancelled() ? nullptr : begin(*strand.layer, p, point.from, start, out)) {
+    AttractorOptions finding = *begins;
+    finding.lyapunov.cancelled = [this, &point] { return point.dropped || cancelled(); };
+    Attractor found = co_await approach_attractor_in_lanes(lane, system_, p, start, finding);
+    if (found.termination == Termination::time && found.type != AttractorType::periodic) hand_on(begun, found.state);
+    co_await average_on_attractor_in_lanes(lane, system_, p, found, finding);
+    take(found, out);
   }
-  end(strand);
+  end(begun, std::move(out));
 }
 
 /// Where a point starts: without a neighbour's state, or where it lies inside the barrier by now, at the layer's start. Null:
 /// it cannot.
-const AttractorOptions* MapWork::begin(const MapLayer& layer, const Vector& p, const std::optional<Vector>& neighbour,
-                                       Vector& start, MapPoint& out) const {
+const AttractorOptions* MapWork::begin(const MapLayer& layer, const Vector& p, const std::optional<Vector>& from, Vector& start,
+                                       MapPoint& out) const {
   out.state = Vector::Constant(static_cast<Eigen::Index>(system_.states), std::nan(""));
-  const bool goes_on = neighbour && mode_at(system_, 0.0, *neighbour, p);
-  start = goes_on ? *neighbour : layer.start(p);
+  const bool goes_on = from && mode_at(system_, 0.0, *from, p);
+  start = goes_on ? *from : layer.start(p);
   if (goes_on) return &from_neighbour_;
   if (mode_at(system_, 0.0, start, p)) return &from_start_;
   out.type = MapType::inadmissible;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// MapWork: rows of a map on their way, on several threads. The threads take points (or rows that are followed) one by one, each
-// as many at a time as keep its lanes full: where rows are given piece by piece, the last points of one piece, which may take
-// long, have those of the next for company.
+// MapWork: rows of a map on their way, on several threads. The threads take points one by one, of rows that are followed as soon
+// as they can begin (MapRow), each as many at a time as keep its lanes full: where rows are given piece by piece, the last points
+// of one piece, which may take long, have those of the next for company.
 #pragma once
 
-#include <graze/continuation/parameter_map.hpp>
+#include <graze/continuation/map_row.hpp>
 #include <graze/lib/lane_exchange.hpp>
 
 #include <atomic>
@@ -48,18 +48,28 @@ class MapWork {
     std::vector<MapPoint> points;
     std::size_t left;  ///< strands
   };
-  /// Points of which each waits for the one before: a row that is followed, or one point.
+  /// A row that is followed, or one point that waits for none.
   struct Strand {
     const MapLayer* layer;
-    int row, column, count;  ///< columns from `column` on
-    MapPoint* out;           ///< of the row
+    int row, column;  ///< that of its first point
+    MapRow points;
     std::shared_ptr<Piece> piece;
+    MapRow::Next queued = MapRow::Next::likely;  ///< in strands_, unlikely_, or neither
+  };
+  /// A point that was begun.
+  struct Begun {
+    std::shared_ptr<Strand> strand;
+    std::shared_ptr<MapRow::Point> point;
   };
 
-  std::optional<Strand> draw(std::size_t carried);
-  void end(const Strand& strand);
-  LaneTask<> follow(LanePlace& lane, Strand strand);
-  const AttractorOptions* begin(const MapLayer& layer, const Vector& p, const std::optional<Vector>& neighbour, Vector& start,
+  std::optional<Begun> draw(std::size_t carried);
+  bool has_some() const { return !strands_.empty() || !unlikely_.empty(); }
+  std::shared_ptr<Strand> next(bool in_vain);
+  void queue(const std::shared_ptr<Strand>& strand);
+  LaneTask<> find(LanePlace& lane, Begun begun);
+  void hand_on(const Begun& begun, const Vector& state);
+  void end(const Begun& begun, MapPoint found);
+  const AttractorOptions* begin(const MapLayer& layer, const Vector& p, const std::optional<Vector>& from, Vector& start,
                                 MapPoint& out) const;
   void take(const Attractor& attractor, MapPoint& out) const;
   bool cancelled() const { return failed_ || (options_.cancelled && options_.cancelled()); }
@@ -80,9 +90,10 @@ class MapWork {
     const std::lock_guard lock(mutex_);
     given_.notify_all();
   }};
-  std::deque<Strand> strands_;  ///< not begun
-  std::size_t begun_ = 0;       ///< and not ended
-  std::size_t pieces_ = 0;      ///< that are not finished
+  std::deque<std::shared_ptr<Strand>> strands_;   ///< that can go on
+  std::deque<std::shared_ptr<Strand>> unlikely_;  ///< that can, too, but probably in vain
+  std::size_t begun_ = 0;                         ///< points that are not ended
+  std::size_t pieces_ = 0;                        ///< that are not finished
   bool closed_ = false;
   std::atomic<bool> failed_ = false;
 };

@@ -2,9 +2,10 @@
 // ParameterMap: the attractor at every point of a grid over two parameters: what it is, its z = p/n and its first exponent.
 //
 // The grid has columns (values of the first parameter) and rows (values of the second). A layer is the whole grid seen from one
-// start: either every point starts from it, or a row is followed: its first point starts from it, every further one from the
-// state in which its neighbour ended, in the direction given (as in a sweep, with its hysteresis). So rows know nothing of each
-// other, and any part of the map can be computed anywhere, in any order, with the same result to the last bit.
+// start: either every point starts from it, or a row is followed: its first point starts from it, every further one from where
+// its neighbour came to, which is on its orbit, or, where it has none, at the end of its transient, in the direction given (as in
+// a sweep, with its hysteresis). So rows know nothing of each other, and any part of the map can be computed anywhere, in any
+// order, with the same result to the last bit.
 //
 // What is periodic is proved by Newton's method, mostly after a few dozen forcing periods, and its exponents are those of its
 // multipliers; only the rest takes a transient and a time average.

@@ -65,6 +65,39 @@ TEST_CASE("map work: pieces come to what the whole map comes to, on any number o
   CHECK(std::equal(whole.begin(), whole.end(), together.begin(), [](const auto& a, const auto& b) { return same(a, b); }));
 }
 
+TEST_CASE("map work: points behind one that seemed chaotic and was not are found anew, and progress counts each once") {
+  // At r = 2 chaos from grazing on, with windows of orbits in it that the motion takes long to come to.
+  const ParameterGrid row{{"eta", 0.70, 0.74, 60}, {"r", 2.0, 2.0, 1}};
+  std::atomic<int> told{0};
+  const MapLayer layer{[](const Vector&) { return Vector{{0.0, 0.0}}; }, MapDirection::up};
+  MapOptions options;
+  options.transient = 20;  // so short that an average finds the orbit
+  options.progress = [&told] { ++told; };
+  const std::vector<MapPoint> points = map_rows(newton_oscillator(), elastic(), row, {layer}, 0, 1, options);
+  CHECK(told == 60);
+  const auto of_type = [&](MapType type) {
+    return std::count_if(points.begin(), points.end(), [type](const MapPoint& point) { return point.type == type; });
+  };
+  CHECK(of_type(MapType::chaotic) > 10);
+  CHECK(of_type(MapType::periodic) > 10);
+  CHECK(of_type(MapType::not_run) == 0);
+  // What a point behind an orbit comes to is what it comes to from there.
+  int checked = 0;
+  for (std::size_t k = 1; k < points.size(); ++k) {
+    if (points[k - 1].type != MapType::periodic) continue;
+    const Vector from = points[k - 1].state;
+    const double eta = row.columns.at(static_cast<int>(k));
+    MapOptions alone = options;
+    alone.settle = options.transient;
+    const MapLayer there{[from](const Vector&) { return from; }, MapDirection::none};
+    const MapPoint again =
+        map_rows(newton_oscillator(), elastic(), {{"eta", eta, eta, 1}, {"r", 2.0, 2.0, 1}}, {there}, 0, 1, alone).front();
+    CHECK(same(again, points[k]));
+    ++checked;
+  }
+  CHECK(checked > 10);
+}
+
 TEST_CASE("map work: the next piece is begun while the last of the one before take their time") {
   std::vector<int> rows;  // in which points were begun
   const MapLayer layer{[&rows](const Vector& p) {

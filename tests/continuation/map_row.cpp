@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Rows of a map on their way: where points begin, which are taken back, and what is sure.
+#include <graze/continuation/map_row.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <vector>
+
+using namespace graze;
+
+namespace {
+
+Vector at(double x) { return Vector{{x, 0.0}}; }
+
+MapPoint found(MapType type, double x = 0.0) {
+  MapPoint point;
+  point.type = type;
+  point.state = at(x);
+  return point;
+}
+
+using Next = MapRow::Next;
+
+}  // namespace
+
+TEST_CASE("map row: points begin one behind the other, from the orbit of the one before") {
+  std::vector<MapPoint> out(3);
+  const bool backwards = GENERATE(false, true);
+  MapRow row(out, backwards);
+  for (std::size_t k = 0; k < 3; ++k) {
+    REQUIRE(row.next() == Next::likely);
+    const auto point = row.begin_next();
+    CHECK(row.next() == Next::none);
+    CHECK(row.place(*point) == (backwards ? 2 - k : k));
+    REQUIRE(point->from.has_value() == (k > 0));
+    if (k > 0) CHECK((*point->from)[0] == static_cast<double>(k - 1));
+    CHECK_FALSE(row.finished());
+    CHECK(row.finish(*point, found(MapType::periodic, static_cast<double>(k))) == 1);
+  }
+  CHECK(row.finished());
+  CHECK(row.next() == Next::none);
+  CHECK(out.front().state[0] == (backwards ? 2.0 : 0.0));
+}
+
+TEST_CASE("map row: behind what is handed on the next begins at once, and stays if that is chaos") {
+  std::vector<MapPoint> out(3);
+  MapRow row(out);
+  const auto first = row.begin_next();
+  row.hand_on(*first, at(0.5));
+  REQUIRE(row.next() == Next::likely);
+  const auto second = row.begin_next();
+  CHECK((*second->from)[0] == 0.5);
+  CHECK(row.finish(*second, found(MapType::periodic, 2.0)) == 0);  // the first might take it back
+  const auto third = row.begin_next();
+  CHECK((*third->from)[0] == 2.0);
+  const MapType type = GENERATE(MapType::chaotic, MapType::undecided);
+  CHECK(row.finish(*first, found(type, 1.0)) == 2);
+  CHECK_FALSE(second->dropped);
+  CHECK(row.finish(*third, found(MapType::periodic)) == 1);
+  CHECK(row.finished());
+  CHECK(out[0].type == type);
+  CHECK(out[1].state[0] == 2.0);
+}
+
+TEST_CASE("map row: what was handed on is taken back by an orbit, and by a motion that was lost") {
+  std::vector<MapPoint> out(4);
+  MapRow row(out);
+  const auto first = row.begin_next();
+  row.hand_on(*first, at(0.5));
+  const auto second = row.begin_next();
+  row.hand_on(*second, at(0.6));
+  const auto third = row.begin_next();
+  CHECK(row.finish(*third, found(MapType::chaotic)) == 0);
+  const MapType type = GENERATE(MapType::periodic, MapType::lost);
+  CHECK(row.finish(*first, found(type, 7.0)) == 1);
+  CHECK(second->dropped);
+  CHECK(third->dropped);
+  CHECK(out[2].type == MapType::not_run);
+  row.hand_on(*second, at(9.0));  // too late
+  CHECK(row.finish(*second, found(MapType::periodic, 9.0)) == 0);
+  CHECK(out[1].type == MapType::not_run);
+  const auto anew = row.begin_next();
+  CHECK(anew->number == 1);
+  REQUIRE(anew->from.has_value() == (type == MapType::periodic));
+  if (anew->from) CHECK((*anew->from)[0] == 7.0);
+}
+
+TEST_CASE("map row: the more points are not sure, the less likely is the next to stand") {
+  std::vector<MapPoint> out(20);
+  MapRow row(out);
+  std::vector<std::shared_ptr<MapRow::Point>> points;
+  while (row.next() == Next::likely) {
+    points.push_back(row.begin_next());
+    row.hand_on(*points.back(), at(0.0));
+  }
+  CHECK(points.size() > 1);
+  CHECK(points.size() < 20);
+  CHECK(row.next() == Next::unlikely);
+  row.finish(*points[0], found(MapType::chaotic));
+  CHECK(row.next() == Next::likely);
+}
+
+TEST_CASE("map row: a point that could not be found ends it") {
+  std::vector<MapPoint> out(4);
+  MapRow row(out);
+  const auto first = row.begin_next();
+  row.hand_on(*first, at(0.5));
+  const auto second = row.begin_next();
+  row.hand_on(*second, at(0.6));
+  const auto third = row.begin_next();
+  row.finish(*third, found(MapType::periodic));
+  CHECK(row.finish(*second, found(MapType::not_run)) == 0);
+  CHECK(third->dropped);
+  CHECK(row.next() == Next::none);
+  CHECK_FALSE(row.finished());
+  CHECK(row.finish(*first, found(MapType::chaotic)) == 1);
+  CHECK(row.finished());
+  CHECK(std::all_of(out.begin() + 1, out.end(), [](const MapPoint& point) { return point.type == MapType::not_run; }));
+}
