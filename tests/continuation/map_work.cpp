@@ -71,7 +71,7 @@ TEST_CASE("map work: points behind one that seemed chaotic and was not are found
   std::atomic<int> told{0};
   const MapLayer layer{[](const Vector&) { return Vector{{0.0, 0.0}}; }, MapDirection::up};
   MapOptions options;
-  options.transient = 20;  // so short that an average finds the orbit
+  options.transient = 1;  // so short that an average finds the orbit
   options.progress = [&told] { ++told; };
   const std::vector<MapPoint> points = map_rows(newton_oscillator(), elastic(), row, {layer}, 0, 1, options);
   CHECK(told == 60);
