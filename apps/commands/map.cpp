@@ -297,7 +297,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_texts(app, "--start", options->starts, "x,v",
             "initial state at forcing phase 0; repeatable, each is a layer of the map (default: the file's, else at rest)");
   add_choice(app, "--follow", options->follow, {"none", "up", "down", "both"},
-             "along each row, a point starts from where its neighbour ended (default none: each from the start)");
+             "along each row, a point starts from where its neighbour came to (default none: each from the start)");
   add_count(
       app, "--chunk", options->chunk_rows, 1,
       "rows in a chunk: what is kept when it is finished, and lost if the program is killed before (default 1, more of short "
