@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <memory>
 #include <vector>
 
 using namespace graze;
@@ -17,6 +18,13 @@ MapPoint found(MapType type, double x = 0.0) {
   MapPoint point;
   point.type = type;
   point.state = at(x);
+  return point;
+}
+
+/// The next point, and that behind it may begin there.
+std::shared_ptr<MapRow::Point> handed_on(MapRow& row, double x) {
+  auto point = row.begin_next();
+  row.hand_on(*point, at(x));
   return point;
 }
 
@@ -46,8 +54,7 @@ TEST_CASE("map row: points begin one behind the other, from the orbit of the one
 TEST_CASE("map row: behind what is handed on the next begins at once, and stays if that is chaos") {
   std::vector<MapPoint> out(3);
   MapRow row(out);
-  const auto first = row.begin_next();
-  row.hand_on(*first, at(0.5));
+  const auto first = handed_on(row, 0.5);
   REQUIRE(row.next() == Next::likely);
   const auto second = row.begin_next();
   CHECK((*second->from)[0] == 0.5);
@@ -66,10 +73,8 @@ TEST_CASE("map row: behind what is handed on the next begins at once, and stays 
 TEST_CASE("map row: what was handed on is taken back by an orbit, and by a motion that was lost") {
   std::vector<MapPoint> out(4);
   MapRow row(out);
-  const auto first = row.begin_next();
-  row.hand_on(*first, at(0.5));
-  const auto second = row.begin_next();
-  row.hand_on(*second, at(0.6));
+  const auto first = handed_on(row, 0.5);
+  const auto second = handed_on(row, 0.6);
   const auto third = row.begin_next();
   CHECK(row.finish(*third, found(MapType::chaotic)) == 0);
   const MapType type = GENERATE(MapType::periodic, MapType::lost);
@@ -90,10 +95,7 @@ TEST_CASE("map row: the more points are not sure, the less likely is the next to
   std::vector<MapPoint> out(20);
   MapRow row(out);
   std::vector<std::shared_ptr<MapRow::Point>> points;
-  while (row.next() == Next::likely) {
-    points.push_back(row.begin_next());
-    row.hand_on(*points.back(), at(0.0));
-  }
+  while (row.next() == Next::likely) points.push_back(handed_on(row, 0.0));
   CHECK(points.size() > 1);
   CHECK(points.size() < 20);
   CHECK(row.next() == Next::unlikely);
@@ -104,10 +106,8 @@ TEST_CASE("map row: the more points are not sure, the less likely is the next to
 TEST_CASE("map row: a point that could not be found ends it") {
   std::vector<MapPoint> out(4);
   MapRow row(out);
-  const auto first = row.begin_next();
-  row.hand_on(*first, at(0.5));
-  const auto second = row.begin_next();
-  row.hand_on(*second, at(0.6));
+  const auto first = handed_on(row, 0.5);
+  const auto second = handed_on(row, 0.6);
   const auto third = row.begin_next();
   row.finish(*third, found(MapType::periodic));
   CHECK(row.finish(*second, found(MapType::not_run)) == 0);
