@@ -39,7 +39,6 @@ MapWork::MapWork(const HybridSystem& system, const Vector& p, const ParameterGri
   from_start_.lyapunov.max_periods = options.periods;
   from_start_.lyapunov.min_periods = std::min(options.periods, shortest_average);
   from_start_.lyapunov.aligning = shortest_average;
-  from_start_.lyapunov.cancelled = [this] { return cancelled(); };
   from_neighbour_ = from_start_;
   from_neighbour_.transient = options.transient;
 }
@@ -143,12 +142,11 @@ void MapWork::end(const Begun& begun, MapPoint found) {
   {
     const std::lock_guard lock(mutex_);
     if (--begun_ == 0) given_.notify_all();
-    if (!begun.point->dropped) {
-      sure = strand.points.finish(*begun.point, std::move(found));
-      queue(begun.strand);
-      last = strand.points.finished() && --strand.piece->left == 0;
-      if (last) --pieces_;
-    }
+    const bool finished = strand.points.finished();
+    sure = strand.points.finish(*begun.point, std::move(found));
+    queue(begun.strand);
+    last = !finished && strand.points.finished() && --strand.piece->left == 0;
+    if (last) --pieces_;
   }
   for (; options_.progress && sure > 0; --sure) options_.progress();
   if (last) done_(strand.piece->first, std::move(strand.piece->points));
