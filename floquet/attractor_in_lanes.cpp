@@ -86,17 +86,11 @@ bool lanes_do(const HybridSystem& system, const Vector& p, const AttractorOption
 
 LaneTask<> find_to(LanePlace& lane, const HybridSystem& system, const AverageStart& start, const AttractorOptions& options,
                    Attractor& attractor) {
-  attractor = co_await find_attractor_in_lanes(lane, system, start.p, start.state, options);
+  attractor = co_await approach_attractor_in_lanes(lane, system, start.p, start.state, options);
+  co_await average_on_attractor_in_lanes(lane, system, start.p, attractor, options);
 }
 
 }  // namespace
-
-LaneTask<Attractor> find_attractor_in_lanes(LanePlace& lane, const HybridSystem& system, const Vector& p, const Vector& start,
-                                            const AttractorOptions& options) {
-  Attractor attractor = co_await approach_attractor_in_lanes(lane, system, p, start, options);
-  co_await average_on_attractor_in_lanes(lane, system, p, attractor, options);
-  co_return attractor;
-}
 
 LaneTask<Attractor> approach_attractor_in_lanes(LanePlace& lane, const HybridSystem& system, const Vector& p, const Vector& start,
                                                 const AttractorOptions& options) {

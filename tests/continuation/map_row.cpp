@@ -28,6 +28,13 @@ std::shared_ptr<MapRow::Point> handed_on(MapRow& row, double x) {
   return point;
 }
 
+/// A row of four points: two handed on, the third begun.
+struct ThreeBegun {
+  std::vector<MapPoint> out = std::vector<MapPoint>(4);
+  MapRow row{out};
+  std::shared_ptr<MapRow::Point> first = handed_on(row, 0.5), second = handed_on(row, 0.6), third = row.begin_next();
+};
+
 using Next = MapRow::Next;
 
 }  // namespace
@@ -70,12 +77,7 @@ TEST_CASE("map row: behind what is handed on the next begins at once, and stays 
   CHECK(out[1].state[0] == 2.0);
 }
 
-TEST_CASE("map row: what was handed on is taken back by an orbit, and by a motion that was lost") {
-  std::vector<MapPoint> out(4);
-  MapRow row(out);
-  const auto first = handed_on(row, 0.5);
-  const auto second = handed_on(row, 0.6);
-  const auto third = row.begin_next();
+TEST_CASE_METHOD(ThreeBegun, "map row: what was handed on is taken back by an orbit, and by a motion that was lost") {
   CHECK(row.finish(*third, found(MapType::chaotic)) == 0);
   const MapType type = GENERATE(MapType::periodic, MapType::lost);
   CHECK(row.finish(*first, found(type, 7.0)) == 1);
@@ -103,12 +105,7 @@ TEST_CASE("map row: the more points are not sure, the less likely is the next to
   CHECK(row.next() == Next::likely);
 }
 
-TEST_CASE("map row: a point that could not be found ends it") {
-  std::vector<MapPoint> out(4);
-  MapRow row(out);
-  const auto first = handed_on(row, 0.5);
-  const auto second = handed_on(row, 0.6);
-  const auto third = row.begin_next();
+TEST_CASE_METHOD(ThreeBegun, "map row: a point that could not be found ends it") {
   row.finish(*third, found(MapType::periodic));
   CHECK(row.finish(*second, found(MapType::not_run)) == 0);
   CHECK(third->dropped);
