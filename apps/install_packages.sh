@@ -9,7 +9,7 @@
 set -euo pipefail
 
 packages=(g++ cmake ninja-build pkg-config libeigen3-dev libgsl-dev libnlopt-dev libnlopt-cxx-dev libcli11-dev
-  libtomlplusplus-dev nlohmann-json3-dev libfmt-dev libtbb-dev libxsimd-dev libhdf5-dev libopenmpi-dev openmpi-bin
+  libtomlplusplus-dev nlohmann-json3-dev libfmt-dev libtbb-dev libxsimd-dev libhdf5-dev zlib1g-dev libopenmpi-dev openmpi-bin
   libmimalloc-dev fonts-dejavu-core)
 command -v gnuplot > /dev/null || packages+=(gnuplot-nox) # any flavour that provides the command will do
 for purpose in "$@"; do

@@ -11,20 +11,22 @@
 
 namespace graze::apps::hdf5 {
 
-constexpr hsize_t cell = 64;  // a chunk of the file is so many rows and columns
+constexpr hsize_t cell = 64;  // a chunk of the file is so many rows and columns, or all
 
 /// One field of all points: how its numbers are put into memory, and how it is kept.
 struct Field {
   const char* name;
   const char* meaning;
   bool of_states;
+  std::size_t size;  ///< of a number, in bytes
 };
-constexpr std::array<Field, 6> fields = {Field{"attractor", "what the motion settles on", false},
-                                         {"period", "n of z = p/n, in forcing periods; 0: not periodic", false},
-                                         {"impacts", "p of z = p/n; 0 also where not periodic", false},
-                                         {"lambda_1", "first Lyapunov exponent per unit of dimensionless time", false},
-                                         {"standard_error", "of lambda_1; 0: exact, from the multipliers", false},
-                                         {"state", "(x, x') on the attractor at forcing phase 0", true}};
+constexpr std::array<Field, 6> fields = {
+    Field{"attractor", "what the motion settles on", false, sizeof(unsigned char)},
+    {"period", "n of z = p/n, in forcing periods; 0: not periodic", false, sizeof(int)},
+    {"impacts", "p of z = p/n; 0 also where not periodic", false, sizeof(int)},
+    {"lambda_1", "first Lyapunov exponent per unit of dimensionless time", false, sizeof(double)},
+    {"standard_error", "of lambda_1; 0: exact, from the multipliers", false, sizeof(double)},
+    {"state", "(x, x') on the attractor at forcing phase 0", true, sizeof(double)}};
 
 /// Places of the rows of a band: (layer, row, column) or (layer, row, column, component).
 struct Band {
@@ -42,6 +44,9 @@ struct Band {
     if (of_states) all.push_back(static_cast<hsize_t>(states));
     return all;
   }
+  /// A cell of the file has so many rows and columns, if this is the whole map.
+  int cell_rows() const { return std::min(static_cast<int>(cell), rows); }
+  int cell_columns() const { return std::min(static_cast<int>(cell), columns); }
   /// Index of a point in the dataset's own order, which has the layer first.
   std::size_t place(int layer, int row, int column) const {
     return (static_cast<std::size_t>(layer) * static_cast<std::size_t>(rows) + static_cast<std::size_t>(row)) *
@@ -90,15 +95,6 @@ inline Handle attractor_type() {
   for (unsigned char i = 0; i < static_cast<unsigned char>(MapType::not_run); ++i)
     check(H5Tenum_insert(type, map_type_name(static_cast<MapType>(i)).data(), &i));
   return type;
-}
-
-using Transfer = herr_t (*)(hid_t dataset, hid_t type, hid_t memory, hid_t file, void* data);
-
-inline void transfer(hid_t dataset, hid_t type, const Band& band, bool of_states, void* data, Transfer how) {
-  const std::vector<hsize_t> at = band.offset(of_states), size = band.size(of_states);
-  const Handle memory = space_of(size), in_file(H5Dget_space(dataset), H5Sclose);
-  check(H5Sselect_hyperslab(in_file, H5S_SELECT_SET, at.data(), nullptr, size.data(), nullptr));
-  check(how(dataset, type, memory, in_file, data));
 }
 
 }  // namespace graze::apps::hdf5

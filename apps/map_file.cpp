@@ -16,8 +16,11 @@ using namespace hdf5;
 
 namespace {
 
-herr_t read_part(hid_t dataset, hid_t type, hid_t memory, hid_t file, void* data) {
-  return H5Dread(dataset, type, memory, file, H5P_DEFAULT, data);
+void read_part(hid_t dataset, hid_t type, const Band& band, bool of_states, void* data) {
+  const std::vector<hsize_t> at = band.offset(of_states), size = band.size(of_states);
+  const Handle memory = space_of(size), in_file(H5Dget_space(dataset), H5Sclose);
+  check(H5Sselect_hyperslab(in_file, H5S_SELECT_SET, at.data(), nullptr, size.data(), nullptr));
+  check(H5Dread(dataset, type, memory, in_file, H5P_DEFAULT, data));
 }
 
 bool begins_as_hdf5(const std::string& file) {
@@ -107,7 +110,7 @@ void MapFile::read(int first) {
   for (std::size_t i = 0; i < fields.size(); ++i) {
     try {
       const Handle dataset(H5Dopen2(open_->file, fields[i].name, H5P_DEFAULT), H5Dclose);
-      transfer(dataset, types[i], band, fields[i].of_states, memory[i], read_part);
+      read_part(dataset, types[i], band, fields[i].of_states, memory[i]);
     } catch (const std::runtime_error&) {
       throw damaged(fields[i].name, "cannot be read");
     }

@@ -24,8 +24,10 @@ namespace graze::apps {
 /// The points of one row, by layer and column.
 using MapRows = std::function<std::vector<MapPoint>(int row)>;
 
-/// Puts the file together in memory and writes it whole or not at all. nullopt: done; else one sentence why not.
-std::optional<std::string> write_map_file(const std::string& file, const MapPlan& plan, const Json& head, const MapRows& rows);
+/// Puts the file together in memory, compressed on so many threads, and writes it whole or not at all. Asks for each row once, in
+/// order. nullopt: done; else one sentence why not.
+std::optional<std::string> write_map_file(const std::string& file, const MapPlan& plan, const Json& head, const MapRows& rows,
+                                          int threads);
 
 /// A map that was written before.
 class MapFile {

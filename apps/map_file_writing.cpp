@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The file is put together in memory and written as any other output: the HDF5 library cannot end in peace on a disc that is
 // full.
+#include <graze/apps/long_text.hpp>
 #include <graze/apps/map_band.hpp>
 #include <graze/apps/map_file.hpp>
 #include <graze/apps/output_file.hpp>
+#include <graze/apps/packed_cell.hpp>
 #include <graze/apps/version.hpp>
 
 #include <fmt/format.h>
 #include <hdf5_hl.h>
 
 #include <cmath>
+#include <cstring>
 
 namespace graze::apps {
 
@@ -17,8 +20,8 @@ using namespace hdf5;
 
 namespace {
 
-constexpr unsigned deflation = 4;                     // more takes longer than it saves
-constexpr std::size_t growth = std::size_t(1) << 20;  // of the file in memory, in bytes
+constexpr int deflation = 4;                                                                    // more takes longer than it saves
+constexpr std::size_t least_growth = std::size_t(1) << 16, most_growth = std::size_t(1) << 24;  // of the file in memory, in bytes
 
 /// Of variable length, which h5py and MATLAB give as a string, not as bytes, and netCDF reads; of lists of texts of one length
 /// netCDF 4.9 reads the first alone. Octave reads only such ones, and all else if asked for by name.
@@ -56,7 +59,7 @@ Handle make_dataset(hid_t file, const std::string& name, hid_t type, const std::
   if (!chunk.empty()) {
     check(H5Pset_chunk(options, static_cast<int>(chunk.size()), chunk.data()));
     check(H5Pset_shuffle(options));
-    check(H5Pset_deflate(options, deflation));
+    check(H5Pset_deflate(options, static_cast<unsigned>(deflation)));
   }
   return {H5Dcreate2(file, name.c_str(), type, space, H5P_DEFAULT, options, H5P_DEFAULT), H5Dclose};
 }
@@ -66,12 +69,12 @@ void describe(hid_t dataset, const std::string& meaning) {
   set_attribute(dataset, "units", std::string("dimensionless"));
 }
 
-herr_t write_part(hid_t dataset, hid_t type, hid_t memory, hid_t file, void* data) {
-  return H5Dwrite(dataset, type, memory, file, H5P_DEFAULT, data);
-}
-
 void write_all(hid_t dataset, hid_t type, const void* data) {
-  check(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data));
+  // Texts are converted, in a buffer that is a megabyte unless one says otherwise.
+  const Handle options(H5Pcreate(H5P_DATASET_XFER), H5Pclose);
+  constexpr std::size_t enough = 4096;
+  check(H5Pset_buffer(options, enough, nullptr, nullptr));
+  check(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, options, data));
 }
 
 /// A dataset that stands for a dimension.
@@ -135,7 +138,44 @@ void write_head(hid_t file, const MapPlan& plan, const Json& head) {
   for (const auto& [name, value] : head.at("parameters").items()) set_attribute(group, name, value.get<double>());
 }
 
-void write_content(hid_t file, const MapPlan& plan, const Json& head, const MapRows& rows) {
+/// The numbers of a cell one after the other; beyond the edges of the map they are 0.
+std::string numbers_of(const Band& band, const Field& field, const void* memory, int cell_rows, int layer, int column) {
+  const std::size_t of_point = field.size * static_cast<std::size_t>(field.of_states ? band.states : 1);
+  const auto columns = static_cast<std::size_t>(band.cell_columns());
+  std::string numbers(static_cast<std::size_t>(cell_rows) * columns * of_point, '\0');
+  const std::size_t there = std::min(columns, static_cast<std::size_t>(band.columns - column)) * of_point;
+  for (int row = 0; row < band.rows; ++row)
+    std::memcpy(numbers.data() + static_cast<std::size_t>(row) * columns * of_point,
+                static_cast<const char*>(memory) + band.place(layer, row, column) * of_point, there);
+  return numbers;
+}
+
+/// `cell_rows`: of the map's cells, which the last band does not fill.
+void write_band(const std::vector<Handle>& datasets, const Band& band, BandData& data, int cell_rows, int threads) {
+  struct Cell {
+    std::size_t field;
+    int layer, column;
+    PackedCell packed;
+  };
+  std::vector<Cell> cells;
+  for (std::size_t i = 0; i < fields.size(); ++i)
+    for (int layer = 0; layer < band.layers; ++layer)
+      for (int column = 0; column < band.columns; column += band.cell_columns()) cells.push_back({i, layer, column, {}});
+  const std::array<void*, 6> memory = data.memory();
+  on_threads(threads, cells.size(), [&](std::size_t k) {
+    Cell& one = cells[k];
+    const Field& field = fields[one.field];
+    one.packed = pack(numbers_of(band, field, memory[one.field], cell_rows, one.layer, one.column), field.size, deflation);
+  });
+  for (const auto& [field, layer, column, packed] : cells) {
+    std::vector<hsize_t> at = band.offset(fields[field].of_states);
+    at[0] = static_cast<hsize_t>(layer);
+    at[2] = static_cast<hsize_t>(column);
+    check(H5Dwrite_chunk(datasets[field], H5P_DEFAULT, packed.skipped, at.data(), packed.bytes.size(), packed.bytes.data()));
+  }
+}
+
+void write_content(hid_t file, const MapPlan& plan, const Json& head, const MapRows& rows, int threads) {
   write_head(file, plan, head);
   const ParameterGrid& grid = plan.grid;
   const auto states = static_cast<int>(plan.problem.system.states);
@@ -148,15 +188,15 @@ void write_content(hid_t file, const MapPlan& plan, const Json& head, const MapR
   const Handle attractor = attractor_type();
   // With a name in the file, before those of the datasets: netCDF asks for both.
   check(H5Tcommit2(file, "AttractorType", attractor, H5P_DEFAULT, without_times(H5P_DATATYPE_CREATE), H5P_DEFAULT));
-  const std::array<hid_t, 6> kept = {attractor, H5T_STD_I32LE, H5T_STD_I32LE, H5T_IEEE_F64LE, H5T_IEEE_F64LE, H5T_IEEE_F64LE};
+  const std::array<hid_t, 6> kept = BandData::types(attractor);
   const Band all{0, grid.rows.count, plan.layers(), grid.columns.count, states};
   std::vector<Handle> datasets;
   for (std::size_t i = 0; i < fields.size(); ++i) {
     const std::vector<hsize_t> size = all.size(fields[i].of_states);
     std::vector<hsize_t> chunk = size;
     chunk[0] = 1;
-    chunk[1] = std::min(chunk[1], cell);
-    chunk[2] = std::min(chunk[2], cell);
+    chunk[1] = static_cast<hsize_t>(all.cell_rows());
+    chunk[2] = static_cast<hsize_t>(all.cell_columns());
     datasets.push_back(make_dataset(file, fields[i].name, kept[i], size, chunk));
     describe(datasets[i], fields[i].meaning);
     check(H5DSattach_scale(datasets[i], layer, 0));
@@ -168,7 +208,7 @@ void write_content(hid_t file, const MapPlan& plan, const Json& head, const MapR
   constexpr std::array<unsigned char, map_types - 1> flags = {0, 1, 2, 3, 4};
   check(H5LTset_attribute_uchar(datasets[0], ".", "flag_values", flags.data(), flags.size()));
   set_attribute(datasets[0], "flag_meanings", std::string("undecided periodic chaotic inadmissible lost"));
-  // Band by band, each a row of whole chunks: none is compressed twice, and little is held in memory.
+  // Band by band, each a row of whole cells: little is held in memory.
   for (int first = 0; first < grid.rows.count; first += static_cast<int>(cell)) {
     const Band band{first, std::min(static_cast<int>(cell), grid.rows.count - first), plan.layers(), grid.columns.count, states};
     BandData data(band);
@@ -178,15 +218,15 @@ void write_content(hid_t file, const MapPlan& plan, const Json& head, const MapR
         for (int column = 0; column < band.columns; ++column)
           data.put(band.place(l, row, column), points[static_cast<std::size_t>(l * band.columns + column)]);
     }
-    const std::array<void*, 6> memory = data.memory();
-    const std::array<hid_t, 6> types = BandData::types(attractor);
-    for (std::size_t i = 0; i < fields.size(); ++i)
-      transfer(datasets[i], types[i], band, fields[i].of_states, memory[i], write_part);
+    write_band(datasets, band, data, all.cell_rows(), threads);
   }
 }
 
-/// In memory alone.
-Handle make_file() {
+/// In memory alone, which grows by some of what the map takes without compression.
+Handle make_file(const MapPlan& plan) {
+  constexpr double bytes_of_a_point = 8.0;
+  const double size = bytes_of_a_point * plan.points();
+  const std::size_t growth = std::clamp(static_cast<std::size_t>(size), least_growth, most_growth);
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   check(H5Pset_fapl_core(access, growth, 0));
   return {H5Fcreate("map", H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose};
@@ -204,11 +244,12 @@ std::string_view bytes_of(hid_t file) {
 
 }  // namespace
 
-std::optional<std::string> write_map_file(const std::string& file, const MapPlan& plan, const Json& head, const MapRows& rows) {
+std::optional<std::string> write_map_file(const std::string& file, const MapPlan& plan, const Json& head, const MapRows& rows,
+                                          int threads) {
   silence();
   try {
-    const Handle hdf5 = make_file();
-    write_content(hdf5, plan, head, rows);
+    const Handle hdf5 = make_file(plan);
+    write_content(hdf5, plan, head, rows, threads);
     if (auto failure = write_whole(file, bytes_of(hdf5))) return failure;
     return sync_folder(folder_of(file));
   } catch (const std::exception& error) {

@@ -2,11 +2,13 @@
 #include <graze/apps/map_report.hpp>
 #include <graze/apps/number.hpp>
 #include <graze/apps/orbit_report.hpp>
+#include <graze/apps/table.hpp>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <stdexcept>
 
@@ -17,8 +19,6 @@ namespace {
 constexpr std::size_t most_lines = 12;  // of the overview of a layer
 
 Json number_json(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-std::string number_text(double value) { return std::isnan(value) ? "" : exact(value); }
 
 /// By how many points they have, most first.
 template <class Counts> auto ranked(const Counts& counts) {
@@ -64,15 +64,22 @@ bool sticks(const MapPoint& point) {
 }
 
 std::vector<MapCounts> count_map(const MapPlan& plan, const MapRows& rows) {
-  std::vector<MapCounts> counts(static_cast<std::size_t>(plan.layers()));
-  for (int row = 0; row < plan.grid.rows.count; ++row) {
-    const std::vector<MapPoint> points = rows(row);
+  std::vector<MapCounts> counts;
+  const MapRows counted = counting(plan, rows, counts);
+  for (int row = 0; row < plan.grid.rows.count; ++row) counted(row);
+  return counts;
+}
+
+MapRows counting(const MapPlan& plan, const MapRows& rows, std::vector<MapCounts>& counts) {
+  counts.assign(static_cast<std::size_t>(plan.layers()), {});
+  return [&rows, &counts, columns = static_cast<std::size_t>(plan.grid.columns.count)](int row) {
+    std::vector<MapPoint> points = rows(row);
     for (std::size_t i = 0; i < points.size(); ++i) {
       const MapPoint& point = points[i];
-      ++counts[i / static_cast<std::size_t>(plan.grid.columns.count)][{point.type, point.period, point.impacts, sticks(point)}];
+      ++counts[i / columns][{point.type, point.period, point.impacts, sticks(point)}];
     }
-  }
-  return counts;
+    return points;
+  };
 }
 
 std::string map_point_name(const MapCounts::key_type& kind) {
@@ -175,25 +182,40 @@ MapRows rows_from_json(const MapPlan& plan, const Json& result) {
   };
 }
 
-Table map_table(const MapPlan& plan, const MapRows& rows) {
+void map_csv(const MapPlan& plan, const MapRows& rows, int threads, const TextSink& sink) {
   const ParameterGrid& grid = plan.grid;
-  Table table{
+  sink(csv(Table{
       {"layer", grid.rows.parameter, grid.columns.parameter, "type", "period", "impacts", "lambda_1", "standard_error", "x", "v"},
-      {}};
-  for (int row = 0; row < grid.rows.count; ++row) {
-    const std::vector<MapPoint> points = rows(row);
+      {}}));
+  std::vector<std::string> columns;
+  for (int column = 0; column < grid.columns.count; ++column) columns.push_back(exact(grid.columns.at(column)));
+  const auto write = [&](int row, const std::vector<MapPoint>& points) {
+    std::string lines;
+    const auto out = std::back_inserter(lines);
+    const std::string value = exact(grid.rows.at(row));
     for (std::size_t i = 0; i < points.size(); ++i) {
       const MapPoint& point = points[i];
-      const bool periodic = point.type == MapType::periodic;
-      const int columns = grid.columns.count, column = static_cast<int>(i) % columns;
-      table.rows.push_back({std::to_string(static_cast<int>(i) / columns), exact(grid.rows.at(row)),
-                            exact(grid.columns.at(column)), std::string(map_type_name(point.type)),
-                            periodic ? std::to_string(point.period) : "", periodic ? std::to_string(point.impacts) : "",
-                            number_text(point.lambda_1), number_text(point.standard_error), number_text(point.state[0]),
-                            number_text(point.state[1])});
+      fmt::format_to(out, "{},{},{},{}", i / columns.size(), value, columns[i % columns.size()], map_type_name(point.type));
+      if (point.type == MapType::periodic)
+        fmt::format_to(out, ",{},{}", point.period, point.impacts);
+      else
+        lines += ",,";
+      for (const double number : {point.lambda_1, point.standard_error, point.state[0], point.state[1]}) {
+        lines += ',';
+        if (!std::isnan(number)) fmt::format_to(out, "{}", number);
+      }
+      lines += '\n';
     }
+    return lines;
+  };
+  const int together = 16 * std::max(threads, 1);
+  for (int first = 0; first < grid.rows.count; first += together) {
+    std::vector<std::vector<MapPoint>> points;
+    for (int row = first; row < std::min(first + together, grid.rows.count); ++row) points.push_back(rows(row));
+    std::vector<std::string> lines(points.size());
+    on_threads(threads, lines.size(), [&](std::size_t k) { lines[k] = write(first + static_cast<int>(k), points[k]); });
+    for (const std::string& text : lines) sink(text);
   }
-  return table;
 }
 
 }  // namespace graze::apps

@@ -2,8 +2,8 @@
 // What is said of a parameter map: how often each attractor occurs, all points as JSON or as a table, and the map as it is drawn.
 #pragma once
 
+#include <graze/apps/long_text.hpp>
 #include <graze/apps/map_file.hpp>
-#include <graze/apps/table.hpp>
 
 #include <cstddef>
 #include <map>
@@ -12,8 +12,8 @@
 
 namespace graze::apps {
 
-/// A map for JSON, table or text in memory has no more points than this.
-inline constexpr double most_points_in_text = 1e6;
+/// A map as JSON, which is made in memory, has no more points than this.
+inline constexpr double most_points_in_json = 1e6;
 
 /// Whether the motion sticks to the barrier in every turn: it then forgets all at once, and its first exponent is -infinity. Its
 /// number of impacts is a matter of definition.
@@ -24,6 +24,8 @@ using MapCounts = std::map<std::tuple<MapType, int, int, bool>, std::size_t>;
 
 /// One for each layer; one pass over the rows.
 std::vector<MapCounts> count_map(const MapPlan& plan, const MapRows& rows);
+/// The same rows, counted while somebody else asks for each of them once. Both have to outlive them.
+MapRows counting(const MapPlan& plan, const MapRows& rows, std::vector<MapCounts>& counts);
 
 /// "z = 1/1", "z = ∞/1" where it sticks, "impactless", "chaotic", ...: for people.
 std::string map_point_name(const MapCounts::key_type& kind);
@@ -42,6 +44,7 @@ Json map_json(const MapPlan& plan, const std::vector<MapCounts>& counts, const M
 /// The rows of a result as map_json gives it. @throws std::invalid_argument if it does not fit the plan.
 MapRows rows_from_json(const MapPlan& plan, const Json& result);
 
-Table map_table(const MapPlan& plan, const MapRows& rows);
+/// All points as a table, for --csv. Asks for the rows one by one, in order.
+void map_csv(const MapPlan& plan, const MapRows& rows, int threads, const TextSink& sink);
 
 }  // namespace graze::apps

@@ -131,10 +131,9 @@ void check_all_outputs(const Options& options, const MapPlan& plan) {
     throw std::invalid_argument("--layer chooses the layers of a picture; give --plot FILE or --out DIR too");
   check_distinct({{"--h5", options.h5}, {"--json", output.json}, {"--csv", output.csv}, {"--plot", output.plot}},
                  options.start.file);
-  for (const auto& [option, file] : {std::pair{"--json", output.json}, {"--csv", output.csv}})
-    if (!file.empty() && plan.points() > most_points_in_text)
-      throw std::invalid_argument(fmt::format(
-          "{}: {:.0f} points are too many for a text, a million are allowed; take --h5 or --out", option, plan.points()));
+  if (!output.json.empty() && plan.points() > most_points_in_json)
+    throw std::invalid_argument(fmt::format(
+        "--json: {:.0f} points are too many for it, a million are allowed; take --h5, --out or --csv", plan.points()));
   if (!options.output.out.empty()) check_map_file("--out", options.output.out + "/map.h5");
 }
 
@@ -148,9 +147,9 @@ std::vector<std::string> map_files(const Options& options) {
   return files;
 }
 
-/// Pictures, JSON, table and text. Returns the exit code.
-int present(const Options& options, const MapPlan& plan, const Json& head, const MapRows& rows, const MapRun& run,
-            const Console& console) {
+/// Pictures, JSON, table and text. `counts`: if they are known. Returns the exit code.
+int present(const Options& options, const MapPlan& plan, const Json& head, const MapRows& rows, std::vector<MapCounts> counts,
+            const MapRun& run, const Console& console) {
   int code = run.unwritable ? 2 : exit_code(run.status);
   const auto complain = [&](const std::string& sentence) {
     console.err << "graze map: " << sentence << "\n";
@@ -177,7 +176,7 @@ int present(const Options& options, const MapPlan& plan, const Json& head, const
       }
     }
   if (!draw_into_files(drawings, console.thread_count(), complain)) code = 130;
-  const std::vector<MapCounts> counts = count_map(plan, rows);
+  if (counts.empty()) counts = count_map(plan, rows);
   Result result;
   result.json = head;
   set_status(result.json, run.status, run.message);
@@ -185,7 +184,7 @@ int present(const Options& options, const MapPlan& plan, const Json& head, const
   rest.json = options.output.json;
   rest.csv = options.output.csv;
   if (!rest.json.empty()) result.json["layers"] = map_json(plan, counts, rows);
-  if (wants_table(rest)) result.table = map_table(plan, rows);
+  result.csv = [&](const TextSink& sink) { map_csv(plan, rows, console.thread_count(), sink); };
   result.text = map_model(plan) + "\n\n" + map_overview(plan, counts);
   return deliver(result, rest, "map", code, console);
 }
@@ -243,7 +242,7 @@ int lead(const Options& given, Ranks& ranks, const Console& console) {
     MapRun run;
     run.status = Status::done;
     return present(
-        options, plan, head, [&map](int row) { return map->row(row); }, run, console);
+        options, plan, head, [&map](int row) { return map->row(row); }, {}, run, console);
   }
   std::optional<MapStore> store;
   if (options.output.out.empty())
@@ -256,9 +255,11 @@ int lead(const Options& given, Ranks& ranks, const Console& console) {
       console.note(counted(static_cast<std::size_t>(store->damaged()), "damaged chunk") + " is computed again");
   }
   const int threads = console.threads > 0 || ranks.count() == 1 ? console.thread_count() : 1;
+  const MapRows rows = rows_of(*store);
+  std::vector<MapCounts> counts;
   const auto write = [&] {
     for (const std::string& file : map_files(options))
-      if (const auto failure = write_map_file(file, store->plan(), head, rows_of(*store))) {
+      if (const auto failure = write_map_file(file, plan, head, counting(plan, rows, counts), threads)) {
         console.err << fmt::format("graze map: {}; all chunks are finished, {}\n", *failure, store->advice());
         return false;
       }
@@ -266,14 +267,17 @@ int lead(const Options& given, Ranks& ranks, const Console& console) {
   };
   const MapRun run = run_map(*store, head, ranks, threads, console, write);
   if (run.status != Status::done || run.unwritable) {
-    if (wants_part(options)) return present(options, store->plan(), head, rows_of(*store), run, console);
+    if (wants_part(options)) return present(options, plan, head, rows, {}, run, console);
     return run.unwritable ? 2 : exit_code(run.status);
   }
-  if (map_files(options).empty()) return present(options, store->plan(), head, rows_of(*store), run, console);
-  MapFile map(map_files(options).front());
+  if (map_files(options).empty()) return present(options, plan, head, rows, {}, run, console);
   store->remove();
-  return present(
-      options, plan, head, [&map](int row) { return map.row(row); }, run, console);
+  std::optional<MapFile> map;  // opened if anybody asks
+  const auto row_of_map = [&](int row) {
+    if (!map) map.emplace(map_files(options).front());
+    return map->row(row);
+  };
+  return present(options, plan, head, row_of_map, std::move(counts), run, console);
 }
 
 int run(const Options& options, const Console& console) {
@@ -317,7 +321,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_text(app, "--resume", options->resume, "DIR", "go on with what an interrupted or killed run left in DIR (its --out)");
   add_text(app, "--h5", options->h5, "FILE", "the map as HDF5");
   add_text(app, "--json", options->output.json, "FILE|-", "the map as JSON, up to a million points");
-  add_text(app, "--csv", options->output.csv, "FILE|-", "the map as a table, up to a million points");
+  add_text(app, "--csv", options->output.csv, "FILE|-", "the map as a table");
   add_text(app, "--plot", options->output.plot, "FILE", "picture of the map (.png, .svg, .pdf)");
   add_choice(app, "--plot-kind", options->output.plot_kind, picture_names("graze.map/1"),
              "what the picture shows (default attractors)");

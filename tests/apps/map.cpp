@@ -345,7 +345,7 @@ TEST_CASE("map refuses what it does not understand") {
   CHECK_THAT(misuse(with({"--h5", folder.file("none/m.h5")})), Contains("there is no folder"));
   CHECK_THAT(misuse({"--param", "eta:0.7:0.8:40000", "--param", "r:1:2:40000"}), Contains("more than a thousand million"));
   CHECK_THAT(misuse({"--param", "eta:0.7:0.8:2000", "--param", "r:1:2:2000", "--json", folder.file("j")}),
-             Contains("too many for a text"));
+             Contains("points are too many for it, a million are allowed"));
   CHECK(folder.files() == 0);
   folder.write("x.h5", "this is none");
   const Outcome outcome = call({"plot", folder.file("x.h5"), "-o", folder.file("x.png")});
