@@ -84,6 +84,7 @@ class Search {
       const std::size_t groups = divided_up(open.size(), together);
       in_parallel(groups, [&](std::size_t group) {
         std::vector<Watch> watches;
+        watches.reserve(together);
         for (std::size_t i = group * together; i < std::min(open.size(), (group + 1) * together); ++i) {
           Run& run = runs[open[i]];
           if (first) run.state = starts_[todo[open[i]]];

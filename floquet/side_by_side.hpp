@@ -60,7 +60,7 @@ bool carry_side_by_side(ManyMotions& many, std::size_t set, std::vector<Watch>& 
   Vector state(2);
   while (!cancelled()) {
     if (open.empty()) return true;
-    const std::size_t stretch = next_stretch(carried, 8), together = at_once / stretch;  // of all motions, whatever the others do
+    const std::size_t stretch = next_stretch(carried, 4), together = at_once / stretch;  // of all motions, whatever the others do
     carried += stretch;
     for (std::size_t begin = 0; begin < open.size(); begin += together) {
       const std::size_t end = std::min(open.size(), begin + together);
