@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <stdexcept>
 #include <utility>
 
@@ -50,16 +51,18 @@ void MapWork::give(int first, int count) {
   const auto layers = static_cast<int>(layers_.size()), columns = grid_.columns.count;
   const auto size = static_cast<std::size_t>(count) * layers_.size() * static_cast<std::size_t>(columns);
   const auto piece = std::make_shared<Piece>(Piece{first, std::vector<MapPoint>(size), 0});
-  const std::lock_guard lock(mutex_);
+  std::vector<std::shared_ptr<Strand>> strands;
   for (int k = 0; k < count * layers; ++k) {
     const MapLayer& layer = layers_[static_cast<std::size_t>(k % layers)];
     MapPoint* const row = piece->points.data() + static_cast<std::ptrdiff_t>(k) * columns;
     const int together = layer.follow != MapDirection::none ? columns : 1;
     for (int column = 0; column < columns; column += together, ++piece->left) {
       MapRow points({row + column, static_cast<std::size_t>(together)}, layer.follow == MapDirection::down);
-      strands_.push_back(std::make_shared<Strand>(&layer, first + k / layers, column, std::move(points), piece));
+      strands.push_back(std::make_shared<Strand>(&layer, first + k / layers, column, std::move(points), piece));
     }
   }
+  const std::lock_guard lock(mutex_);
+  strands_.insert(strands_.end(), std::make_move_iterator(strands.begin()), std::make_move_iterator(strands.end()));
   if (piece->left > 0) ++pieces_;
   given_.notify_all();
 }
