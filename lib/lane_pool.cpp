@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <memory>
 #include <utility>
 
@@ -66,41 +65,31 @@ void LanePlace::take_parameters(const Vector& p) {
 LanePlace::Carrying LanePlace::carry(std::span<const MotionStart> motions, std::size_t periods, bool tangent) {
   tangent_ = tangent;
   results_.resize(motions.size() * periods);
-  left_.clear();
-  for (std::size_t m = 0; m < motions.size(); ++m) left_.push_back({motions[m], periods, &results_[m * periods]});
+  runs_.clear();
+  for (std::size_t m = 0; m < motions.size(); ++m)
+    runs_.push_back({{{parameters_, motions[m].x, motions[m].v}, periods, &results_[m * periods]}, this});
+  open_ = periods > 0 ? runs_.size() : 0;
   return Carrying(*this);
 }
 
 LanePlace::Carrying LanePlace::carry(const Vector& state, std::size_t periods, ImpactSpeeds* speeds) {
   const MotionStart start = at(state);
   const Carrying carrying = carry({&start, 1}, periods, false);
-  left_.front().speeds = speeds;
+  runs_.front().speeds = speeds;
   return carrying;
 }
 
-/// Of each of its motions, so many of the periods that are left; all where there is a table of contacts: with it, results depend
-/// on how periods are divided between calls, and that must not depend on company.
-void LanePlace::add_runs(std::size_t most, std::vector<MotionRun>& runs) const {
-  if (motions().table(parameters_)) most = std::numeric_limits<std::size_t>::max();
-  for (const MotionRun& run : left_)
-    runs.push_back({{parameters_, run.start.x, run.start.v}, std::min(most, run.periods), run.results, run.speeds});
+/// With what it has asked for.
+void LanePlace::resume() {
+  runs_.clear();
+  motions().look_for_table(parameters_);
+  waiting_.resume();
 }
 
-/// They were carried. Returns the next after them.
-const MotionRun* LanePlace::see(const MotionRun* done) {
-  for (MotionRun& run : left_) {
-    run.results += done->carried;
-    run.periods -= done->carried;
-    ++done;
-    const PeriodResult& last = run.results[-1];
-    run.start = {parameters_, last.x, last.v};
-    if (last.termination == Termination::time) continue;
-    std::fill_n(run.results, run.periods, PeriodResult{.termination = last.termination});
-    run.periods = 0;
-  }
-  std::erase_if(left_, [](const MotionRun& run) { return run.periods == 0; });
-  if (left_.empty()) motions().look_for_table(parameters_);
-  return done;
+LanePool::LanePool(ManyMotions& motions, LaneExchange* exchange) : motions_(motions), exchange_(exchange) {
+  through = [](RunSupply& self, MotionRun& run, std::size_t periods) {
+    static_cast<LanePool&>(self).go_on_with(static_cast<LanePlace::Run&>(run), periods);
+  };
 }
 
 /// The number of a parameter set that nobody has.
@@ -137,27 +126,43 @@ void LanePool::take(std::vector<std::unique_ptr<Member>>& members) {
   for (LaneExchange::Parcel& parcel : exchange_->get()) {
     LanePlace& place = parcel.member->place;
     place.pool_ = this;
-    if (parcel.parameters)
+    if (parcel.parameters) {
       place.parameters_ = *(place.own_parameters_ = motions_.add(std::move(*parcel.parameters), free_place()));
+      for (LanePlace::Run& run : place.runs_) run.start.parameters = place.parameters_;
+    }
     members.push_back(std::move(parcel.member));
   }
 }
 
 /// Those of a kind, which have so many motions: first who others wait for.
 void LanePool::carry(std::span<const std::unique_ptr<Member>> members, bool tangent, std::size_t motions) {
-  const std::size_t periods = std::clamp(work_of_turn / motions, fewest_periods, most_periods);
-  chosen_.clear();
   runs_.clear();
   for (const bool hurrying : {true, false})
     for (const auto& member : members) {
       LanePlace& place = member->place;
       if (place.tangent_ != tangent || place.hurries_ != hurrying) continue;
-      chosen_.push_back(&place);
-      place.add_runs(periods, runs_);
+      for (LanePlace::Run& run : place.runs_)
+        if (run.carried < run.periods) runs_.push_back(&run);
     }
-  motions_.carry_while_full(runs_, tangent);
-  const MotionRun* next = runs_.data();
-  for (LanePlace* const place : chosen_) next = place->see(next);
+  tangent_ = tangent;
+  share_ = std::clamp(work_of_turn / motions, fewest_periods, most_periods);
+  left_ = work_of_turn;
+  motions_.carry_while_full(runs_, tangent, share_, *this);
+}
+
+/// A motion has been carried for so many periods: the lanes are given what comes next, until the turn is over.
+void LanePool::go_on_with(LanePlace::Run& run, std::size_t periods) {
+  left_ -= std::min(left_, periods);
+  if (run.carried < run.periods) {
+    if (periods < share_) left_ = 0;  // the lanes are no longer full
+    if (left_ > 0) motions_.join(run);
+    return;
+  }
+  LanePlace& place = *run.place;
+  if (--place.open_ > 0 || left_ == 0) return;
+  place.resume();
+  if (place.open_ == 0 || place.tangent_ != tangent_) return;
+  for (LanePlace::Run& next : place.runs_) motions_.join(next);
 }
 
 void LanePool::run(std::size_t count, const std::function<LaneTask<>(std::size_t, LanePlace&)>& make) {
@@ -194,14 +199,14 @@ void LanePool::run(const std::function<std::optional<LaneTask<>>(LanePlace&, std
     std::array<bool, 2> hurries{};
     for (const auto& member : members) {
       const LanePlace& place = member->place;
-      motions[place.tangent_ ? 1 : 0] += place.left_.size();
+      motions[place.tangent_ ? 1 : 0] += place.open_;
       hurries[place.tangent_ ? 1 : 0] |= place.hurries_;
     }
     // Where there are few of a kind, they wait for company.
     for (const std::size_t kind : {0, 1})
       if (hurries[kind] || motions[kind] >= std::min(busy, motions[1 - kind])) carry(members, kind == 1, motions[kind]);
     for (const auto& member : members)
-      if (member->place.left_.empty()) member->place.waiting_.resume();
+      if (member->place.open_ == 0 && !member->task.ended()) member->place.resume();
   }
 }
 

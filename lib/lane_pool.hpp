@@ -43,8 +43,10 @@ class LanePlace {
 
  private:
   friend class LanePool;
-  void add_runs(std::size_t most, std::vector<MotionRun>& runs) const;
-  const MotionRun* see(const MotionRun* done);
+  struct Run : MotionRun {
+    LanePlace* place = nullptr;
+  };
+  void resume();
 
   LanePool* pool_;
   std::optional<std::size_t> own_parameters_;
@@ -52,7 +54,8 @@ class LanePlace {
   std::size_t parameters_ = 0;
   bool tangent_ = false, hurries_ = false;
   std::vector<PeriodResult> results_;
-  std::vector<MotionRun> left_;  ///< of the motions asked for, those with periods that are not carried yet
+  std::vector<Run> runs_;  ///< asked for
+  std::size_t open_ = 0;   ///< of them, those that are not through
   std::coroutine_handle<> waiting_;
 };
 
@@ -67,10 +70,10 @@ class LanePlace::Carrying {
   LanePlace& place_;
 };
 
-class LanePool {
+class LanePool : RunSupply {
  public:
   /// Keep them alive.
-  explicit LanePool(ManyMotions& motions, LaneExchange* exchange = nullptr) : motions_(motions), exchange_(exchange) {}
+  explicit LanePool(ManyMotions& motions, LaneExchange* exchange = nullptr);
 
   /// Carries computations to their ends. As long as there is room, the next is asked for: next(its place, how many are carried);
   /// nullopt: there is none now, or, where none is carried and the exchange has nothing, no more. @throws what the first of them
@@ -88,12 +91,14 @@ class LanePool {
   std::optional<std::size_t> free_place();
   void clear(LanePlace& place);
   void carry(std::span<const std::unique_ptr<Member>> members, bool tangent, std::size_t motions);
+  void go_on_with(LanePlace::Run& run, std::size_t periods);
 
   ManyMotions& motions_;
   LaneExchange* exchange_;
   std::vector<std::size_t> free_parameters_;  ///< parameter sets that nobody has
-  std::vector<LanePlace*> chosen_;            ///< of a turn, and their motions, one after the other
-  std::vector<MotionRun> runs_;
+  std::vector<MotionRun*> runs_;              ///< of a turn, at its beginning
+  bool tangent_ = false;                      ///< of a turn
+  std::size_t share_ = 0, left_ = 0;          ///< periods of each motion at a time; of all of them, before it ends
 };
 
 }  // namespace graze

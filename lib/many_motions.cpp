@@ -21,6 +21,8 @@ constexpr std::int64_t contacts_before_table = 2000;
 constexpr double too_few = 0.001;
 /// So many motions fill the lanes of a thread.
 constexpr std::size_t fewest_on_a_thread = 8;
+/// So many motions may join others in a call.
+constexpr std::size_t most_to_join = 4096;
 /// The series of the lanes are as good as the table at this tolerance; whoever wants a smaller one wants more.
 constexpr double finest_tolerance = 1e-13;
 
@@ -185,19 +187,26 @@ bool ManyMotions::do_left_over(const lanes::Motion& motion, std::size_t period, 
   return true;
 }
 
-void ManyMotions::carry_in_lanes(std::span<const lanes::Motion> motions, bool cubic, bool tangent, bool while_full,
-                                 lanes::Carried* carried) {
-  if (motions.empty()) return;
-  const auto carry = [&](std::size_t begin, std::size_t end) {
-    const LaneWidth width = width_ == LaneWidth::widest ? width_for(end - begin) : width_;
-    const auto do_given_up = [](void* self, const lanes::Job& job, const lanes::Motion& motion, std::size_t period) {
-      return static_cast<ManyMotions*>(self)->do_left_over(motion, period, job.tangent);
-    };
-    lane_kernels(width).carry({*law_, cubic, options_.tolerance, options_.max_steps, tangent, motions.data() + begin, end - begin,
-                               carried + begin, while_full, do_given_up, this});
+void ManyMotions::carry_in_lanes(std::size_t begin, std::size_t end, bool tangent) {
+  const LaneWidth width = width_ == LaneWidth::widest ? width_for(end - begin) : width_;
+  lanes::Job job{*law_, !is_linear(together_.front()), options_.tolerance, options_.max_steps, tangent};
+  job.motions = motions_.data() + begin;
+  job.count = end - begin;
+  job.carried = carried_each_.data() + begin;
+  job.whom = this;
+  job.do_given_up = [](void* self, const lanes::Job& its, const lanes::Motion& motion, std::size_t period) {
+    return static_cast<ManyMotions*>(self)->do_left_over(motion, period, its.tangent);
   };
-  const std::size_t parts = all_threads_ ? std::clamp<std::size_t>(motions.size() / fewest_on_a_thread, 1, threads_here()) : 1;
-  in_parallel(parts, [&](std::size_t i) { carry(i * motions.size() / parts, (i + 1) * motions.size() / parts); });
+  if (supply_) {
+    job.while_full = true;
+    job.more = [](void* self, std::size_t number) {
+      auto& many = *static_cast<ManyMotions*>(self);
+      many.finish(number);
+      many.supply_->through(*many.supply_, *many.together_[number].run, many.carried_each_[number].periods);
+      return many.motions_.size();
+    };
+  }
+  lane_kernels(width).carry(job);
 }
 
 void ManyMotions::carry(const std::vector<MotionStart>& starts, std::size_t periods, bool tangent,
@@ -210,55 +219,101 @@ void ManyMotions::carry(const std::vector<MotionStart>& starts, std::size_t peri
 }
 
 void ManyMotions::carry(std::span<MotionRun> runs, bool tangent) {
-  begin(runs);
+  going_.clear();
+  for (MotionRun& run : runs) {
+    run.carried = 0;
+    if (Set& set = set_of(run.start.parameters); run.periods > 0) going_.push_back({&run, &set});
+  }
+  const auto kinds = [this] { return std::partition_point(going_.begin(), going_.end(), is_linear); };
+  std::stable_partition(going_.begin(), going_.end(), is_linear);
   while (!going_.empty()) {
-    go_on(tangent, false);
+    carry_alike({going_.begin(), kinds()}, tangent);
+    carry_alike({kinds(), going_.end()}, tangent);
     // Those that wait for a table have stopped for a look.
     for (const Going& one : going_) look_for_table(*one.set);
     std::erase_if(going_, [](const Going& one) { return one.run->carried == one.run->periods; });
   }
 }
 
-void ManyMotions::carry_while_full(std::span<MotionRun> runs, bool tangent) {
-  begin(runs);
-  go_on(tangent, true);
-}
-
-void ManyMotions::begin(std::span<MotionRun> runs) {
+void ManyMotions::carry_while_full(std::span<MotionRun* const> runs, bool tangent, std::size_t most, RunSupply& supply) {
   going_.clear();
-  for (MotionRun& run : runs) {
-    run.carried = 0;
-    if (Set& set = set_of(run.start.parameters); run.periods > 0) going_.push_back({&run, &set});
-  }
-  std::stable_partition(going_.begin(), going_.end(), is_linear);
+  for (MotionRun* const run : runs)
+    if (Set& set = set_of(run->start.parameters); run->carried < run->periods) going_.push_back({run, &set});
+  const auto cubic = std::stable_partition(going_.begin(), going_.end(), is_linear);
+  supply_ = &supply;
+  most_ = most;
+  carry_alike({going_.begin(), cubic}, tangent);
+  carry_alike({cubic, going_.end()}, tangent);
+  supply_ = nullptr;
 }
 
-void ManyMotions::go_on(bool tangent, bool while_full) {
+bool ManyMotions::join(MotionRun& run) {
+  const Going one{&run, &set_of(run.start.parameters)};
+  if (is_linear(one) != is_linear(together_.front()) || one.set->table || one.set->awaits_table) return false;
+  if (motions_.size() == room_) return false;
+  together_.push_back(one);
+  motions_.push_back(next_of(one));
+  carried_each_.emplace_back();
+  return true;
+}
+
+/// What the lanes do of it next.
+lanes::Motion ManyMotions::next_of(const Going& one) const {
+  const auto& [run, set] = one;
+  PeriodResult* const next = run->results + run->carried;
+  const bool first = run->carried == 0;
+  std::size_t periods = run->periods - run->carried;
+  if (!supply_ && set->awaits_table) periods = std::min(periods, periods_between_looks);
+  if (supply_ && !set->table) periods = std::min(periods, most_);
+  return {first ? run->start.x : next[-1].x,
+          first ? run->start.v : next[-1].v,
+          run->start.parameters,
+          &set->oscillator.coefficients,
+          set->oscillator.grid.get(),
+          &set->oscillator.pressed,
+          set->oscillator.pressed_grid.get(),
+          periods,
+          next,
+          set->table ? &set->pieces : nullptr,
+          set->awaits_table ? &set->met : nullptr,
+          run->speeds};
+}
+
+void ManyMotions::carry_alike(std::span<const Going> going, bool tangent) {
+  if (going.empty()) return;
+  together_.clear();
   motions_.clear();
-  for (const auto& [run, set] : going_) {
-    const MotionStart& start = run->start;
-    PeriodResult* const next = run->results + run->carried;
-    const bool first = run->carried == 0, looks = set->awaits_table && !while_full;
-    const std::size_t left = run->periods - run->carried;
-    motions_.push_back({first ? start.x : next[-1].x, first ? start.v : next[-1].v, start.parameters,
-                        &set->oscillator.coefficients, set->oscillator.grid.get(), &set->oscillator.pressed,
-                        set->oscillator.pressed_grid.get(), looks ? std::min(left, periods_between_looks) : left, next,
-                        set->table ? &set->pieces : nullptr, set->awaits_table ? &set->met : nullptr, run->speeds});
+  carried_each_.clear();
+  if (supply_) {
+    // Nothing is moved while the lanes are at it.
+    room_ = going.size() + most_to_join;
+    together_.reserve(room_);
+    motions_.reserve(room_);
+    carried_each_.reserve(room_);
   }
-  const auto linear = static_cast<std::size_t>(std::partition_point(going_.begin(), going_.end(), is_linear) - going_.begin());
-  carried_each_.assign(motions_.size(), {});
-  carry_in_lanes(std::span(motions_).first(linear), false, tangent, while_full, carried_each_.data());
-  carry_in_lanes(std::span(motions_).subspan(linear), true, tangent, while_full, carried_each_.data() + linear);
-  for (std::size_t i = 0; i < going_.size(); ++i) {
-    MotionRun& run = *going_[i].run;
-    run.carried += carried_each_[i].periods;
-    carried_ += carried_each_[i].periods;
-    if (!carried_each_[i].failed) continue;
-    ++carried_;
-    PeriodResult* const end = run.results + run.carried;
-    std::fill(end + 1, run.results + run.periods, PeriodResult{.termination = end->termination});
-    run.carried = run.periods;
+  for (const Going& one : going) {
+    together_.push_back(one);
+    motions_.push_back(next_of(one));
+    carried_each_.emplace_back();
   }
+  const std::size_t count = going.size();
+  if (supply_) return carry_in_lanes(0, count, tangent);
+  const std::size_t parts = all_threads_ ? std::clamp<std::size_t>(count / fewest_on_a_thread, 1, threads_here()) : 1;
+  in_parallel(parts, [&](std::size_t i) { carry_in_lanes(i * count / parts, (i + 1) * count / parts, tangent); });
+  for (std::size_t i = 0; i < count; ++i) finish(i);
+}
+
+/// Writes down how far it came.
+void ManyMotions::finish(std::size_t number) {
+  MotionRun& run = *together_[number].run;
+  const lanes::Carried& carried = carried_each_[number];
+  run.carried += carried.periods;
+  carried_ += carried.periods;
+  if (!carried.failed) return;
+  ++carried_;
+  PeriodResult* const end = run.results + run.carried;
+  std::fill(end + 1, run.results + run.periods, PeriodResult{.termination = end->termination});
+  run.carried = run.periods;
 }
 
 }  // namespace graze

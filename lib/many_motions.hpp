@@ -54,6 +54,14 @@ struct MotionRun {
   std::size_t carried = 0;         ///< of the periods
 };
 
+/// Who has more motions ready as others come through, so that the lanes do not run dry.
+class RunSupply {
+ public:
+  /// Told of each run that is through, has had its share of periods, or has stopped, `periods` later. It may let others, or the
+  /// same again, join (ManyMotions::join).
+  void (*through)(RunSupply& self, MotionRun& run, std::size_t periods) = nullptr;
+};
+
 class ManyMotions {
  public:
   /// Whether the lanes know such a system at these parameters, with these options.
@@ -101,9 +109,12 @@ class ManyMotions {
   void carry(const std::vector<MotionStart>& starts, std::size_t periods, bool tangent, std::vector<PeriodResult>& results);
   /// The same, of each motion as many as it asks for.
   void carry(std::span<MotionRun> runs, bool tangent);
-  /// As long as that keeps most lanes busy: then the motions stop that are still on their way, each at the end of a period
-  /// (MotionRun::carried). No tables are made.
-  void carry_while_full(std::span<MotionRun> runs, bool tangent);
+  /// Goes on with each of them for `most` periods (with a table of contacts for all that are left), as long as that keeps most
+  /// lanes busy: then the motions stop that are still on their way, each at the end of a period. No tables are made.
+  void carry_while_full(std::span<MotionRun* const> runs, bool tangent, std::size_t most, RunSupply& supply);
+  /// When the supply is told of one: lets a motion go on with the others. False: it has to wait for another call (its flight is
+  /// of the other kind, there is a table of its contacts or one to be made, or no room).
+  bool join(MotionRun& run);
 
   /// Periods that the lanes left to the Propagator, of all so far.
   std::size_t left_over() const { return left_over_; }
@@ -121,10 +132,11 @@ class ManyMotions {
   OwnSet make_set(const Vector& p);
   void look_for_table(Set& set);
   static bool is_linear(const Going& one);
-  void begin(std::span<MotionRun> runs);
-  void go_on(bool tangent, bool while_full);
-  /// Those that are alike.
-  void carry_in_lanes(std::span<const lanes::Motion> motions, bool cubic, bool tangent, bool while_full, lanes::Carried* carried);
+  lanes::Motion next_of(const Going& one) const;
+  /// Those that are alike: what is done to them, and written down of each.
+  void carry_alike(std::span<const Going> going, bool tangent);
+  void carry_in_lanes(std::size_t begin, std::size_t end, bool tangent);
+  void finish(std::size_t number);
   /// A period that the lanes give up, by the Propagator. False: the motion ends in it.
   bool do_left_over(const lanes::Motion& motion, std::size_t period, bool tangent);
 
@@ -134,8 +146,11 @@ class ManyMotions {
   std::optional<lanes::Law> law_;  ///< of all sets
   std::vector<OwnSet> sets_;       ///< those taken: null
   std::vector<Going> going_;       ///< of carry(): they keep their memory from one call to the next
+  std::vector<Going> together_;    ///< in the lanes now, with their motions there and how far these came
   std::vector<lanes::Motion> motions_;
   std::vector<lanes::Carried> carried_each_;
+  RunSupply* supply_ = nullptr;  ///< of carry_while_full()
+  std::size_t most_ = 0, room_ = 0;
   Transition transition_;
   std::mutex left_over_lock_;  ///< the lanes of several threads leave something over
   bool all_threads_ = false;

@@ -49,6 +49,14 @@ template <class Flight> class Carrier {
     if (memory_.count(Task::given_up) > 0) give_up();
   }
 
+  /// Lanes that have nothing to do take motions that have joined meanwhile.
+  void take_more() {
+    if (queue_.empty() || memory_.count(Task::idle) == 0) return;
+    Starts starts;
+    for_each(memory_.is(Task::idle), [&](std::size_t lane) { next_motion(lane, starts); });
+    begin_periods(starts);
+  }
+
   /// Whether contacts are carried in steps, most of them: so that one takes as long as all the rest of a period.
   bool steps_contacts() const { return job_.law == Law::hertz && !queue_.tables(); }
   void gather_contacts(Carrier& other) { lanes::gather_contacts(memory_, other.memory_); }
@@ -172,6 +180,8 @@ template <class Flight> class Carrier {
 
   void end_motion(std::size_t lane, Starts& starts, bool failed) {
     queue_.end(memory_.motion[lane], {memory_.period[lane], failed});
+    // Whoever was told of it may have other coefficients in the same place now.
+    if (job_.more) memory_.coefficients_of[lane] = nullptr;
     next_motion(lane, starts);
   }
 

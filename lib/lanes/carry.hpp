@@ -16,6 +16,8 @@ template <class Flight> void take_turns(Carrier<Flight>& first, Carrier<Flight>&
     first.step(one);
     const Task two = second.choice().task;
     second.step(two);
+    first.take_more();
+    second.take_more();
     goes_on = one != Task::idle || two != Task::idle;
   }
 }
@@ -28,6 +30,8 @@ template <class Flight> void sort_contacts(Carrier<Flight>& first, Carrier<Fligh
     const bool both_wait = first_waits && second_waits;  // then the fuller one goes
     if (!first_waits || (both_wait && one.lanes >= two.lanes)) first.step(one.task);
     if (!second_waits || (both_wait && one.lanes < two.lanes)) second.step(two.task);
+    first.take_more();
+    second.take_more();
     first.gather_contacts(second);
   }
 }
@@ -36,7 +40,10 @@ template <class Flight> void carry_with(const Job& job) {
   typename Carrier<Flight>::Jobs queue(job);
   Carrier<Flight> first(job, queue);
   if (queue.empty()) {  // all are in its lanes
-    for (Task task = first.choice(true).task; task != Task::idle; task = first.choice(true).task) first.step(task);
+    for (Task task = first.choice(true).task; task != Task::idle; task = first.choice(true).task) {
+      first.step(task);
+      first.take_more();
+    }
     return;
   }
   Carrier<Flight> second(job, queue);

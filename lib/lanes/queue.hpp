@@ -3,6 +3,7 @@
 #pragma once
 
 #include <graze/lib/lanes/job.hpp>
+#include <graze/lib/lanes/wide_registers.hpp>
 
 #include <algorithm>
 
@@ -12,7 +13,7 @@ inline namespace GRAZE_ARITHMETIC {
 template <std::size_t Lanes> class Queue {
  public:
   /// For so many lanes, or fewer if there are not so many motions.
-  explicit Queue(const Job& job) : job_(job), lanes_(std::min(job.count, Lanes)) {
+  explicit Queue(const Job& job) : job_(job), count_(job.count), lanes_(std::min(job.count, Lanes)) {
     for (std::size_t i = 0; i < job.count; ++i) {
       tables_ = tables_ || job.motions[i].table;
       met_ = met_ || job.motions[i].met;
@@ -24,12 +25,13 @@ template <std::size_t Lanes> class Queue {
   bool met() const { return met_; }
   bool notes() const { return notes_; }
 
-  bool empty() const { return taken_ == job_.count; }
+  bool empty() const { return taken_ == count_; }
   /// The number of the next motion.
   std::size_t take() { return taken_++; }
   void end(std::size_t number, const Carried& carried) {
     job_.carried[number] = carried;
     ++ended_;
+    if (job_.more) ask_for_more(number);
   }
   /// Whether a motion ends with its period, though more were asked for (Job::while_full): at less than 7/8 of the lanes, the
   /// steps that are saved are more than those in which lanes wait for the ends of the others' periods.
@@ -38,8 +40,16 @@ template <std::size_t Lanes> class Queue {
   }
 
  private:
+  void ask_for_more(std::size_t number) {
+    WideRegisters::leave();
+    const std::size_t before = count_;
+    count_ = job_.more(job_.whom, number);
+    for (std::size_t i = before; i < count_; ++i) notes_ = notes_ || job_.motions[i].notes;
+    lanes_ = std::max(lanes_, std::min(count_ - ended_, Lanes));
+  }
+
   const Job& job_;
-  std::size_t lanes_, taken_ = 0, ended_ = 0;
+  std::size_t count_, lanes_, taken_ = 0, ended_ = 0;
   bool tables_ = false, met_ = false, notes_ = false;
 };
 
