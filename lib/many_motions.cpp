@@ -224,11 +224,8 @@ void ManyMotions::carry(std::span<MotionRun> runs, bool tangent) {
     run.carried = 0;
     if (Set& set = set_of(run.start.parameters); run.periods > 0) going_.push_back({&run, &set});
   }
-  const auto kinds = [this] { return std::partition_point(going_.begin(), going_.end(), is_linear); };
-  std::stable_partition(going_.begin(), going_.end(), is_linear);
   while (!going_.empty()) {
-    carry_alike({going_.begin(), kinds()}, tangent);
-    carry_alike({kinds(), going_.end()}, tangent);
+    go_on(tangent);
     // Those that wait for a table have stopped for a look.
     for (const Going& one : going_) look_for_table(*one.set);
     std::erase_if(going_, [](const Going& one) { return one.run->carried == one.run->periods; });
@@ -239,12 +236,19 @@ void ManyMotions::carry_while_full(std::span<MotionRun* const> runs, bool tangen
   going_.clear();
   for (MotionRun* const run : runs)
     if (Set& set = set_of(run->start.parameters); run->carried < run->periods) going_.push_back({run, &set});
-  const auto cubic = std::stable_partition(going_.begin(), going_.end(), is_linear);
   supply_ = &supply;
   most_ = most;
+  const struct Forgetting {
+    RunSupply*& supply;
+    ~Forgetting() { supply = nullptr; }
+  } until_the_end{supply_};
+  go_on(tangent);
+}
+
+void ManyMotions::go_on(bool tangent) {
+  const auto cubic = std::stable_partition(going_.begin(), going_.end(), is_linear);
   carry_alike({going_.begin(), cubic}, tangent);
   carry_alike({cubic, going_.end()}, tangent);
-  supply_ = nullptr;
 }
 
 bool ManyMotions::join(MotionRun& run) {

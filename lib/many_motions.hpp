@@ -133,6 +133,7 @@ class ManyMotions {
   void look_for_table(Set& set);
   static bool is_linear(const Going& one);
   lanes::Motion next_of(const Going& one) const;
+  void go_on(bool tangent);
   /// Those that are alike: what is done to them, and written down of each.
   void carry_alike(std::span<const Going> going, bool tangent);
   void carry_in_lanes(std::size_t begin, std::size_t end, bool tangent);
