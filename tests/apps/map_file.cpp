@@ -9,6 +9,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -28,7 +29,13 @@ MapPlan plan_of_cells() {
   return plan;
 }
 
-/// Points without a pattern, whose doubles do not become shorter; beyond `smooth` rows, with one.
+/// Any finite number: many of them do not become shorter.
+double any_number(std::mt19937_64& random) {
+  for (;;)
+    if (const auto number = std::bit_cast<double>(random()); std::isfinite(number)) return number;
+}
+
+/// Exponents and states without a pattern; from row `smooth` on, with one.
 std::vector<MapPoint> points_of(const MapPlan& plan, int row, int smooth) {
   std::mt19937_64 random(static_cast<std::uint64_t>(row) + 1);
   std::vector<MapPoint> points;
@@ -37,8 +44,8 @@ std::vector<MapPoint> points_of(const MapPlan& plan, int row, int smooth) {
     point.type = i % 3 == 0 ? MapType::periodic : MapType::chaotic;
     point.period = i % 3 == 0 ? row + 1 : 0;
     point.impacts = i % 3 == 0 ? i : 0;
-    const auto number = [&] { return row < smooth ? std::ldexp(static_cast<double>(random()), i % 512 - 256) : 0.25; };
-    point.lambda_1 = i % 7 == 0 ? -std::numeric_limits<double>::infinity() : number();
+    const auto number = [&] { return row < smooth ? any_number(random) : 0.25; };
+    point.lambda_1 = row >= smooth && i % 7 == 0 ? -std::numeric_limits<double>::infinity() : number();
     point.standard_error = i % 5 == 0 ? std::nan("") : number();
     point.state = Vector{{number(), row + 0.5}};
     points.push_back(point);
