@@ -189,7 +189,7 @@ bool ManyMotions::do_left_over(const lanes::Motion& motion, std::size_t period, 
 
 void ManyMotions::carry_in_lanes(std::size_t begin, std::size_t end, bool tangent) {
   const LaneWidth width = width_ == LaneWidth::widest ? width_for(end - begin) : width_;
-  lanes::Job job{*law_, !is_linear(together_.front()), options_.tolerance, options_.max_steps, tangent};
+  lanes::Job job{*law_, !linear_, options_.tolerance, options_.max_steps, tangent};
   job.motions = motions_.data() + begin;
   job.count = end - begin;
   job.carried = carried_each_.data() + begin;
@@ -253,7 +253,7 @@ void ManyMotions::go_on(bool tangent) {
 
 bool ManyMotions::join(MotionRun& run) {
   const Going one{&run, &set_of(run.start.parameters)};
-  if (is_linear(one) != is_linear(together_.front()) || one.set->table || one.set->awaits_table) return false;
+  if (is_linear(one) != linear_ || one.set->table || one.set->awaits_table) return false;
   if (motions_.size() == room_) return false;
   together_.push_back(one);
   motions_.push_back(next_of(one));
@@ -285,6 +285,7 @@ lanes::Motion ManyMotions::next_of(const Going& one) const {
 
 void ManyMotions::carry_alike(std::span<const Going> going, bool tangent) {
   if (going.empty()) return;
+  linear_ = is_linear(going.front());
   together_.clear();
   motions_.clear();
   carried_each_.clear();

@@ -150,6 +150,7 @@ class ManyMotions {
   std::vector<Going> together_;    ///< in the lanes now, with their motions there and how far these came
   std::vector<lanes::Motion> motions_;
   std::vector<lanes::Carried> carried_each_;
+  bool linear_ = true;           ///< their flights (the parameters of those that are through may have changed meanwhile)
   RunSupply* supply_ = nullptr;  ///< of carry_while_full()
   std::size_t most_ = 0, room_ = 0;
   Transition transition_;
