@@ -20,15 +20,16 @@ constexpr double recurrence = 1e-4;
 constexpr int shortest_average = 200;
 /// So many computations keep the lanes of a thread full. What it takes beyond them, others might have to wait for in the end.
 constexpr std::size_t enough = 32;
-/// Pieces in work beyond one for each thread.
-constexpr std::size_t more_pieces = 1;
+
+bool is_followed(const MapLayer& layer) { return layer.follow != MapDirection::none; }
 
 }  // namespace
 
 MapWork::MapWork(const HybridSystem& system, const Vector& p, const ParameterGrid& grid, const std::vector<MapLayer>& layers,
                  const MapOptions& options, int threads, Done done)
     : system_(system), p_(p), grid_(grid), layers_(layers), options_(options),
-      threads_(static_cast<std::size_t>(std::max(1, threads))), done_(std::move(done)) {
+      threads_(static_cast<std::size_t>(std::max(1, threads))), done_(std::move(done)),
+      followed_(std::any_of(layers.begin(), layers.end(), is_followed)) {
   check_map(system, p, grid, layers, options);
   column_ = static_cast<Eigen::Index>(parameter_index(system.parameters, grid.columns.parameter));
   row_ = static_cast<Eigen::Index>(parameter_index(system.parameters, grid.rows.parameter));
@@ -55,13 +56,14 @@ void MapWork::give(int first, int count) {
   for (int k = 0; k < count * layers; ++k) {
     const MapLayer& layer = layers_[static_cast<std::size_t>(k % layers)];
     MapPoint* const row = piece->points.data() + static_cast<std::ptrdiff_t>(k) * columns;
-    const int together = layer.follow != MapDirection::none ? columns : 1;
+    const int together = is_followed(layer) ? columns : 1;
     for (int column = 0; column < columns; column += together, ++piece->left) {
       MapRow points({row + column, static_cast<std::size_t>(together)}, layer.follow == MapDirection::down);
       strands.push_back(std::make_shared<Strand>(&layer, first + k / layers, column, std::move(points), piece));
     }
   }
   const std::lock_guard lock(mutex_);
+  open_ += strands.size();
   strands_.insert(strands_.end(), std::make_move_iterator(strands.begin()), std::make_move_iterator(strands.end()));
   if (piece->left > 0) ++pieces_;
   given_.notify_all();
@@ -69,7 +71,7 @@ void MapWork::give(int first, int count) {
 
 bool MapWork::wants_more() const {
   const std::lock_guard lock(mutex_);
-  return strands_.size() < enough * threads_ && pieces_ < threads_ + more_pieces;
+  return strands_.size() < enough * threads_ && (pieces_ <= threads_ || (followed_ && open_ < 2 * enough * threads_));
 }
 
 void MapWork::close() {
@@ -138,40 +140,56 @@ void MapWork::hand_on(const Begun& begun, const Vector& state) {
   queue(begun.strand);
 }
 
-void MapWork::end(const Begun& begun, MapPoint found) {
+/// Returns the next point of its row, begun, if nobody else is to begin it.
+std::optional<MapWork::Begun> MapWork::end(const Begun& begun, MapPoint found) {
   Strand& strand = *begun.strand;
   std::size_t sure = 0;
   bool last = false;
+  std::optional<Begun> next;
   {
     const std::lock_guard lock(mutex_);
-    if (--begun_ == 0) given_.notify_all();
     const bool finished = strand.points.finished();
     sure = strand.points.finish(*begun.point, std::move(found));
-    queue(begun.strand);
-    last = !finished && strand.points.finished() && --strand.piece->left == 0;
+    if (!failed_ && strand.queued == MapRow::Next::none && strand.points.next() == MapRow::Next::likely) {
+      next = Begun{begun.strand, strand.points.begin_next()};
+    } else {
+      if (--begun_ == 0) given_.notify_all();
+      queue(begun.strand);
+    }
+    if (!finished && strand.points.finished()) {
+      --open_;
+      last = --strand.piece->left == 0;
+    }
     if (last) --pieces_;
   }
   for (; options_.progress && sure > 0; --sure) options_.progress();
   if (last) done_(strand.piece->first, std::move(strand.piece->points));
+  return next;
 }
 
 LaneTask<> MapWork::find(LanePlace& lane, Begun begun) {
+  for (std::optional<Begun> next = std::move(begun); next;) {
+    MapPoint out;
+    co_await find_point(lane, *next, out);
+    next = end(*next, std::move(out));
+  }
+}
+
+LaneTask<> MapWork::find_point(LanePlace& lane, const Begun& begun, MapPoint& out) {
   const MapRow::Point& point = *begun.point;
   const Strand& strand = *begun.strand;
   const int column = strand.column + static_cast<int>(strand.points.place(point));
   Vector p = p_, start;
   p[row_] = grid_.rows.at(strand.row);
   p[column_] = grid_.columns.at(column);
-  MapPoint out;
-  if (const AttractorOptions* const begins = cancelled() ? nullptr : begin(*strand.layer, p, point.from, start, out)) {
-    AttractorOptions finding = *begins;
-    finding.lyapunov.cancelled = [this, &point] { return point.dropped || cancelled(); };
-    Attractor found = co_await approach_attractor_in_lanes(lane, system_, p, start, finding);
-    if (found.termination == Termination::time && found.type != AttractorType::periodic) hand_on(begun, found.state);
-    co_await average_on_attractor_in_lanes(lane, system_, p, found, finding);
-    take(found, out);
-  }
-  end(begun, std::move(out));
+  const AttractorOptions* const begins = cancelled() ? nullptr : begin(*strand.layer, p, point.from, start, out);
+  if (!begins) co_return;
+  AttractorOptions finding = *begins;
+  finding.lyapunov.cancelled = [this, &point] { return point.dropped || cancelled(); };
+  Attractor found = co_await approach_attractor_in_lanes(lane, system_, p, start, finding);
+  if (found.termination == Termination::time && found.type != AttractorType::periodic) hand_on(begun, found.state);
+  co_await average_on_attractor_in_lanes(lane, system_, p, found, finding);
+  take(found, out);
 }
 
 /// Where a point starts: without a neighbour's state, or where it lies inside the barrier by now, at the layer's start. Null:

@@ -7,6 +7,8 @@
 #include <graze/continuation/map_row.hpp>
 #include <graze/lib/lane_exchange.hpp>
 
+#include <oneapi/tbb/mutex.h>
+
 #include <atomic>
 #include <condition_variable>
 #include <cstddef>
@@ -33,8 +35,8 @@ class MapWork {
 
   /// `count` rows from row `first` on. @throws std::invalid_argument if the map does not have them.
   void give(int first, int count);
-  /// Whether a thread would find something to do in rows given now. (Of one piece more than there are threads at the most: what
-  /// is in work is lost if the program is killed.)
+  /// Whether a thread would find something to do in rows given now. (Of one piece more than there are threads, or as many rows
+  /// that are followed as twice fill its lanes, at the most: what is in work is lost if the program is killed.)
   bool wants_more() const;
   /// No more will be given: threads that find nothing to do need not wait.
   void close();
@@ -42,6 +44,8 @@ class MapWork {
   void work();
 
  private:
+  using Mutex = oneapi::tbb::mutex;  // held for a few us at a time: whoever finds it taken does not sleep at once
+
   /// Rows that were given at once.
   struct Piece {
     int first;
@@ -67,8 +71,9 @@ class MapWork {
   std::shared_ptr<Strand> next(bool in_vain);
   void queue(const std::shared_ptr<Strand>& strand);
   LaneTask<> find(LanePlace& lane, Begun begun);
+  LaneTask<> find_point(LanePlace& lane, const Begun& begun, MapPoint& out);
   void hand_on(const Begun& begun, const Vector& state);
-  void end(const Begun& begun, MapPoint found);
+  std::optional<Begun> end(const Begun& begun, MapPoint found);
   const AttractorOptions* begin(const MapLayer& layer, const Vector& p, const std::optional<Vector>& from, Vector& start,
                                 MapPoint& out) const;
   void take(const Attractor& attractor, MapPoint& out) const;
@@ -81,11 +86,12 @@ class MapWork {
   const MapOptions options_;
   const std::size_t threads_;
   const Done done_;
+  const bool followed_;  ///< some of the rows are
   AttractorOptions from_start_, from_neighbour_;
   Eigen::Index column_ = 0, row_ = 0;
 
-  mutable std::mutex mutex_;  ///< of all below
-  std::condition_variable given_;
+  mutable Mutex mutex_;  ///< of all below
+  std::condition_variable_any given_;
   LaneExchange exchange_{[this] {
     const std::lock_guard lock(mutex_);
     given_.notify_all();
@@ -93,7 +99,8 @@ class MapWork {
   std::deque<std::shared_ptr<Strand>> strands_;   ///< that can go on
   std::deque<std::shared_ptr<Strand>> unlikely_;  ///< that can, too, but probably in vain
   std::size_t begun_ = 0;                         ///< points that are not ended
-  std::size_t pieces_ = 0;                        ///< that are not finished
+  std::size_t open_ = 0;                          ///< strands that are not finished,
+  std::size_t pieces_ = 0;                        ///< and pieces
   bool closed_ = false;
   std::atomic<bool> failed_ = false;
 };

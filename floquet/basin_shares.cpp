@@ -22,7 +22,8 @@ Basins with_shares(Basins basins) {
     found.fraction = f;
     found.fraction_error = std::sqrt(f * (1.0 - f) / N);
   }
-  std::vector<std::size_t> order(basins.attractors.size()), place(basins.attractors.size());
+  std::vector<std::size_t> order(basins.attractors.size());
+  std::vector<std::uint32_t> place(order.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   const auto before = [&](std::size_t a, std::size_t b) {
     const CoexistingAttractor &A = basins.attractors[a], &B = basins.attractors[b];
@@ -33,7 +34,7 @@ Basins with_shares(Basins basins) {
   std::sort(order.begin(), order.end(), before);
   std::vector<CoexistingAttractor> sorted;
   for (std::size_t i = 0; i < order.size(); ++i) {
-    place[order[i]] = i;
+    place[order[i]] = static_cast<std::uint32_t>(i);
     sorted.push_back(std::move(basins.attractors[order[i]]));
   }
   basins.attractors = std::move(sorted);

@@ -13,6 +13,7 @@
 #include <memory>
 #include <mutex>
 #include <numeric>
+#include <span>
 
 namespace graze {
 
@@ -20,6 +21,7 @@ namespace {
 
 constexpr std::size_t most_attractors = 200;                    // more are a parameter at which nothing can be told apart
 constexpr double return_distance = 1e-3;                        // relative to 1 + |x|: so near a return, an orbit is looked for
+constexpr double patience = 128.0;                              // periods: Newton's method costs more than these
 constexpr int first_look = 64;                                  // periods
 constexpr std::size_t least_together = 8, most_together = 256;  // motions of a group: whole registers
 
@@ -41,7 +43,7 @@ struct Run {
 
 class Search {
  public:
-  Search(const HybridSystem& system, const Vector& p, const std::vector<Vector>& starts, const BasinOptions& options, Basins out)
+  Search(const HybridSystem& system, const Vector& p, const Matrix& starts, const BasinOptions& options, Basins out)
       : system_(system), p_(p), starts_(starts), options_(options), scout_(system, p, starts, options.flow),
         out_(std::move(out)) {
     for (CoexistingAttractor& found : out_.attractors) {
@@ -54,13 +56,13 @@ class Search {
   }
 
   Basins search() {
-    const std::vector<std::size_t> order = spread_order(starts_.size());
+    const SpreadOrder order(out_.outcomes.size());
     std::size_t begin = 0;
     for (std::size_t round = 0; begin < order.size(); ++round) {
       const std::size_t end = std::min(order.size(), begin + round_size(round));
       std::vector<std::size_t> todo;
-      std::copy_if(order.begin() + static_cast<std::ptrdiff_t>(begin), order.begin() + static_cast<std::ptrdiff_t>(end),
-                   std::back_inserter(todo), [&](std::size_t i) { return out_.outcomes[i].fate == Fate::not_run; });
+      for (std::size_t k = begin; k < end; ++k)
+        if (const std::size_t i = order[k]; out_.outcomes[i].fate == Fate::not_run) todo.push_back(i);
       if (!do_round(todo)) break;
       begin = end;
     }
@@ -83,13 +85,12 @@ class Search {
       const std::size_t together = motions_of_a_group(open.size(), threads_here());
       const std::size_t groups = divided_up(open.size(), together);
       in_parallel(groups, [&](std::size_t group) {
+        const std::span its(open.data() + group * together, std::min(together, open.size() - group * together));
+        if (first)  // (they lie far apart, and are fetched several at once)
+          for (const std::size_t k : its) runs[k].state = starts_.col(static_cast<Eigen::Index>(todo[k]));
         std::vector<Watch> watches;
-        watches.reserve(together);
-        for (std::size_t i = group * together; i < std::min(open.size(), (group + 1) * together); ++i) {
-          Run& run = runs[open[i]];
-          if (first) run.state = starts_[todo[open[i]]];
-          watches.emplace_back(*this, run, first);
-        }
+        watches.reserve(its.size());
+        for (const std::size_t k : its) watches.emplace_back(*this, runs[k], first);
         carry_on(watches);
       });
       std::vector<std::size_t> left;
@@ -129,7 +130,7 @@ class Search {
       if (reached ? run.attractor >= out_.attractors.size() : run.end != Run::End::inadmissible && run.end != Run::End::lost)
         continue;
       outcome.fate = reached ? Fate::reached : run.end == Run::End::inadmissible ? Fate::inadmissible : Fate::lost;
-      outcome.attractor = reached ? run.attractor : 0;
+      outcome.attractor = reached ? static_cast<std::uint32_t>(run.attractor) : 0;
       out_.periods += run.periods;
     }
   }
@@ -138,7 +139,7 @@ class Search {
   class Watch {
    public:
     Watch(Search& search, Run& run, bool first)
-        : search_(search), run_(run), first_(first), strands_(search.known_.size()),
+        : search_(search), run_(run), first_(first), strands_(search.known_.strands()),
           // Again, for as long as it takes to be recognised among cells.
           budget_(first ? search.options_.transient : std::max(search.options_.transient, 4 * VisitedCells::window)) {
       run.end = Run::End::cancelled;
@@ -147,6 +148,16 @@ class Search {
     bool open() const { return open_; }
     const Vector& state() const { return run_.state; }
 
+    /// So many periods together, at whose end it is at a state, if there is nothing to see in them. (Who is outside a trapping
+    /// region has not been inside before.)
+    bool skip(const Vector& state, int periods) {
+      if (k_ + periods > look_ || k_ + periods >= budget_ || looked_ >= 0 || nearing_) return false;
+      if (!strands_.empty() || search_.known_.reached(state, strands_)) return false;
+      run_.state = state;
+      run_.periods += periods;
+      k_ += periods;
+      return true;
+    }
     /// What one more period did.
     void see(Termination termination, const Vector& state) {
       if (termination != Termination::time) {
@@ -178,12 +189,15 @@ class Search {
     }
 
     bool comes_closer_to_known() {
-      const Nearing nearing = *nearing_;
+      if (search_.known_.has_come_closer(*nearing_, run_.state)) {
+        run_.end = Run::End::reached;
+        run_.attractor = nearing_->attractor;
+        return true;
+      }
+      until_ += static_cast<int>(nearing_->periods);
+      if (++nearing_->times * nearing_->periods <= patience && until_ < budget_) return false;
       nearing_.reset();
-      if (!search_.known_.has_come_closer(nearing, run_.state)) return search_.look_for_orbit(run_, return_period_);
-      run_.end = Run::End::reached;
-      run_.attractor = nearing.attractor;
-      return true;
+      return search_.look_for_orbit(run_, return_period_);
     }
 
     bool waits_for_known(int period) {
@@ -347,7 +361,7 @@ class Search {
 
   const HybridSystem& system_;
   const Vector& p_;
-  const std::vector<Vector>& starts_;
+  const Matrix& starts_;
   const BasinOptions& options_;
   Scout scout_;
   Basins out_;
@@ -358,11 +372,11 @@ class Search {
 
 }  // namespace
 
-Basins find_attractors(const HybridSystem& system, const Vector& p, const std::vector<Vector>& starts,
-                       const BasinOptions& options, const Basins& so_far) {
+Basins find_attractors(const HybridSystem& system, const Vector& p, const Matrix& starts, const BasinOptions& options,
+                       const Basins& so_far) {
   check_basins(system, starts, options, so_far);
   Basins out = so_far;
-  out.outcomes.resize(starts.size());
+  out.outcomes.resize(static_cast<std::size_t>(starts.cols()));
   oneapi::tbb::task_arena arena(std::max(1, options.threads));
   return arena.execute([&] { return Search(system, p, starts, options, std::move(out)).search(); });
 }

@@ -35,7 +35,7 @@ struct BasinOptions {
 };
 
 /// What became of a start.
-enum class Fate {
+enum class Fate : std::uint8_t {
   not_run,       ///< interrupted before
   reached,       ///< an attractor
   inadmissible,  ///< it lies beyond a barrier
@@ -44,7 +44,7 @@ enum class Fate {
 
 struct StartOutcome {
   Fate fate = Fate::not_run;
-  std::size_t attractor = 0;  ///< index in Basins::attractors, if reached
+  std::uint32_t attractor = 0;  ///< index in Basins::attractors, if reached
   bool operator==(const StartOutcome&) const = default;
 };
 
@@ -65,14 +65,13 @@ struct Basins {
   bool complete = false;     ///< all starts were run
 };
 
-/// The attractors of the starts (states at forcing phase 0). `so_far`: the result of a run of the same starts and options that
-/// was interrupted, which is gone on with. @throws std::invalid_argument for an autonomous system, starts of the wrong size or
-/// none, options out of range, or a `so_far` of other starts.
-Basins find_attractors(const HybridSystem& system, const Vector& p, const std::vector<Vector>& starts,
-                       const BasinOptions& options = {}, const Basins& so_far = {});
+/// The attractors of the starts (states at forcing phase 0, a column each). `so_far`: the result of a run of the same starts and
+/// options that was interrupted, which is gone on with. @throws std::invalid_argument for an autonomous system, starts of the
+/// wrong size or none, options out of range, or a `so_far` of other starts.
+Basins find_attractors(const HybridSystem& system, const Vector& p, const Matrix& starts, const BasinOptions& options = {},
+                       const Basins& so_far = {});
 
 /// Checks what find_attractors throws for, without computing anything.
-void check_basins(const HybridSystem& system, const std::vector<Vector>& starts, const BasinOptions& options,
-                  const Basins& so_far = {});
+void check_basins(const HybridSystem& system, const Matrix& starts, const BasinOptions& options, const Basins& so_far = {});
 
 }  // namespace graze

@@ -13,6 +13,12 @@ constexpr double same_state = 1e-6;  // two orbits found by Newton to 1e-12 are 
 
 }  // namespace
 
+std::vector<Strand> KnownAttractors::strands() const {
+  const auto aperiodic = [](const KnownAttractor& known) { return known.type != AttractorType::periodic; };
+  return std::vector<Strand>(
+      static_cast<std::size_t>(std::find_if(list_.rbegin(), list_.rend(), aperiodic).base() - list_.begin()));
+}
+
 std::optional<std::size_t> KnownAttractors::reached(const Vector& state, std::vector<Strand>& strands) const {
   for (std::size_t i = 0; i < list_.size(); ++i) {
     const KnownAttractor& known = list_[i];
@@ -46,7 +52,7 @@ std::optional<Nearing> KnownAttractors::nearing(const Vector& state, int period)
 
 bool KnownAttractors::has_come_closer(const Nearing& nearing, const Vector& state) const {
   constexpr double closer = 0.75, on_it = 1e-9;  // as for an orbit that Newton's method finds (settling_orbit.cpp)
-  return list_[nearing.attractor].orbit.distance(state) < std::max(closer * nearing.distance, on_it);
+  return list_[nearing.attractor].orbit.distance(state) < std::max(std::pow(closer, nearing.times) * nearing.distance, on_it);
 }
 
 bool KnownAttractors::orbit_near(const Vector& state, double distance, bool with_region) const {

@@ -7,6 +7,7 @@
 #include <graze/floquet/trapping_region.hpp>
 #include <graze/floquet/visited_cells.hpp>
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -23,6 +24,7 @@ struct Nearing {
   std::size_t attractor = 0;
   double distance = 0.0;
   double periods = 0.0;  ///< in which the orbit's slowest multiplier halves a distance
+  int times = 1;         ///< that so many have gone by when it is asked for
 };
 
 class KnownAttractors {
@@ -33,12 +35,16 @@ class KnownAttractors {
   /// Forgets what was added last.
   void keep(std::size_t count) { list_.resize(count); }
 
-  /// The attractor that a motion has reached with its next state; `strands`: one for each attractor, of that motion.
+  /// Of a new motion: one for each of them, up to the last that is not periodic.
+  std::vector<Strand> strands() const;
+
+  /// The attractor that a motion has reached with its next state; `strands`: its own.
   std::optional<std::size_t> reached(const Vector& state, std::vector<Strand>& strands) const;
   /// The known orbit of this period through the state, as far as two runs of Newton's method agree.
   std::optional<std::size_t> orbit_at(const Vector& state, int period) const;
   /// Whether a motion that returns to its state after `period` periods, nearly, may be on its way to a known orbit not far off;
-  /// later, whether it was: that it has come closer is what proves it.
+  /// later, whether it was: that it has come closer is what proves it. (By 3/4 each time: where the tangent is far from normal
+  /// that takes more than one.)
   std::optional<Nearing> nearing(const Vector& state, int period) const;
   bool has_come_closer(const Nearing& nearing, const Vector& state) const;
   /// Whether a known orbit is nearer than `distance`; `with_region`: of those that have a trapping region.

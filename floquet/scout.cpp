@@ -31,25 +31,27 @@ std::vector<MotionStart> ends_of(const std::vector<PeriodResult>& results, std::
 
 }  // namespace
 
-Scout::Scout(const HybridSystem& system, const Vector& p, const std::vector<Vector>& starts, const FlowOptions& flow)
+Scout::Scout(const HybridSystem& system, const Vector& p, const Matrix& starts, const FlowOptions& flow)
     : system_(system), p_(p), flow_(flow) {
   if (!ManyMotions::applies(system, p, flow)) return;
   many_ = std::make_unique<ManyMotions>(system, flow);
   many_->use_all_threads();
   many_->add_parameters(p);
   constexpr std::size_t first = 64, stretch = ManyMotions::periods_between_looks, most_stretches = 4;
+  const auto count = static_cast<std::size_t>(starts.cols());
   constexpr std::size_t longest = VisitedCells::window;  // until one in chaos is recognised
-  if (!ContactTable::applies(system, p) || longest * starts.size() < ManyMotions::periods_for_table) return;
+  if (!ContactTable::applies(system, p) || longest * count < ManyMotions::periods_for_table) return;
   std::vector<MotionStart> motions;
-  for (const std::size_t i : spread_order(starts.size())) {
-    motions.push_back({0, starts[i][0], starts[i][1]});
-    if (motions.size() == first) break;
+  const SpreadOrder order(count);
+  for (std::size_t k = 0; k < std::min(first, count); ++k) {
+    const auto start = starts.col(static_cast<Eigen::Index>(order[k]));
+    motions.push_back({0, start[0], start[1]});
   }
   std::vector<PeriodResult> results;
   many_->carry(motions, longest, false, results);
   std::size_t periods = 0;
   for (std::size_t i = 0; i < motions.size(); ++i) periods += periods_to_settle({&results[i * longest], longest});
-  many_->expect(0, static_cast<std::int64_t>(periods * starts.size() / motions.size()));
+  many_->expect(0, static_cast<std::int64_t>(periods * count / motions.size()));
   motions = ends_of(results, longest);
   for (std::size_t i = 0; i < most_stretches && many_->awaits_table(0); ++i) {
     many_->carry(motions, stretch, false, results);

@@ -12,8 +12,8 @@ namespace graze {
 
 class Scout {
  public:
-  /// `starts`: of all motions, at forcing phase 0. The table, and whether there is one, depends on nothing else.
-  Scout(const HybridSystem& system, const Vector& p, const std::vector<Vector>& starts, const FlowOptions& flow = {});
+  /// `starts`: of all motions, at forcing phase 0, a column each. The table, and whether there is one, depends on nothing else.
+  Scout(const HybridSystem& system, const Vector& p, const Matrix& starts, const FlowOptions& flow = {});
 
   /// Null: the lanes do not know the oscillator, or it does not pay.
   const ContactTable* table() const { return table_; }

@@ -73,6 +73,8 @@ bool carry_side_by_side(ManyMotions& many, std::size_t set, std::vector<Watch>& 
       const PeriodResult* next = results.data();
       for (std::size_t k = begin; k < end; ++k, next += stretch) {
         Watch& watch = watches[open[k]];
+        state << next[stretch - 1].x, next[stretch - 1].v;
+        if (next[stretch - 1].termination == Termination::time && watch.skip(state, static_cast<int>(stretch))) continue;
         for (std::size_t period = 0; period < stretch && watch.open(); ++period) {
           state << next[period].x, next[period].v;
           watch.see(next[period].termination, state);

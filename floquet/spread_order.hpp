@@ -5,16 +5,21 @@
 #include <algorithm>
 #include <cstddef>
 #include <numeric>
-#include <vector>
 
 namespace graze {
 
-inline std::vector<std::size_t> spread_order(std::size_t n) {
-  std::size_t step = std::max<std::size_t>(1, static_cast<std::size_t>(0.6180339887 * static_cast<double>(n)));
-  while (std::gcd(step, n) != 1) ++step;
-  std::vector<std::size_t> order(n);
-  for (std::size_t i = 0; i < n; ++i) order[i] = i == 0 ? 0 : (order[i - 1] + step) % n;
-  return order;
-}
+class SpreadOrder {
+ public:
+  explicit SpreadOrder(std::size_t n) : n_(n) {
+    step_ = std::max<std::size_t>(1, static_cast<std::size_t>(0.6180339887 * static_cast<double>(n)));
+    while (std::gcd(step_, n) != 1) ++step_;
+  }
+  std::size_t size() const { return n_; }
+  /// The k-th.
+  std::size_t operator[](std::size_t k) const { return k * step_ % n_; }
+
+ private:
+  std::size_t n_, step_;
+};
 
 }  // namespace graze

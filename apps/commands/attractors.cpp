@@ -67,35 +67,32 @@ std::array<Axis, 2> axes_of(const Options& options, const Problem& problem) {
 
 /// In the order of the picture: row by row, x fastest. Random ones are drawn from the bits of the generator, which are the same
 /// everywhere.
-std::vector<Vector> starts_of(const Options& options, const std::array<Axis, 2>& axes, int threads) {
+Matrix starts_of(const Options& options, const std::array<Axis, 2>& axes, int threads) {
   if (!options.random) {
     const auto across = static_cast<std::size_t>(axes[0].count), rows = static_cast<std::size_t>(axes[1].count);
-    std::vector<Vector> starts(across * rows);
+    Matrix starts(2, across * rows);
     on_threads(threads, rows, [&](std::size_t j) {
       for (std::size_t i = 0; i < across; ++i)
-        starts[j * across + i] = Vector{{axes[0].at(static_cast<int>(i)), axes[1].at(static_cast<int>(j))}};
+        starts.col(static_cast<Eigen::Index>(j * across + i)) << axes[0].at(static_cast<int>(i)), axes[1].at(static_cast<int>(j));
     });
     return starts;
   }
-  std::vector<Vector> starts;
-  starts.reserve(static_cast<std::size_t>(*options.random));
+  Matrix starts(2, *options.random);
   std::mt19937_64 generator(static_cast<unsigned>(options.seed.value_or(1)));
   const auto draw = [&](const Axis& axis) {
     return axis.from + (axis.to - axis.from) * (static_cast<double>(generator() >> 11) * 0x1p-53);
   };
-  for (int k = 0; k < *options.random; ++k) {
-    const double x = draw(axes[0]);
-    starts.push_back(Vector{{x, draw(axes[1])}});
-  }
+  for (auto start : starts.colwise())
+    for (const Eigen::Index i : {0, 1}) start[i] = draw(axes[static_cast<std::size_t>(i)]);
   return starts;
 }
 
 /// @throws std::invalid_argument if there is none that a motion can begin with.
-void check_starts(const Problem& problem, const std::vector<Vector>& starts) {
+void check_starts(const Problem& problem, const Matrix& starts) {
   const auto admissible = [&problem](const Vector& start) {
     return mode_at(problem.system, 0.0, start, problem.parameters).has_value();
   };
-  if (std::none_of(starts.begin(), starts.end(), admissible))
+  if (std::none_of(starts.colwise().begin(), starts.colwise().end(), admissible))
     throw std::invalid_argument(
         fmt::format("no start is admissible: all lie beyond the barrier, r = {}; give --x with values below it",
                     exact(parameter(problem, "r"))));
@@ -120,11 +117,11 @@ Json code_of(const StartOutcome& outcome) {
 StartOutcome outcome_of(const Json& code) {
   if (code.is_null()) return {Fate::inadmissible, 0};
   const int id = code.get<int>();
-  if (id > 0) return {Fate::reached, static_cast<std::size_t>(id - 1)};
+  if (id > 0) return {Fate::reached, static_cast<std::uint32_t>(id - 1)};
   return {id == 0 ? Fate::lost : Fate::not_run, 0};
 }
 
-Json basins_json(const Options& options, const std::array<Axis, 2>& axes, const std::vector<Vector>& starts,
+Json basins_json(const Options& options, const std::array<Axis, 2>& axes, const Matrix& starts,
                  const std::vector<StartOutcome>& outcomes) {
   Json json;
   const auto codes = [&](std::size_t begin, std::size_t end) {
@@ -134,7 +131,7 @@ Json basins_json(const Options& options, const std::array<Axis, 2>& axes, const 
     return list;
   };
   if (options.random) {
-    for (const Vector& start : starts) json["starts"].push_back(to_json(start));
+    for (const auto start : starts.colwise()) json["starts"].push_back(to_json(start));
     json["attractor"] = codes(0, outcomes.size());
     return json;
   }
@@ -196,7 +193,7 @@ Basins earlier_basins(const Json& earlier, const std::string& folder, const Json
   return basins;
 }
 
-void starts_csv(const std::vector<Vector>& starts, const Basins& basins, int threads, const TextSink& sink) {
+void starts_csv(const Matrix& starts, const Basins& basins, int threads, const TextSink& sink) {
   std::vector<std::string> ends;  // of lines, by attractor
   for (std::size_t i = 0; i < basins.attractors.size(); ++i) {
     const Attractor& attractor = basins.attractors[i].attractor;
@@ -205,12 +202,13 @@ void starts_csv(const std::vector<Vector>& starts, const Basins& basins, int thr
                                periodic ? fmt::format("{},{}", attractor.period, attractor.impacts) : ","));
   }
   sink(csv(Table{{"x", "v", "attractor", "type", "period", "impacts"}, {}}));
-  hand_on_items(threads, starts.size(), sink, [&](std::size_t k, std::string& lines) {
+  hand_on_items(threads, basins.outcomes.size(), sink, [&](std::size_t k, std::string& lines) {
     const StartOutcome& outcome = basins.outcomes[k];
+    const auto start = starts.col(static_cast<Eigen::Index>(k));
     const char* other = outcome.fate == Fate::inadmissible ? ",beyond the barrier,,"
                         : outcome.fate == Fate::lost       ? ",lost,,"
                                                            : ",not run,,";
-    fmt::format_to(std::back_inserter(lines), "{},{},{}\n", starts[k][0], starts[k][1],
+    fmt::format_to(std::back_inserter(lines), "{},{},{}\n", start[0], start[1],
                    outcome.fate == Fate::reached ? ends[outcome.attractor].c_str() : other);
   });
 }
@@ -279,13 +277,14 @@ int run(const Options& given, const Console& console) {
   check_outputs(options.output, options.start.file);
   const Problem problem = open_problem(options.start, console);
   const std::array<Axis, 2> axes = axes_of(options, problem);
-  const std::vector<Vector> starts = starts_of(options, axes, console.thread_count());
+  const Matrix starts = starts_of(options, axes, console.thread_count());
+  const auto count = static_cast<std::size_t>(starts.cols());
   check_starts(problem, starts);
   Result result;
   result.json = result_head("attractors/1", "attractors", problem, described(options, axes));
   Basins basins;
   if (!options.resume.empty()) basins = earlier_basins(earlier, options.resume, result.json);
-  if (!basins.outcomes.empty() && basins.outcomes.size() != starts.size())
+  if (!basins.outcomes.empty() && basins.outcomes.size() != count)
     refuse_to_resume(options.resume, "attractors", "is damaged; compute it anew");
   const auto with_basins = [&, head = result.json](Status status, const std::string& message) {
     Json json = head;
@@ -301,9 +300,9 @@ int run(const Options& given, const Console& console) {
     for (;;) {
       stints.begin(starts_done(basins));
       basins = find_attractors(problem.system, problem.parameters, starts,
-                               basin_options(options, console, progress, stints, starts.size()), basins);
+                               basin_options(options, console, progress, stints, count), basins);
       if (interrupted() || !stints.over() || basins.complete) break;
-      const std::string message = fmt::format("kept after {} of {} starts, while it went on", starts_done(basins), starts.size());
+      const std::string message = fmt::format("kept after {} of {} starts, while it went on", starts_done(basins), count);
       keep(with_basins(Status::interrupted, message), options.output, "attractors", console);
     }
   }
@@ -311,7 +310,7 @@ int run(const Options& given, const Console& console) {
   std::string message;
   if (!basins.complete) {
     status = Status::interrupted;
-    message = fmt::format("interrupted after {} of {} starts", starts_done(basins), starts.size());
+    message = fmt::format("interrupted after {} of {} starts", starts_done(basins), count);
   } else if (basins.attractors.empty()) {
     status = Status::failed;
     message = "no motion could be carried on";

@@ -51,14 +51,10 @@ ParameterAxis parse_parameter(const Problem& problem, const std::string& text) {
   return {name, axis.from, axis.to, axis.count};
 }
 
-/// Rows of a chunk: some hundreds of points, where they do not wait for each other, but enough chunks to hand out. Of rows that
-/// are followed there are enough for the lanes, in an even number of chunks of the same size.
-int rows_of_a_chunk(const ParameterGrid& grid, bool followed) {
+/// Rows of a chunk: some hundreds of points, but enough chunks to hand out.
+int rows_of_a_chunk(const ParameterGrid& grid) {
   const int columns = std::max(1, grid.columns.count), rows = std::max(1, grid.rows.count);
-  if (!followed) return std::clamp(std::min(4096 / columns, rows / 8), 1, 16);
-  const auto parts = [](int whole, int part) { return (whole + part - 1) / part; };
-  const int most = std::clamp(std::min(16384 / columns, rows / 3), 32, 64);
-  return parts(rows, 2 * parts(rows, 2 * most));
+  return std::clamp(std::min(4096 / columns, rows / 8), 1, 16);
 }
 
 MapPlan plan_from(const Options& options, const Console& console) {
@@ -86,7 +82,7 @@ MapPlan plan_from(const Options& options, const Console& console) {
   if (options.standard_error) plan.options.standard_error = *options.standard_error;
   if (!(plan.options.standard_error > 0.0))
     throw std::invalid_argument(fmt::format("--standard-error is {}; allowed is > 0", exact(plan.options.standard_error)));
-  plan.chunk_rows = options.chunk_rows.value_or(rows_of_a_chunk(plan.grid, options.follow != "none"));
+  plan.chunk_rows = options.chunk_rows.value_or(rows_of_a_chunk(plan.grid));
   check_plan(plan);
   return plan;
 }
@@ -302,10 +298,9 @@ std::function<int(const Console&)> setup(CLI::App& app) {
             "initial state at forcing phase 0; repeatable, each is a layer of the map (default: the file's, else at rest)");
   add_choice(app, "--follow", options->follow, {"none", "up", "down", "both"},
              "along each row, a point starts from where its neighbour came to (default none: each from the start)");
-  add_count(
-      app, "--chunk", options->chunk_rows, 1,
-      "rows in a chunk: what is kept when it is finished, and lost if the program is killed before (default 1, more of short "
-      "rows in large maps, up to 64 that are followed)");
+  add_count(app, "--chunk", options->chunk_rows, 1,
+            "rows in a chunk: what is kept when it is finished, and lost if the program is killed before (default 1, up to 16 of "
+            "short rows)");
   begin_group(app, "Motions");
   add_count(
       app, "--settle", options->start.settle, 0,

@@ -27,9 +27,8 @@ namespace {
 
 /// Mostly chaotic points, some hundredths of a second or more for each of 16 rows.
 std::string options(int chunk = 1) {
-  return fmt::format(
-      "map '{}' --param eta:0.70:0.74:8 --param r:1.95:2.1:16 --follow up --quiet --settle 6000 --transient 3000 --chunk {}",
-      problem("hertz-damped"), chunk);
+  return fmt::format("map '{}' --param eta:0.70:0.74:8 --param r:1.95:2.1:16 --quiet --settle 6000 --chunk {}",
+                     problem("hertz-damped"), chunk);
 }
 
 std::string program(const std::string& arguments) { return "'" GRAZE_PROGRAM "' " + arguments; }
@@ -174,6 +173,22 @@ TEST_CASE("map: killed at any moment, it is gone on with, and the map is the sam
   CHECK_THAT(resumed.err, Contains(fmt::format("{} of 16 chunks are there already", kept - 2)) && Contains("2 damaged chunks"));
   check_finished(resumed, out);
   CHECK_FALSE(fs::exists(out + "/.map.h5.AbCdEf"));
+}
+
+TEST_CASE("map: rows that are followed are killed and gone on with, many of them in work") {
+  const TemporaryFolder folder;
+  const std::string out = folder.file("run"), whole = folder.file("whole.h5"),
+                    rows = "map '" + problem("hertz-damped") +
+                           "' --param eta:0.70:0.74:3 --param r:1.95:2.1:200 --follow up --quiet";
+  REQUIRE(run_shell(program(rows + " --h5 " + whole)).code == 0);
+  for (const int enough : {1, 40}) {
+    const std::string how = enough == 1 ? " --chunk 1 --out '" : " --resume '";
+    CHECK(run_shell(program(rows + " --threads 1" + how + out + "'"), after(enough, out, SIGKILL)).code == -SIGKILL);
+    CHECK(chunks(out) >= enough);
+    CHECK_FALSE(fs::exists(out + "/map.h5"));
+  }
+  REQUIRE(run_shell(program(rows + " --resume '" + out + "'")).code == 0);
+  CHECK(read_file(out + "/map.h5") == read_file(whole));
 }
 
 TEST_CASE("map: Ctrl-C ends it with what there is, and says how to go on") {

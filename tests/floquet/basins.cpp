@@ -57,10 +57,11 @@ Case of(const Published& item) {
   return out;
 }
 
-std::vector<Vector> grid(int n) {
-  std::vector<Vector> starts;
+/// A column each.
+Matrix grid(int n) {
+  Matrix starts(2, n * n);
   for (int j = 0; j < n; ++j)
-    for (int i = 0; i < n; ++i) starts.push_back(vector({-2.2 + (i + 0.5) * 4.2 / n, -2.2 + (j + 0.5) * 4.4 / n}));
+    for (int i = 0; i < n; ++i) starts.col(j * n + i) << -2.2 + (i + 0.5) * 4.2 / n, -2.2 + (j + 0.5) * 4.4 / n;
   return starts;
 }
 
@@ -92,16 +93,16 @@ TEST_CASE("published coexisting attractors are met from a grid, each with the ex
   for (const Published& item : published()) {
     INFO(item.law << " " << item.eta);
     const Case c = of(item);
-    const std::vector<Vector> starts = grid(14);
+    const Matrix starts = grid(14);
     const Basins basins = find_attractors(c.system, c.p, starts, {.threads = 2});
     CHECK(basins.complete);
-    CHECK(basins.admissible == starts.size());
+    CHECK(basins.admissible == basins.outcomes.size());
     CHECK(basins.lost == 0);
     REQUIRE(basins.attractors.size() == item.attractors.size());
     double sum = 0.0;
     for (const CoexistingAttractor& found : basins.attractors) {
       sum += found.fraction;
-      const double N = static_cast<double>(starts.size()), f = static_cast<double>(found.count) / N;
+      const double N = static_cast<double>(starts.cols()), f = static_cast<double>(found.count) / N;
       CHECK(found.fraction == f);
       CHECK(found.fraction_error == Approx(std::sqrt(f * (1.0 - f) / N)));
     }
@@ -135,14 +136,15 @@ TEST_CASE("the short-cuts of basins reach what plain simulation reaches") {
   for (const Published& item : published()) {
     INFO(item.law << " " << item.eta);
     const Case c = of(item);
-    const std::vector<Vector> starts = grid(14);
+    const Matrix starts = grid(14);
     const Basins basins = find_attractors(c.system, c.p, starts, {.threads = 2});
     // The slowest orbit, 0.746 2/2, halves a distance in 18 periods: after 3000 nothing is left of the start.
-    for (std::size_t k = 0; k < starts.size(); k += 9) {
-      INFO("start " << starts[k].transpose());
+    for (std::size_t k = 0; k < basins.outcomes.size(); k += 9) {
+      const Vector start = starts.col(static_cast<Eigen::Index>(k));
+      INFO("start " << start.transpose());
       REQUIRE(basins.outcomes[k].fate == Fate::reached);
       const CoexistingAttractor& reached = basins.attractors[basins.outcomes[k].attractor];
-      const Settled plain = settle(c.system, c.p, starts[k], {.periods = 3000});
+      const Settled plain = settle(c.system, c.p, start, {.periods = 3000});
       if (reached.attractor.type == periodic) {
         CHECK(distance(reached, plain.state) < 1e-8);
       } else {
@@ -152,14 +154,14 @@ TEST_CASE("the short-cuts of basins reach what plain simulation reaches") {
       }
     }
     // And it is a short-cut: on an orbit few periods instead of the transient.
-    CHECK(basins.periods < 600 * static_cast<std::int64_t>(starts.size()));
+    CHECK(basins.periods < 600 * starts.cols());
   }
 }
 
 TEST_CASE("basins do not depend on the number of threads") {
   for (const std::size_t i : {std::size_t{1}, std::size_t{2}}) {
     const Case c = of(published()[i]);
-    const std::vector<Vector> starts = grid(8);
+    const Matrix starts = grid(8);
     check_equal(find_attractors(c.system, c.p, starts, {.threads = 1}), find_attractors(c.system, c.p, starts, {.threads = 2}));
   }
 }
@@ -167,7 +169,7 @@ TEST_CASE("basins do not depend on the number of threads") {
 TEST_CASE("interrupted basins keep what is there, and go on from it to the same end") {
   for (const std::size_t i : {std::size_t{1}, std::size_t{3}}) {
     const Case c = of(published()[i]);
-    const std::vector<Vector> starts = grid(16);
+    const Matrix starts = grid(16);
     BasinOptions options;
     options.periods = 5000;
     const Basins whole = find_attractors(c.system, c.p, starts, options);
@@ -180,10 +182,10 @@ TEST_CASE("interrupted basins keep what is there, and go on from it to the same 
     const auto run = std::count_if(part.outcomes.begin(), part.outcomes.end(),
                                    [](const StartOutcome& outcome) { return outcome.fate != Fate::not_run; });
     CHECK(run > 100);  // not only the rounds that are through
-    CHECK(run < static_cast<std::ptrdiff_t>(starts.size()));
+    CHECK(run < starts.cols());
     CHECK(part.admissible == static_cast<std::size_t>(run));
     // What is known after a part is not changed by the rest.
-    for (std::size_t k = 0; k < starts.size(); ++k)
+    for (std::size_t k = 0; k < part.outcomes.size(); ++k)
       if (part.outcomes[k].fate == Fate::reached)
         CHECK(part.attractors[part.outcomes[k].attractor].attractor.state ==
               whole.attractors[whole.outcomes[k].attractor].attractor.state);
@@ -202,7 +204,7 @@ TEST_CASE("what motions in transient chaos cost does not depend on where basins 
   // round was interrupted, then another one was the first when it was gone on with.
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = parameters(system, {{"eta", 0.7095}, {"r", 2.0}});
-  const std::vector<Vector> starts = grid(12);
+  const Matrix starts = grid(12);
   const Basins whole = find_attractors(system, p, starts);
   REQUIRE(whole.complete);
   int interrupted = 0;
@@ -220,7 +222,7 @@ TEST_CASE("what motions in transient chaos cost does not depend on where basins 
 TEST_CASE("going on from whole basins does not cost states of their attractors when it is interrupted") {
   // Fixed: what recognises an attractor is found anew, and where that was broken off, its states were as many as there were.
   const Case c = of(published()[1]);
-  const std::vector<Vector> starts = grid(8);
+  const Matrix starts = grid(8);
   BasinOptions options;
   options.periods = 2000;
   const Basins whole = find_attractors(c.system, c.p, starts, options);
@@ -232,20 +234,19 @@ TEST_CASE("going on from whole basins does not cost states of their attractors w
 
 TEST_CASE("starts beyond a hard barrier are left out of the fractions") {
   const Case c = of(published()[2]);
-  std::vector<Vector> starts = grid(6);
-  const std::size_t admissible = starts.size();
-  starts.insert(starts.begin() + 7, vector({2.0 + 1e-6, 0.3}));
-  starts.push_back(vector({2.5, -1.0}));
+  Matrix starts = grid(6);
+  starts.col(7) << 2.0 + 1e-6, 0.3;
+  starts.rightCols(1) << 2.5, -1.0;
   const Basins basins = find_attractors(c.system, c.p, starts);
   CHECK(basins.complete);
   CHECK(basins.outcomes[7].fate == Fate::inadmissible);
   CHECK(basins.outcomes.back().fate == Fate::inadmissible);
-  CHECK(basins.admissible == admissible);
+  CHECK(basins.admissible == basins.outcomes.size() - 2);
   double sum = 0.0;
   for (const CoexistingAttractor& found : basins.attractors) sum += found.fraction;
   CHECK(sum == Approx(1.0).epsilon(1e-14));
   // None at all.
-  const Basins none = find_attractors(c.system, c.p, {vector({3.0, 0.0})});
+  const Basins none = find_attractors(c.system, c.p, vector({3.0, 0.0}));
   CHECK(none.complete);
   CHECK(none.attractors.empty());
   CHECK(none.admissible == 0);
@@ -254,11 +255,11 @@ TEST_CASE("starts beyond a hard barrier are left out of the fractions") {
 TEST_CASE("a transient longer than its option is not taken for an attractor of its own") {
   // At 0.711 the way into the weakly impacting orbit leads through chaos for some starts; after ten periods nothing is settled.
   const Case c = of(published()[1]);
-  const std::vector<Vector> starts = grid(8);
+  const Matrix starts = grid(8);
   const Basins hasty = find_attractors(c.system, c.p, starts, {.transient = 10, .periods = 5000, .threads = 2});
   const Basins patient = find_attractors(c.system, c.p, starts, {.periods = 5000, .threads = 2});
   REQUIRE(hasty.attractors.size() == patient.attractors.size());
-  for (std::size_t k = 0; k < starts.size(); ++k) {
+  for (std::size_t k = 0; k < hasty.outcomes.size(); ++k) {
     REQUIRE(hasty.outcomes[k].fate == Fate::reached);
     CHECK(hasty.attractors[hasty.outcomes[k].attractor].attractor.type ==
           patient.attractors[patient.outcomes[k].attractor].attractor.type);
@@ -268,24 +269,24 @@ TEST_CASE("a transient longer than its option is not taken for an attractor of i
 TEST_CASE("basins of a system with four states") {
   const HybridSystem system = two_mass_oscillator();
   const Vector p = parameters(system, {{"k_r", 0.6}, {"eta", 0.9}});
-  std::vector<Vector> starts;
-  for (int i = 0; i < 20; ++i) starts.push_back(vector({-1.0 + 0.09 * i, 0.5 - 0.05 * i, 0.1 * (i % 5), -0.3 + 0.1 * (i % 7)}));
+  Matrix starts(4, 20);
+  for (int i = 0; i < 20; ++i) starts.col(i) << -1.0 + 0.09 * i, 0.5 - 0.05 * i, 0.1 * (i % 5), -0.3 + 0.1 * (i % 7);
   const Basins basins = find_attractors(system, p, starts, {.threads = 2});
   CHECK(basins.complete);
   REQUIRE_FALSE(basins.attractors.empty());
-  for (std::size_t k = 0; k < starts.size(); k += 4) {
+  for (std::size_t k = 0; k < basins.outcomes.size(); k += 4) {
     REQUIRE(basins.outcomes[k].fate == Fate::reached);
     const CoexistingAttractor& reached = basins.attractors[basins.outcomes[k].attractor];
     if (reached.attractor.type == periodic)
-      CHECK(distance(reached, settle(system, p, starts[k], {.periods = 2000}).state) < 1e-8);
+      CHECK(distance(reached, settle(system, p, starts.col(static_cast<Eigen::Index>(k)), {.periods = 2000}).state) < 1e-8);
   }
 }
 
 TEST_CASE("misuse of basins is refused in one sentence") {
   const Case c = of(published()[2]);
-  const std::vector<Vector> starts = {vector({0.0, 0.0})};
-  CHECK_THROWS_WITH(find_attractors(c.system, c.p, {}), Catch::Contains("no starts"));
-  CHECK_THROWS_WITH(find_attractors(c.system, c.p, {vector({0.0, 0.0, 0.0})}),
+  const Matrix starts = Matrix::Zero(2, 1);
+  CHECK_THROWS_WITH(find_attractors(c.system, c.p, Matrix(2, 0)), Catch::Contains("no starts"));
+  CHECK_THROWS_WITH(find_attractors(c.system, c.p, Matrix::Zero(3, 1)),
                     Catch::Contains("has 3 entries") && Catch::Contains("has 2"));
   CHECK_THROWS_WITH(find_attractors(c.system, c.p, starts, {.transient = 0}), Catch::Contains("transient is 0; allowed is"));
   CHECK_THROWS_WITH(find_attractors(c.system, c.p, starts, {.max_period = 0}), Catch::Contains("max_period is 0"));
