@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Motions that are watched: carried one by one, or in lanes some forcing periods at a time, in a pool or all together, each until
 // its watch is closed. A Watch has open(), state() (at forcing phase 0) and see(termination, state), which is told of every
-// period while it is open.
+// period while it is open; one that is carried side by side has skip(state, periods), too: whether so many periods, which lead to
+// that state, need not be told one by one.
 #pragma once
 
 #include <graze/lib/lane_pool.hpp>

@@ -158,6 +158,17 @@ TEST_CASE("the short-cuts of basins reach what plain simulation reaches") {
   }
 }
 
+TEST_CASE("motions in lanes, looked at once a stretch, are recognised in the same period as others, looked at in each") {
+  for (const std::size_t i : {2, 3}) {
+    const Case c = of(published()[i]);
+    const Matrix starts = grid(14);
+    const Basins lanes = find_attractors(c.system, c.p, starts, {.threads = 2});
+    const Basins alone = find_attractors(c.system, c.p, starts, {.threads = 2, .flow = {.kind = FlowKind::general}});
+    CHECK(lanes.outcomes == alone.outcomes);
+    CHECK(lanes.periods == alone.periods);
+  }
+}
+
 TEST_CASE("basins do not depend on the number of threads") {
   for (const std::size_t i : {std::size_t{1}, std::size_t{2}}) {
     const Case c = of(published()[i]);
