@@ -159,8 +159,8 @@ std::optional<MapWork::Begun> MapWork::end(const Begun& begun, MapPoint found) {
     if (!finished && strand.points.finished()) {
       --open_;
       last = --strand.piece->left == 0;
+      if (last) --pieces_;
     }
-    if (last) --pieces_;
   }
   for (; options_.progress && sure > 0; --sure) options_.progress();
   if (last) done_(strand.piece->first, std::move(strand.piece->points));

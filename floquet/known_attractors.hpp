@@ -7,7 +7,6 @@
 #include <graze/floquet/trapping_region.hpp>
 #include <graze/floquet/visited_cells.hpp>
 
-#include <algorithm>
 #include <optional>
 #include <vector>
 

@@ -151,7 +151,7 @@ TEST_CASE("map: a finished one is replaced on request alone, and its pictures ma
 TEST_CASE("map: killed at any moment, it is gone on with, and the map is the same") {
   const TemporaryFolder folder;
   const std::string out = folder.file("run");
-  for (const int enough : {1, 4, 9}) {  // killed three times; 16 rows are in work
+  for (const int enough : {1, 4, 9}) {  // killed three times; one or two rows are in work
     const Outcome killed =
         run_shell(program(options() + " --threads 1 " + (enough == 1 ? "--out" : "--resume") + " '" + out + "'"),
                   after(enough, out, SIGKILL));
