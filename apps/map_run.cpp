@@ -116,7 +116,7 @@ class Master {
     }
   }
 
-  void hear(const Ranks::Message& message) {
+  void hear(const Message& message) {
     const int rank = message.from;
     quiet_for_[static_cast<std::size_t>(rank)] = 0.0;
     switch (message.text.front()) {
@@ -223,7 +223,7 @@ class Helper {
 };
 
 /// The first message of rank 0: the plan, or the end.
-Ranks::Message first_message(Ranks& ranks) {
+Message first_message(Ranks& ranks) {
   for (;;) {
     if (auto message = ranks.receive()) return *message;
     std::this_thread::sleep_for(nap);
@@ -252,7 +252,7 @@ MapRun run_map(MapStore& store, const Json& head, Ranks& ranks, int threads, con
 }
 
 int help_with_map(Ranks& ranks, int threads) {
-  const Ranks::Message first = first_message(ranks);
+  const Message first = first_message(ranks);
   bool ended = first.text == "E";
   int code = 0;
   if (!ended) {

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/ranks.hpp>
 
+#include <fmt/format.h>
+
 #include <cstdlib>
+#include <initializer_list>
 #include <stdexcept>
 
-#ifdef GRAZE_WITH_MPI
-#define OMPI_SKIP_MPICXX 1
-#include <mpi.h>
+#ifdef GRAZE_MPI_MODULE
+#include <dlfcn.h>
 #endif
 
 namespace graze::apps {
@@ -22,77 +24,49 @@ int from_environment(std::initializer_list<const char*> names) {
 
 int launched_rank() { return from_environment({"OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK"}); }
 
-}  // namespace
+#ifdef GRAZE_MPI_MODULE
 
-bool is_helper() { return launched_rank() > 0; }
-
-#ifdef GRAZE_WITH_MPI
-
-namespace {
-constexpr int tag = 0;
-}
-
-// MPI is begun only under a launcher: without one it would cost time for nothing.
-Ranks::Ranks() {
-  if (launched_rank() < 0) return;
-  int provided = 0;
-  MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
-  MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
-  MPI_Comm_size(MPI_COMM_WORLD, &count_);
-  active_ = true;
-}
-
-Ranks::~Ranks() { finish(); }
-
-void Ranks::send(int to, const std::string& message) {
-  MPI_Send(message.data(), static_cast<int>(message.size()), MPI_CHAR, to, tag, MPI_COMM_WORLD);
-}
-
-std::optional<Ranks::Message> Ranks::receive() {
-  if (!active_) return std::nullopt;
-  int there = 0;
-  MPI_Status status;
-  MPI_Iprobe(MPI_ANY_SOURCE, tag, MPI_COMM_WORLD, &there, &status);
-  if (there == 0) return std::nullopt;
-  int size = 0;
-  MPI_Get_count(&status, MPI_CHAR, &size);
-  Message message{status.MPI_SOURCE, std::string(static_cast<std::size_t>(size), '\0')};
-  MPI_Recv(message.text.data(), size, MPI_CHAR, status.MPI_SOURCE, tag, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
-  return message;
-}
-
-void Ranks::finish() {
-  if (active_) MPI_Finalize();
-  active_ = false;
-  count_ = 1;
-}
-
-void Ranks::abort(int code) {
-  if (active_) MPI_Abort(MPI_COMM_WORLD, code);
-  std::_Exit(code);
-}
-
-std::string mpi_version() {
-  char text[MPI_MAX_LIBRARY_VERSION_STRING] = {};
-  int size = 0;
-  MPI_Get_library_version(text, &size);
-  std::string version(text, static_cast<std::size_t>(size));
-  return version.substr(0, version.find(','));
+/// Null where no launcher is.
+std::unique_ptr<Messenger> messenger() {
+  if (launched_rank() < 0) return nullptr;
+  // It stays loaded, and what it loads is seen by the parts that Open MPI loads in turn.
+  void* const module = ::dlopen(GRAZE_MPI_MODULE, RTLD_NOW | RTLD_GLOBAL);
+  void* const make = module ? ::dlsym(module, "make_messenger") : nullptr;
+  if (!make)
+    throw std::invalid_argument(fmt::format(
+        "a launcher started this process, but graze's module for MPI cannot be loaded ({}); install graze whole (cmake "
+        "--install), or start it without the launcher",
+        ::dlerror()));
+  return std::unique_ptr<Messenger>(reinterpret_cast<MakeMessenger*>(make)());
 }
 
 #else
 
-Ranks::Ranks() {
+std::unique_ptr<Messenger> messenger() {
   if (from_environment({"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"}) > 1)
     throw std::invalid_argument("several ranks were started, but this graze was built without MPI (-DGRAZE_WITH_MPI=ON)");
+  return nullptr;
 }
-Ranks::~Ranks() = default;
-void Ranks::send(int, const std::string&) { throw std::logic_error("there is no other rank to send to"); }
-std::optional<Ranks::Message> Ranks::receive() { return std::nullopt; }
-void Ranks::finish() {}
-void Ranks::abort(int code) { std::_Exit(code); }
-std::string mpi_version() { return {}; }
 
 #endif
+
+}  // namespace
+
+bool is_helper() { return launched_rank() > 0; }
+
+bool Ranks::with_mpi() {
+#ifdef GRAZE_MPI_MODULE
+  return true;
+#else
+  return false;
+#endif
+}
+
+Ranks::Ranks() : messenger_(messenger()) {}
+
+void Ranks::abort(int code) {
+  if (messenger_) messenger_->abort(code);
+  std::_Exit(code);
+}
 
 }  // namespace graze::apps

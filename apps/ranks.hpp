@@ -5,6 +5,9 @@
 // Only the thread that made it may use it. Messages are bytes; between two ranks they keep their order.
 #pragma once
 
+#include <graze/apps/messenger.hpp>
+
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -15,35 +18,28 @@ bool is_helper();
 
 class Ranks {
  public:
-  /// @throws std::invalid_argument if several ranks were started and this graze was built without MPI.
+  /// Whether graze was built with MPI.
+  static bool with_mpi();
+
+  /// @throws std::invalid_argument if several ranks were started and this graze was built without MPI, or its module cannot be
+  /// loaded.
   Ranks();
-  ~Ranks();  ///< finish(), unless it was called
-  Ranks(const Ranks&) = delete;
-  Ranks& operator=(const Ranks&) = delete;
 
-  int rank() const { return rank_; }
-  int count() const { return count_; }
+  int rank() const { return messenger_ ? messenger_->rank() : 0; }
+  int count() const { return messenger_ ? messenger_->count() : 1; }
 
-  void send(int to, const std::string& message);
-
-  struct Message {
-    int from = 0;
-    std::string text;
-  };
+  /// `to`: another rank.
+  void send(int to, const std::string& message) { messenger_->send(to, message); }
   /// The next message, if one has come.
-  std::optional<Message> receive();
+  std::optional<Message> receive() { return messenger_ ? messenger_->receive() : std::nullopt; }
 
   /// Together with all other ranks: no messages after this, each is alone.
-  void finish();
+  void finish() { messenger_.reset(); }
   /// Ends all ranks at once, with this exit code.
   [[noreturn]] void abort(int code);
 
  private:
-  int rank_ = 0, count_ = 1;
-  bool active_ = false;
+  std::unique_ptr<Messenger> messenger_;  ///< null: this process is alone, or done with the others
 };
-
-/// "Open MPI 4.1.4", or "" where graze was built without.
-std::string mpi_version();
 
 }  // namespace graze::apps

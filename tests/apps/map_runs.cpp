@@ -71,7 +71,7 @@ std::function<bool(pid_t)> after(int count, const std::string& out, int signal, 
 }
 
 bool have_mpirun() {
-  if (!mpi_version().empty() && run_shell("mpirun --version").code == 0) return true;
+  if (Ranks::with_mpi() && run_shell("mpirun --version").code == 0) return true;
   WARN("mpirun is not installed, or graze was built without MPI: nothing was tested over several ranks");
   return false;
 }
@@ -314,4 +314,14 @@ TEST_CASE("map: misuse under mpirun is said once, and ends all ranks") {
     CHECK(place != std::string::npos);
     CHECK(outcome.err.find("graze map: ", place + 1) == std::string::npos);
   }
+}
+
+TEST_CASE("map: under a launcher, a graze that cannot send messages says so") {
+  const TemporaryFolder folder;
+  fs::copy_file(GRAZE_PROGRAM, folder.file("graze"));  // without its module
+  const std::string map = "'" + folder.file("graze") + "' " + options();
+  const Outcome launched = run_shell("env OMPI_COMM_WORLD_RANK=0 OMPI_COMM_WORLD_SIZE=2 " + map);
+  CHECK(launched.code == 2);
+  CHECK_THAT(launched.err, Contains(Ranks::with_mpi() ? "graze's module for MPI cannot be loaded (graze_mpi.so: "
+                                                      : "this graze was built without MPI (-DGRAZE_WITH_MPI=ON)"));
 }
