@@ -32,8 +32,8 @@
 //
 // On an EPYC of 2025 (Zen 5, with AVX-512 at full width) a thousand single operations take 67 ns one at a time, 34 in SSE2, 17 in
 // AVX2 and 8.4 in AVX-512, fused ones 118, 29 and 15. By the same counts one lane of Newton has its floor at 69 ns and takes 210,
-// eight at 8.6 and take 62; one lane of damped Hertz at 0.73 us and takes 2.2, eight at 0.23 and take 0.56; eight of the cantilever
-// at 0.26 and take 0.46.
+// eight at 8.6 and take 62; one lane of damped Hertz at 0.73 us and takes 2.2, eight at 0.23 and take 0.56; eight of the
+// cantilever at 0.26 and take 0.46.
 //
 // What does a forcing period cost, with its 2x2 sensitivity? Over 200 periods on the attractor, every solver at the loosest
 // tolerance that delivers 1e-10. `miscounted`: of 200 runs next to grazing, those with a wrong number of impacts at that
