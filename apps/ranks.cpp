@@ -35,7 +35,7 @@ std::unique_ptr<Messenger> messenger() {
   if (!make)
     throw std::invalid_argument(fmt::format(
         "a launcher started this process, but graze's module for MPI cannot be loaded ({}); install graze whole (cmake "
-        "--install), or start it without the launcher",
+        "--install) and the MPI it was built with, or start it without the launcher",
         ::dlerror()));
   return std::unique_ptr<Messenger>(reinterpret_cast<MakeMessenger*>(make)());
 }
