@@ -99,9 +99,10 @@ std::optional<MapWork::Begun> MapWork::draw(std::size_t carried) {
   std::unique_lock lock(mutex_);
   if (carried == 0 && !has_some() && !exchange_.has_some()) {
     exchange_.begin_waiting();
-    given_.wait(lock, [this] { return failed_ || has_some() || exchange_.has_some() || (closed_ && begun_ == 0); });
+    given_.wait(lock, [this] { return over() || has_some() || exchange_.has_some(); });
     exchange_.end_waiting();
   }
+  if (over()) exchange_.close();
   if (carried == 0 && exchange_.has_some()) return std::nullopt;
   std::size_t most = divided_up(strands_.size() + unlikely_.size() + begun_, threads_);
   if (threads_ > 1) most = std::min(most, std::max(enough, divided_up(strands_.size(), threads_)));

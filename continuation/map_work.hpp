@@ -68,6 +68,7 @@ class MapWork {
 
   std::optional<Begun> draw(std::size_t carried);
   bool has_some() const { return !strands_.empty() || !unlikely_.empty(); }
+  bool over() const { return failed_ || (closed_ && begun_ == 0 && !has_some()); }
   std::shared_ptr<Strand> next(bool in_vain);
   void queue(const std::shared_ptr<Strand>& strand);
   LaneTask<> find(LanePlace& lane, Begun begun);

@@ -73,9 +73,12 @@ std::shared_ptr<SweepWork::Entry> SweepWork::draw(std::size_t carried) {
   Lock lock(mutex_);
   for (;;) {
     if (carried >= rows_of_a_thread_) return nullptr;
-    if (cancelled() || (carried == 0 && exchange_.has_some())) return nullptr;
     const auto is_finished = [](const SweepStretches& direction) { return direction.finished(); };
-    if (std::all_of(directions_.begin(), directions_.end(), is_finished)) return nullptr;
+    if (cancelled() || std::all_of(directions_.begin(), directions_.end(), is_finished)) {
+      exchange_.close();
+      return nullptr;
+    }
+    if (carried == 0 && exchange_.has_some()) return nullptr;
     if (carried > 0 && (idle_ > 0 || carried * threads_ > begun_)) return nullptr;  // others have fewer
     if (const auto begun = go_on(carried, lock)) {
       if (*begun) return *begun;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/lib/lane_exchange.hpp>
+#include <graze/lib/lane_member.hpp>
 
 #include <algorithm>
 #include <array>
@@ -16,37 +17,11 @@ constexpr std::size_t together = 128;
 constexpr std::size_t busy = 48;
 /// Periods of a turn, of all motions, and of each.
 constexpr std::size_t work_of_turn = 512, fewest_periods = 4, most_periods = 32;
+/// Forcing periods after which a computation is likely to last: of these the longest goes first, lest it be waited for in the
+/// end.
+constexpr std::size_t long_computation = 4096;
 
 }  // namespace
-
-struct LanePool::Member {
-  LanePlace place;
-  LaneTask<> task;
-};
-
-/// A computation on its way to another pool, with its parameters.
-struct LaneExchange::Parcel {
-  std::unique_ptr<LanePool::Member> member;
-  std::optional<ManyMotions::Taken> parameters;
-};
-
-LaneExchange::LaneExchange(std::function<void()> wake) : wake_(std::move(wake)) {}
-LaneExchange::~LaneExchange() = default;
-
-void LaneExchange::put(std::vector<Parcel> parcels) {
-  {
-    const std::lock_guard lock(mutex_);
-    std::move(parcels.begin(), parcels.end(), std::back_inserter(parcels_));
-    has_some_ = true;
-  }
-  wake_();
-}
-
-std::vector<LaneExchange::Parcel> LaneExchange::get() {
-  const std::lock_guard lock(mutex_);
-  has_some_ = false;
-  return std::exchange(parcels_, {});
-}
 
 ManyMotions& LanePlace::motions() const { return pool_->motions_; }
 
@@ -69,6 +44,7 @@ LanePlace::Carrying LanePlace::carry(std::span<const MotionStart> motions, std::
   for (std::size_t m = 0; m < motions.size(); ++m)
     runs_.push_back({{{parameters_, motions[m].x, motions[m].v}, periods, &results_[m * periods]}, this});
   open_ = periods > 0 ? runs_.size() : 0;
+  asked_for_ += periods;
   return Carrying(*this);
 }
 
@@ -105,44 +81,31 @@ void LanePool::clear(LanePlace& place) {
   if (place.own_parameters_) free_parameters_.push_back(*place.own_parameters_);
   place.own_parameters_.reset();
   place.hurries_ = false;
+  place.asked_for_ = 0;
   place.results_.clear();
 }
 
-/// Every other member to a pool that has none.
-void LanePool::give(std::vector<std::unique_ptr<Member>>& members) {
-  std::vector<LaneExchange::Parcel> parcels;
-  for (std::size_t i = 1; i < members.size(); i += 2) {
-    LaneExchange::Parcel& parcel = parcels.emplace_back(std::move(members[i]));
-    const std::optional<std::size_t>& own = parcel.member->place.own_parameters_;
-    if (!own) continue;
-    parcel.parameters = motions_.take(*own);
-    free_parameters_.push_back(*own);
+/// The computation that has lasted longest, if that is long.
+const LanePlace* LanePool::longest_of(std::span<const std::unique_ptr<Member>> members) {
+  const LanePlace* longest = nullptr;
+  for (const auto& member : members) {
+    const LanePlace& place = member->place;
+    if (place.asked_for_ > (longest ? longest->asked_for_ : long_computation)) longest = &place;
   }
-  std::erase(members, nullptr);
-  exchange_->put(std::move(parcels));
-}
-
-void LanePool::take(std::vector<std::unique_ptr<Member>>& members) {
-  for (LaneExchange::Parcel& parcel : exchange_->get()) {
-    LanePlace& place = parcel.member->place;
-    place.pool_ = this;
-    if (parcel.parameters) {
-      place.parameters_ = *(place.own_parameters_ = motions_.add(std::move(*parcel.parameters), free_place()));
-      for (LanePlace::Run& run : place.runs_) run.start.parameters = place.parameters_;
-    }
-    members.push_back(std::move(parcel.member));
-  }
+  return longest;
 }
 
 /// Those of a kind, which have so many motions: first who others wait for.
 void LanePool::carry(std::span<const std::unique_ptr<Member>> members, bool tangent, std::size_t motions) {
   runs_.clear();
-  for (const bool hurrying : {true, false})
+  for (const bool first : {true, false})
     for (const auto& member : members) {
       LanePlace& place = member->place;
-      if (place.tangent_ != tangent || place.hurries_ != hurrying) continue;
-      for (LanePlace::Run& run : place.runs_)
+      if (place.tangent_ != tangent || hurries(place) != first) continue;
+      for (LanePlace::Run& run : place.runs_) {
+        run.goes_first = &place == longest_;
         if (run.carried < run.periods) runs_.push_back(&run);
+      }
     }
   tangent_ = tangent;
   share_ = std::clamp(work_of_turn / motions, fewest_periods, most_periods);
@@ -154,7 +117,7 @@ void LanePool::carry(std::span<const std::unique_ptr<Member>> members, bool tang
 void LanePool::go_on_with(LanePlace::Run& run, std::size_t periods) {
   left_ -= std::min(left_, periods);
   if (run.carried < run.periods) {
-    if (periods < share_) left_ = 0;  // the lanes are no longer full
+    if (periods < share_ || run.goes_first) left_ = 0;  // the lanes are no longer full
     if (left_ > 0) motions_.join(run);
     return;
   }
@@ -162,12 +125,19 @@ void LanePool::go_on_with(LanePlace::Run& run, std::size_t periods) {
   if (--place.open_ > 0 || left_ == 0) return;
   place.resume();
   if (place.open_ == 0 || place.tangent_ != tangent_) return;
-  for (LanePlace::Run& next : place.runs_) motions_.join(next);
+  for (LanePlace::Run& next : place.runs_) {
+    next.goes_first = &place == longest_;
+    motions_.join(next);
+  }
 }
 
 void LanePool::run(std::size_t count, const std::function<LaneTask<>(std::size_t, LanePlace&)>& make) {
   std::size_t begun = 0;
-  run([&](LanePlace& lane, std::size_t) { return begun < count ? std::optional(make(begun++, lane)) : std::nullopt; });
+  run([&](LanePlace& lane, std::size_t carried) -> std::optional<LaneTask<>> {
+    if (begun < count) return make(begun++, lane);
+    if (carried == 0 && exchange_) exchange_->close();
+    return std::nullopt;
+  });
 }
 
 void LanePool::run(const std::function<std::optional<LaneTask<>>(LanePlace&, std::size_t)>& next) {
@@ -194,17 +164,26 @@ void LanePool::run(const std::function<std::optional<LaneTask<>>(LanePlace&, std
       begun->task.ended() ? end(begun) : members.push_back(std::move(begun));
     }
     if (members.empty() && exchange_) take(members);
-    if (members.empty()) return;
+    if (members.empty()) {
+      if (!exchange_ || exchange_->closed_) return;
+      help();
+      continue;
+    }
+    if (exchange_ && members.size() == 1 && lend(members.front()->place)) {
+      members.front()->place.resume();
+      continue;
+    }
     std::array<std::size_t, 2> motions{};  // without and with the tangent
-    std::array<bool, 2> hurries{};
+    std::array<bool, 2> hurry{};
+    longest_ = longest_of(members);
     for (const auto& member : members) {
       const LanePlace& place = member->place;
       motions[place.tangent_ ? 1 : 0] += place.open_;
-      hurries[place.tangent_ ? 1 : 0] |= place.hurries_;
+      hurry[place.tangent_ ? 1 : 0] |= hurries(place);
     }
     // Where there are few of a kind, they wait for company.
     for (const std::size_t kind : {0, 1})
-      if (hurries[kind] || motions[kind] >= std::min(busy, motions[1 - kind])) carry(members, kind == 1, motions[kind]);
+      if (hurry[kind] || motions[kind] >= std::min(busy, motions[1 - kind])) carry(members, kind == 1, motions[kind]);
     for (const auto& member : members)
       if (member->place.open_ == 0 && !member->task.ended()) member->place.resume();
   }

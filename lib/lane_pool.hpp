@@ -53,6 +53,7 @@ class LanePlace {
   Vector own_;
   std::size_t parameters_ = 0;
   bool tangent_ = false, hurries_ = false;
+  std::size_t asked_for_ = 0;  ///< forcing periods, all in all
   std::vector<PeriodResult> results_;
   std::vector<Run> runs_;  ///< asked for
   std::size_t open_ = 0;   ///< of them, those that are not through
@@ -76,8 +77,8 @@ class LanePool : RunSupply {
   explicit LanePool(ManyMotions& motions, LaneExchange* exchange = nullptr);
 
   /// Carries computations to their ends. As long as there is room, the next is asked for: next(its place, how many are carried);
-  /// nullopt: there is none now, or, where none is carried and the exchange has nothing, no more. @throws what the first of them
-  /// to throw did.
+  /// nullopt: there is none now, or, where none is carried and there is no exchange or it is closed, no more. @throws what the
+  /// first of them to throw did.
   void run(const std::function<std::optional<LaneTask<>>(LanePlace&, std::size_t carried)>& next);
   /// The same of make(0, its place) ... make(count - 1, its place).
   void run(std::size_t count, const std::function<LaneTask<>(std::size_t, LanePlace&)>& make);
@@ -86,8 +87,16 @@ class LanePool : RunSupply {
   friend class LanePlace;
   friend class LaneExchange;
   struct Member;
+  struct Lent;
+  struct Part;
   void give(std::vector<std::unique_ptr<Member>>& members);
   void take(std::vector<std::unique_ptr<Member>>& members);
+  bool lend(LanePlace& place);
+  void help();
+  void carry_part(const Part& part);
+  std::size_t set_for(const Lent& lent);
+  static const LanePlace* longest_of(std::span<const std::unique_ptr<Member>> members);
+  bool hurries(const LanePlace& place) const { return place.hurries_ || &place == longest_; }
   std::optional<std::size_t> free_place();
   void clear(LanePlace& place);
   void carry(std::span<const std::unique_ptr<Member>> members, bool tangent, std::size_t motions);
@@ -97,6 +106,9 @@ class LanePool : RunSupply {
   LaneExchange* exchange_;
   std::vector<std::size_t> free_parameters_;  ///< parameter sets that nobody has
   std::vector<MotionRun*> runs_;              ///< of a turn, at its beginning
+  std::optional<std::size_t> of_others_;      ///< a parameter set for motions that others share
+  std::vector<MotionRun> shared_;             ///< those of them that it carries
+  const LanePlace* longest_ = nullptr;        ///< the computation that goes first
   bool tangent_ = false;                      ///< of a turn
   std::size_t share_ = 0, left_ = 0;          ///< periods of each motion at a time; of all of them, before it ends
 };

@@ -104,6 +104,8 @@ void ManyMotions::change_parameters(std::size_t parameters, const Vector& p) {
   sets_[parameters] = make_set(p);
 }
 
+const Vector& ManyMotions::parameters(std::size_t parameters) const { return set_of(parameters).p; }
+
 ManyMotions::Taken ManyMotions::take(std::size_t parameters) {
   set_of(parameters);
   return Taken(std::move(sets_[parameters]));
@@ -199,8 +201,9 @@ void ManyMotions::carry_in_lanes(std::size_t begin, std::size_t end, bool tangen
   };
   if (supply_) {
     job.while_full = true;
-    job.more = [](void* self, std::size_t number) {
+    job.more = [](void* self, std::size_t number, std::size_t taken) {
       auto& many = *static_cast<ManyMotions*>(self);
+      many.taken_ = taken;
       many.finish(number);
       many.supply_->through(*many.supply_, *many.together_[number].run, many.carried_each_[number].periods);
       return many.motions_.size();
@@ -258,6 +261,10 @@ bool ManyMotions::join(MotionRun& run) {
   together_.push_back(one);
   motions_.push_back(next_of(one));
   carried_each_.emplace_back();
+  if (run.goes_first) {
+    std::swap(together_[taken_], together_.back());
+    std::swap(motions_[taken_], motions_.back());
+  }
   return true;
 }
 
@@ -268,7 +275,7 @@ lanes::Motion ManyMotions::next_of(const Going& one) const {
   const bool first = run->carried == 0;
   std::size_t periods = run->periods - run->carried;
   if (!supply_ && set->awaits_table) periods = std::min(periods, periods_between_looks);
-  if (supply_ && !set->table) periods = std::min(periods, most_);
+  if (supply_ && !set->table && !run->goes_first) periods = std::min(periods, most_);
   return {first ? run->start.x : next[-1].x,
           first ? run->start.v : next[-1].v,
           run->start.parameters,

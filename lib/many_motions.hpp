@@ -52,6 +52,7 @@ struct MotionRun {
   PeriodResult* results = nullptr;
   ImpactSpeeds* speeds = nullptr;  ///< and at what speeds it hit the barrier; may be null
   std::size_t carried = 0;         ///< of the periods
+  bool goes_first = false;         ///< in carry_while_full: over all of them at once, and where it joins, before the others
 };
 
 /// Who has more motions ready as others come through, so that the lanes do not run dry.
@@ -75,6 +76,7 @@ class ManyMotions {
   std::size_t add_parameters(const Vector& p);
   /// A set that is no longer wanted, or that was taken, becomes one of these. @throws the same, and for an unknown set.
   void change_parameters(std::size_t parameters, const Vector& p);
+  const Vector& parameters(std::size_t parameters) const;
 
   /// A set with what is known of it (tables), for another ManyMotions of the same system and options.
   class Taken;
@@ -152,7 +154,7 @@ class ManyMotions {
   std::vector<lanes::Carried> carried_each_;
   bool linear_ = true;           ///< their flights (the parameters of those that are through may have changed meanwhile)
   RunSupply* supply_ = nullptr;  ///< of carry_while_full()
-  std::size_t most_ = 0, room_ = 0;
+  std::size_t most_ = 0, room_ = 0, taken_ = 0;
   Transition transition_;
   std::mutex left_over_lock_;  ///< the lanes of several threads leave something over
   bool all_threads_ = false;

@@ -123,9 +123,10 @@ struct Job {
   /// Where motions have come to their ends, none is left to begin, and not nearly all lanes have something to do, the others
   /// end with the periods that they are at. (With a table of contacts it matters where a motion is begun anew: those go on.)
   bool while_full = false;
-  /// Told of each motion that is through, or has stopped. It may put others behind the last of `motions` (and of `carried`),
-  /// which stay where they are, without tables and counts of speeds; says how many there are now. May be null.
-  std::size_t (*more)(void* whom, std::size_t number) = nullptr;
+  /// Told of each motion that is through, or has stopped, and how many lanes have taken. It may put others among those not taken
+  /// of `motions` (and of `carried`), which stay where they are, without tables and counts of speeds; says how many there are
+  /// now. May be null.
+  std::size_t (*more)(void* whom, std::size_t number, std::size_t taken) = nullptr;
   /// Carries a period that the lanes give up, and writes it down; says whether the motion goes on. May be null.
   bool (*do_given_up)(void* whom, const Job& job, const Motion& motion, std::size_t period) = nullptr;
   void* whom = nullptr;

@@ -43,7 +43,7 @@ template <std::size_t Lanes> class Queue {
   void ask_for_more(std::size_t number) {
     WideRegisters::leave();
     const std::size_t before = count_;
-    count_ = job_.more(job_.whom, number);
+    count_ = job_.more(job_.whom, number, taken_);
     for (std::size_t i = before; i < count_; ++i) notes_ = notes_ || job_.motions[i].notes;
     lanes_ = std::max(lanes_, std::min(count_ - ended_, Lanes));
   }
