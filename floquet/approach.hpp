@@ -62,6 +62,8 @@ class Approach {
 
   /// > 0: it goes on when it is told whether it is settling on an orbit of up to so many periods.
   int asks() const { return asks_; }
+  /// Whether the transient is over.
+  bool at_end() const { return periods_ >= options_.transient; }
   void answer(std::optional<PeriodicOrbit> orbit) {
     open_ = !orbit && periods_ < options_.transient;
     asks_ = 0;

@@ -18,8 +18,8 @@ struct Stop {
 };
 
 LaneTask<SettlingLook> look(LanePlace& lane, const HybridSystem& system, const Vector& p, const Vector& state, int most,
-                            const AttractorOptions& options) {
-  return look_for_orbit_in_lanes(lane, system, p, state, most, nearness_of(options), options.lyapunov.flow);
+                            const AttractorOptions& options, RefusedOrbits* refused = nullptr) {
+  return look_for_orbit_in_lanes(lane, system, p, state, most, nearness_of(options), options.lyapunov.flow, refused);
 }
 
 /// approach_attractor.
@@ -27,11 +27,13 @@ LaneTask<Attractor> approach(LanePlace& lane, const HybridSystem& system, const 
                              const AttractorOptions& options) {
   const Stop stop{options};
   Approach approach(system, p, start, options);
+  RefusedOrbits refused;  // at its returns; at its end it looks at all of them again
   do {
     co_await carry_watched(lane, approach, stop);
     if (approach.open()) approach.stop(Termination::interrupted);
     if (approach.asks() == 0) continue;
-    SettlingLook looked = co_await look(lane, system, p, approach.state(), approach.asks(), options);
+    SettlingLook looked =
+        co_await look(lane, system, p, approach.state(), approach.asks(), options, approach.at_end() ? nullptr : &refused);
     approach.answer(std::move(looked.orbit));
   } while (approach.open());
   co_return std::move(approach).result();
@@ -47,10 +49,11 @@ LaneTask<bool> average(LanePlace& lane, const HybridSystem& system, const Vector
   for (bool again = false;; again = true) {
     const AverageStart start{p, attractor.state};
     LaneAverage average(lane, system, start, averaging);
+    RefusedOrbits refused;
     for (std::int64_t periods = look_at_average;; periods *= 2) {
       const bool open = co_await average.carry(lane, periods);
       if (!open) break;
-      SettlingLook looked = co_await look(lane, system, p, average.state(), periods_of_look(options, periods), options);
+      SettlingLook looked = co_await look(lane, system, p, average.state(), periods_of_look(options, periods), options, &refused);
       if (!looked.orbit) continue;
       settle_on(attractor, std::move(*looked.orbit));
       co_return false;

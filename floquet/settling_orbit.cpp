@@ -5,13 +5,11 @@
 #include <graze/floquet/settling_orbit.hpp>
 #include <graze/floquet/side_by_side.hpp>
 #include <graze/floquet/stroboscopic_states.hpp>
-
-#include <Eigen/Eigenvalues>
+#include <graze/floquet/tangent_growth.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <memory>
 
 namespace graze {
@@ -20,11 +18,6 @@ namespace {
 
 /// A settled state returns this closely after one period of its orbit, relative to 1 + |x|; Newton decides, not this.
 constexpr double worth_trying = 0.03;
-
-/// A return whose tangent grows by more than this is not one to a stable orbit: its distance cannot account for that. Nor is a
-/// motion on its way to one whose tangent has grown so much after long_enough periods (chaos with an exponent of 0.054 a period).
-constexpr double hopeless_growth = 1e3;
-constexpr int long_enough = 128;
 
 /// Halves of a doubled orbit may be so far apart that its period is still worth trying. From between them the tangent grows by
 /// little more than the multiplier of the orbit that doubles.
@@ -69,12 +62,6 @@ bool approaches(Propagator& propagator, const PeriodicOrbit& orbit, const Vector
   NearOrbit motion(orbit, x, std::abs(orbit.multipliers.values.front()), static_cast<std::size_t>(orbit.period));
   carry_watched(propagator, motion, never);
   return motion.comes_closer();
-}
-
-/// The largest modulus of its eigenvalues; NaN where they cannot be found.
-double spectral_radius(const Matrix& A) {
-  if (!A.allFinite()) return std::numeric_limits<double>::quiet_NaN();
-  return A.eigenvalues().cwiseAbs().maxCoeff();
 }
 
 /// How much the tangent of the motions over one period from each of these states grows in all.
@@ -239,12 +226,29 @@ LaneTask<LaneOrbit> shoot_next_to_doubling(LanePlace& lane, const std::vector<St
   co_return orbit;
 }
 
+/// stable_orbit_near, unless the motion was seen to pass by it.
+std::optional<PeriodicOrbit> approached_orbit_of(Propagator& propagator, const std::vector<Vector>& states,
+                                                 RefusedOrbits& refused) {
+  std::optional<PeriodicOrbit> orbit = stable_orbit_of(propagator, states);
+  if (!orbit) return std::nullopt;
+  const StatePair now = pair_of(states.front());
+  std::vector<StatePair> found;
+  std::transform(orbit->states.begin(), orbit->states.end(), std::back_inserter(found), pair_of);
+  if (refused.knows(found, now)) return std::nullopt;
+  if (approaches(propagator, *orbit, states.front())) return orbit;
+  refused.add(found, now);
+  return std::nullopt;
+}
+
 }  // namespace
 
 LaneTask<SettlingLook> look_for_orbit_in_lanes(LanePlace& lane, const HybridSystem& system, const Vector& p, const Vector& state,
-                                               int max_period, double nearness, const FlowOptions& flow) {
+                                               int max_period, double nearness, const FlowOptions& flow, RefusedOrbits* refused) {
   SettlingLook out;
-  std::vector<StatePair> states = {pair_of(state)};
+  RefusedOrbits own;
+  RefusedOrbits& passed_by = refused ? *refused : own;
+  const StatePair now = pair_of(state);
+  std::vector<StatePair> states = {now};
   const std::span<const PeriodResult> periods = co_await lane.carry(state, static_cast<std::size_t>(max_period));
   for (const PeriodResult& period : periods) {
     if (period.termination != Termination::time) break;
@@ -260,49 +264,14 @@ LaneTask<SettlingLook> look_for_orbit_in_lanes(LanePlace& lane, const HybridSyst
       std::vector<Vector> nodes;
       std::transform(around.begin(), around.end(), std::back_inserter(nodes), vector_of);
       Propagator propagator(system, p, {}, flow);
-      out.orbit = stable_orbit_near(propagator, nodes);
-    } else if (says == Verdict::yes) {
+      out.orbit = approached_orbit_of(propagator, nodes, passed_by);
+    } else if (says == Verdict::yes && !passed_by.knows(orbit.states, now)) {
       out.orbit = co_await orbit_approached_in_lanes(lane, system, p, orbit, state);
+      if (!out.orbit) passed_by.add(orbit.states, now);
     }
     if (out.orbit) break;
   }
   co_return out;
-}
-
-std::vector<Vector> that_may_settle(const HybridSystem& system, const Vector& p, const std::vector<Vector>& states,
-                                    const FlowOptions& flow) {
-  struct Motion {
-    const Vector* begin;
-    MotionStart at;
-    Eigen::Matrix2d growth = Eigen::Matrix2d::Identity();
-    bool ended = false;
-  };
-  constexpr int stretch = long_enough / 4;
-  ManyMotions many(system, flow);
-  const std::size_t set = many.add_parameters(p);
-  std::vector<Motion> motions;
-  for (const Vector& state : states) motions.push_back({&state, {set, state[0], state[1]}});
-  std::vector<MotionStart> starts;
-  std::vector<PeriodResult> results;
-  for (int carried = 0; carried < long_enough;) {
-    starts.clear();
-    for (const Motion& motion : motions) starts.push_back(motion.at);
-    many.carry(starts, stretch, true, results);
-    carried += stretch;
-    const PeriodResult* next = results.data();
-    for (Motion& motion : motions) {
-      for (int k = 0; k < stretch; ++k, ++next)
-        motion.growth = Eigen::Matrix2d{{next->Phi[0], next->Phi[1]}, {next->Phi[2], next->Phi[3]}} * motion.growth;
-      motion.at = {set, next[-1].x, next[-1].v};
-      motion.ended = next[-1].termination != Termination::time;
-    }
-    // What has grown by the square of it on the way will not have shrunk at the end.
-    const double most = carried == long_enough ? hopeless_growth : hopeless_growth * hopeless_growth;
-    std::erase_if(motions, [&](const Motion& motion) { return motion.ended || spectral_radius(motion.growth) > most; });
-  }
-  std::vector<Vector> out;
-  for (const Motion& motion : motions) out.push_back(*motion.begin);
-  return out;
 }
 
 namespace {

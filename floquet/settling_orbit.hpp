@@ -3,6 +3,7 @@
 #pragma once
 
 #include <graze/floquet/lane_orbits.hpp>
+#include <graze/floquet/refused_orbits.hpp>
 
 #include <optional>
 #include <vector>
@@ -38,9 +39,11 @@ struct SettlingLook {
 };
 
 /// orbit_of_close_returns in lanes, at the parameters of the place, to the same orbit. Except where it is delicate
-/// (lane_orbits.hpp), it comes without events, signature, monodromy matrix and checks.
+/// (lane_orbits.hpp), it comes without events, signature, monodromy matrix and checks. `refused`: orbits that the motion was seen
+/// to pass by; those that it passes by now are added.
 LaneTask<SettlingLook> look_for_orbit_in_lanes(LanePlace& lane, const HybridSystem& system, const Vector& p, const Vector& state,
-                                               int max_period, double nearness, const FlowOptions& flow = {});
+                                               int max_period, double nearness, const FlowOptions& flow = {},
+                                               RefusedOrbits* refused = nullptr);
 
 /// An orbit found in lanes (few_halvings), if the motion at `state`, near it, comes closer to it, and it is stable and not
 /// delicate; at the parameters of the place. It comes as from look_for_orbit_in_lanes.
