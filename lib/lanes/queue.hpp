@@ -40,11 +40,12 @@ template <std::size_t Lanes> class Queue {
   }
 
  private:
+  /// (Those that are new stand behind the others, or one of them before.)
   void ask_for_more(std::size_t number) {
     WideRegisters::leave();
     const std::size_t before = count_;
     count_ = job_.more(job_.whom, number, taken_);
-    for (std::size_t i = before; i < count_; ++i) notes_ = notes_ || job_.motions[i].notes;
+    for (std::size_t i = before; i < count_; ++i) notes_ = notes_ || job_.motions[i].notes || job_.motions[taken_].notes;
     lanes_ = std::max(lanes_, std::min(count_ - ended_, Lanes));
   }
 
