@@ -2,6 +2,7 @@
 #include <graze/floquet/distance_watch.hpp>
 #include <graze/floquet/lane_orbits.hpp>
 #include <graze/floquet/near_doubling.hpp>
+#include <graze/floquet/refused_orbits.hpp>
 #include <graze/floquet/settling_orbit.hpp>
 #include <graze/floquet/side_by_side.hpp>
 #include <graze/floquet/stroboscopic_states.hpp>

@@ -3,12 +3,13 @@
 #pragma once
 
 #include <graze/floquet/lane_orbits.hpp>
-#include <graze/floquet/refused_orbits.hpp>
 
 #include <optional>
 #include <vector>
 
 namespace graze {
+
+class RefusedOrbits;
 
 /// The stable orbit that a motion at `state` is settling on, if it is periodic with period up to max_period. `all_threads`: of
 /// the caller's arena (oneTBB), for what is done in lanes; the result does not depend on them.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a motion is settling on: where chaos and a stable orbit stand side by side, and next to a period doubling.
 #include <graze/floquet/near_doubling.hpp>
+#include <graze/floquet/refused_orbits.hpp>
 #include <graze/floquet/settle.hpp>
 #include <graze/floquet/settling_orbit.hpp>
 #include <graze/lib/oscillator.hpp>
