@@ -4,8 +4,8 @@
 #pragma once
 
 #include <graze/floquet/distance_watch.hpp>
-#include <graze/floquet/lane_orbits.hpp>
 #include <graze/floquet/state_distance.hpp>
+#include <graze/lib/vector.hpp>
 
 #include <algorithm>
 #include <vector>
@@ -14,12 +14,12 @@ namespace graze {
 
 class RefusedOrbits {
  public:
-  /// The motion did not come closer to it from there.
-  void add(const std::vector<StatePair>& orbit, const StatePair& from) {
-    refused_.push_back({orbit.front(), nearest_distance(orbit, from)});
+  /// The motion did not come closer to an orbit of these states from there.
+  template <class State> void add(const std::vector<State>& orbit, const Vector& from) {
+    refused_.push_back({Vector(Eigen::Map<const Vector>(orbit.front().data(), from.size())), nearest_distance(orbit, from)});
   }
   /// Whether that is so of this one, and it is not much nearer by now.
-  bool knows(const std::vector<StatePair>& orbit, const StatePair& now) const {
+  template <class State> bool knows(const std::vector<State>& orbit, const Vector& now) const {
     return std::any_of(refused_.begin(), refused_.end(), [&](const One& one) {
       return nearest_distance(orbit, one.state) < DistanceWatch::on_it && nearest_distance(orbit, now) > 0.5 * one.distance;
     });
@@ -27,7 +27,7 @@ class RefusedOrbits {
 
  private:
   struct One {
-    StatePair state;
+    Vector state;
     double distance;
   };
   std::vector<One> refused_;

@@ -40,8 +40,8 @@ int longer_transient(int transient) {
 }
 
 std::optional<PeriodicOrbit> look_for_orbit(Propagator& propagator, const Vector& state, int max_period,
-                                            const AttractorOptions& options) {
-  if (options.recurrence > 0.0) return orbit_of_close_returns(propagator, state, max_period, nearness_of(options));
+                                            const AttractorOptions& options, RefusedOrbits* refused) {
+  if (options.recurrence > 0.0) return orbit_of_close_returns(propagator, state, max_period, nearness_of(options), refused);
   return settling_orbit(propagator, state, max_period, options.lyapunov.all_threads);
 }
 

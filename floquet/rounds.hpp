@@ -8,14 +8,17 @@
 
 namespace graze {
 
+class RefusedOrbits;
+
 /// A motion that lingers is followed on a few times, each with a longer transient.
 int longer_transient(int transient);
 /// So is, where averages are short, one that they leave undecided: it may be on a long transient.
 inline constexpr int rounds_for_undecided = 2;
 
-/// The orbit of up to max_period periods that a motion is settling on, looked for in a transient or at the end of an average.
+/// The orbit of up to max_period periods that a motion is settling on, looked for in a transient or at the end of an average;
+/// `refused`: orbits that it was seen to pass by.
 std::optional<PeriodicOrbit> look_for_orbit(Propagator& propagator, const Vector& state, int max_period,
-                                            const AttractorOptions& options);
+                                            const AttractorOptions& options, RefusedOrbits* refused = nullptr);
 
 /// The periods that each of the motions of an average was carried.
 std::int64_t periods_each(const LyapunovSpectrum& average);

@@ -109,10 +109,13 @@ std::optional<PeriodicOrbit> stable_orbit_of(Propagator& propagator, const std::
   return std::nullopt;
 }
 
-/// That, if the motion through them comes closer to it.
-std::optional<PeriodicOrbit> stable_orbit_near(Propagator& propagator, const std::vector<Vector>& states) {
+/// That, if the motion through them comes closer to it, and was not seen to pass by it.
+std::optional<PeriodicOrbit> stable_orbit_near(Propagator& propagator, const std::vector<Vector>& states,
+                                               RefusedOrbits& refused) {
   auto orbit = stable_orbit_of(propagator, states);
-  if (orbit && approaches(propagator, *orbit, states.front())) return orbit;
+  if (!orbit || refused.knows(orbit->states, states.front())) return std::nullopt;
+  if (approaches(propagator, *orbit, states.front())) return orbit;
+  refused.add(orbit->states, states.front());
   return std::nullopt;
 }
 
@@ -154,13 +157,14 @@ Returns close_returns(Propagator& propagator, const Vector& state, int max_perio
   return out;
 }
 
-std::optional<PeriodicOrbit> orbit_of_close_returns(Propagator& propagator, const Vector& state, int max_period,
-                                                    double nearness) {
+std::optional<PeriodicOrbit> orbit_of_close_returns(Propagator& propagator, const Vector& state, int max_period, double nearness,
+                                                    RefusedOrbits* refused) {
+  RefusedOrbits own;
   const Returns returns = close_returns(propagator, state, max_period, nearness);
   for (const int n : worth_a_try(returns.periods)) {
     const std::vector<Vector> states(returns.states.begin(), returns.states.begin() + n);
     if (growth_along(propagator, states) > growth_too_early) continue;
-    if (auto orbit = stable_orbit_near(propagator, states)) return orbit;
+    if (auto orbit = stable_orbit_near(propagator, states, refused ? *refused : own)) return orbit;
   }
   return std::nullopt;
 }
@@ -227,20 +231,6 @@ LaneTask<LaneOrbit> shoot_next_to_doubling(LanePlace& lane, const std::vector<St
   co_return orbit;
 }
 
-/// stable_orbit_near, unless the motion was seen to pass by it.
-std::optional<PeriodicOrbit> approached_orbit_of(Propagator& propagator, const std::vector<Vector>& states,
-                                                 RefusedOrbits& refused) {
-  std::optional<PeriodicOrbit> orbit = stable_orbit_of(propagator, states);
-  if (!orbit) return std::nullopt;
-  const StatePair now = pair_of(states.front());
-  std::vector<StatePair> found;
-  std::transform(orbit->states.begin(), orbit->states.end(), std::back_inserter(found), pair_of);
-  if (refused.knows(found, now)) return std::nullopt;
-  if (approaches(propagator, *orbit, states.front())) return orbit;
-  refused.add(found, now);
-  return std::nullopt;
-}
-
 }  // namespace
 
 LaneTask<SettlingLook> look_for_orbit_in_lanes(LanePlace& lane, const HybridSystem& system, const Vector& p, const Vector& state,
@@ -248,8 +238,7 @@ LaneTask<SettlingLook> look_for_orbit_in_lanes(LanePlace& lane, const HybridSyst
   SettlingLook out;
   RefusedOrbits own;
   RefusedOrbits& passed_by = refused ? *refused : own;
-  const StatePair now = pair_of(state);
-  std::vector<StatePair> states = {now};
+  std::vector<StatePair> states = {pair_of(state)};
   const std::span<const PeriodResult> periods = co_await lane.carry(state, static_cast<std::size_t>(max_period));
   for (const PeriodResult& period : periods) {
     if (period.termination != Termination::time) break;
@@ -265,10 +254,10 @@ LaneTask<SettlingLook> look_for_orbit_in_lanes(LanePlace& lane, const HybridSyst
       std::vector<Vector> nodes;
       std::transform(around.begin(), around.end(), std::back_inserter(nodes), vector_of);
       Propagator propagator(system, p, {}, flow);
-      out.orbit = approached_orbit_of(propagator, nodes, passed_by);
-    } else if (says == Verdict::yes && !passed_by.knows(orbit.states, now)) {
+      out.orbit = stable_orbit_near(propagator, nodes, passed_by);
+    } else if (says == Verdict::yes && !passed_by.knows(orbit.states, state)) {
       out.orbit = co_await orbit_approached_in_lanes(lane, system, p, orbit, state);
-      if (!out.orbit) passed_by.add(orbit.states, now);
+      if (!out.orbit) passed_by.add(orbit.states, state);
     }
     if (out.orbit) break;
   }
@@ -300,8 +289,8 @@ std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector
   const FlowOptions& flow = propagator.options();
   const double T = forcing_period(system, p), scale = 1.0 + state.lpNorm<Eigen::Infinity>();
   std::vector<Vector> states{state};
-  std::vector<int> worth;       // periods of returns not looked at yet
-  std::vector<Vector> refused;  // states on stable orbits that the motion does not approach; more than one return leads to them
+  std::vector<int> worth;  // periods of returns not looked at yet
+  RefusedOrbits refused;   // more than one return leads to them
   std::size_t together = 1;
   std::unique_ptr<ManyMotions> many;
   // In chaos there are many returns, and most are to unstable orbits. What Newton's method finds out in lanes need not be found
@@ -320,10 +309,7 @@ std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector
       for (const int n : worth) guesses.push_back({0, {pairs.begin(), pairs.begin() + n}});
       orbits = shoot_side_by_side(*many, guesses, {.max_halvings = few_halvings});
     }
-    const auto is_refused = [&](const auto& orbit) {
-      return std::any_of(refused.begin(), refused.end(),
-                         [&](const Vector& x) { return nearest_distance(orbit.states, x) < DistanceWatch::on_it; });
-    };
+    const auto is_refused = [&](const auto& orbit) { return refused.knows(orbit.states, state); };
     const auto leads_nowhere = [&](const LaneOrbit& orbit, const std::vector<Vector>& around) {
       if (!orbit.converged) return between_halves(around, near_halves).empty();
       if (has_doubled(orbit.states.size(), orbit.multipliers[0], around.size())) return false;
@@ -335,7 +321,7 @@ std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector
       auto orbit = stable_orbit_of(propagator, around);
       if (!orbit || is_refused(*orbit)) continue;
       if (approaches(propagator, *orbit, state)) return orbit;
-      refused.push_back(orbit->state);
+      refused.add(orbit->states, state);
     }
     worth.clear();
     together *= 2;

@@ -30,8 +30,10 @@ struct Returns {
 /// Those of up to max_period periods; `nearness` is relative to 1 + |x|.
 Returns close_returns(Propagator& propagator, const Vector& state, int max_period, double nearness);
 
-/// settling_orbit where time matters: the few closest returns are tried, and only returns within `nearness`.
-std::optional<PeriodicOrbit> orbit_of_close_returns(Propagator& propagator, const Vector& state, int max_period, double nearness);
+/// settling_orbit where time matters: the few closest returns are tried, and only returns within `nearness`. `refused`: orbits
+/// that the motion was seen to pass by; those that it passes by now are added.
+std::optional<PeriodicOrbit> orbit_of_close_returns(Propagator& propagator, const Vector& state, int max_period, double nearness,
+                                                    RefusedOrbits* refused = nullptr);
 
 /// What a motion is settling on.
 struct SettlingLook {

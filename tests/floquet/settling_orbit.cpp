@@ -175,12 +175,13 @@ TEST_CASE("the states of a doubled orbit are guessed from how a motion crosses t
 TEST_CASE("an orbit that a motion was seen to pass by is looked at again once the motion is much nearer") {
   const std::vector<StatePair> orbit = {{1.0, 0.0}, {-1.0, 0.5}}, other = {{1.0, 1e-6}, {-1.0, 0.5001}};
   RefusedOrbits refused;
-  CHECK_FALSE(refused.knows(orbit, {1.1, 0.0}));
-  refused.add(orbit, {1.1, 0.0});
-  CHECK(refused.knows(orbit, {1.1, 0.0}));
-  CHECK(refused.knows({orbit[1], orbit[0]}, {-0.94, 0.5}));  // from another of its states on
-  CHECK_FALSE(refused.knows(orbit, {-0.96, 0.5}));
-  CHECK_FALSE(refused.knows(other, {1.1, 0.0}));
+  CHECK_FALSE(refused.knows(orbit, vector({1.1, 0.0})));
+  refused.add(orbit, vector({1.1, 0.0}));
+  CHECK(refused.knows(orbit, vector({1.1, 0.0})));
+  const std::vector<StatePair> turned = {orbit[1], orbit[0]};
+  CHECK(refused.knows(turned, vector({-0.94, 0.5})));
+  CHECK_FALSE(refused.knows(orbit, vector({-0.96, 0.5})));
+  CHECK_FALSE(refused.knows(other, vector({1.1, 0.0})));
 
   // (The doubled orbit of eta = 0.9195 shrinks for long at 0.91955.)
   const Vector p = hertz_parameters(0.91955), start = after_change(0.9195, 0.91955);
@@ -197,22 +198,21 @@ TEST_CASE("an orbit that a motion was seen to pass by is looked at again once th
   std::size_t all = 0, some = 0;
   const auto found = look(nullptr, all);
   REQUIRE(found);
-  std::vector<StatePair> states;
-  for (const Vector& state : found->states) states.push_back(pair_of(state));
   RefusedOrbits from_here, from_far;
-  from_here.add(states, pair_of(start));
-  from_far.add(states, {start[0] - 1.0, start[1]});
+  from_here.add(found->states, start);
+  from_far.add(found->states, vector({start[0] - 1.0, start[1]}));
   CHECK_FALSE(look(&from_here, some));
   CHECK(some < all / 2);  // what takes longest is to see that the motion comes closer
   CHECK(look(&from_far, some));
   CHECK(some == all);
+  Propagator propagator(damped_hertz(), p);
+  CHECK_FALSE(orbit_of_close_returns(propagator, start, max_period, nearness, &from_here));
+  CHECK(orbit_of_close_returns(propagator, start, max_period, nearness, &from_far));
 }
 
 TEST_CASE("a look notes the orbits that the motion passes by") {
   const auto orbit = settling_orbit(system_with_both(), with_both(), beside_orbit, 64);
   REQUIRE(orbit);
-  std::vector<StatePair> states;
-  for (const Vector& state : orbit->states) states.push_back(pair_of(state));
   RefusedOrbits refused;
   ManyMotions many(system_with_both(), {});
   for (const bool again : {false, true}) {
@@ -223,6 +223,6 @@ TEST_CASE("a look notes the orbits that the motion passes by") {
       CHECK_FALSE(look.orbit);
     });
     INFO((again ? "again" : "at first"));
-    CHECK(refused.knows(states, pair_of(chaotic)));
+    CHECK(refused.knows(orbit->states, chaotic));
   }
 }
