@@ -4,6 +4,7 @@
 #pragma once
 
 #include <graze/floquet/attractor.hpp>
+#include <graze/floquet/refused_orbits.hpp>
 #include <graze/floquet/return_watch.hpp>
 
 #include <fmt/format.h>
@@ -62,10 +63,10 @@ class Approach {
 
   /// > 0: it goes on when it is told whether it is settling on an orbit of up to so many periods.
   int asks() const { return asks_; }
-  /// Whether the transient is over.
-  bool at_end() const { return periods_ >= options_.transient; }
+  /// The orbits that it was seen to pass by at its returns; null at its end, where it looks at all of them again.
+  RefusedOrbits* passed_by() { return at_end() ? nullptr : &passed_by_; }
   void answer(std::optional<PeriodicOrbit> orbit) {
-    open_ = !orbit && periods_ < options_.transient;
+    open_ = !orbit && !at_end();
     asks_ = 0;
     if (orbit) settle_on(out_, std::move(*orbit));
   }
@@ -73,8 +74,11 @@ class Approach {
   Attractor result() && { return std::move(out_); }
 
  private:
+  bool at_end() const { return periods_ >= options_.transient; }
+
   const AttractorOptions& options_;
   ReturnWatch watch_;
+  RefusedOrbits passed_by_;
   Attractor out_;
   int periods_ = 0, asks_ = 0;
   bool open_ = true;

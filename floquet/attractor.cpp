@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/approach.hpp>
-#include <graze/floquet/refused_orbits.hpp>
 #include <graze/floquet/rounds.hpp>
 #include <graze/floquet/side_by_side.hpp>
 
@@ -39,12 +38,10 @@ void settle_on(Attractor& attractor, PeriodicOrbit orbit) {
 Attractor approach_attractor(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options) {
   Approach approach(system, p, start, options);
   Propagator propagator(system, p, {}, options.lyapunov.flow);
-  RefusedOrbits refused;  // at its returns; at its end it looks at all of them again
   do {
     if (!carry_watched(propagator, approach, [&] { return cancelled(options); })) approach.stop(Termination::interrupted);
-    if (approach.asks() == 0) continue;
-    RefusedOrbits* const passed_by = approach.at_end() ? nullptr : &refused;
-    approach.answer(look_for_orbit(propagator, approach.state(), approach.asks(), options, passed_by));
+    if (approach.asks() > 0)
+      approach.answer(look_for_orbit(propagator, approach.state(), approach.asks(), options, approach.passed_by()));
   } while (approach.open());
   return std::move(approach).result();
 }

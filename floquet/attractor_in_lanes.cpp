@@ -28,13 +28,11 @@ LaneTask<Attractor> approach(LanePlace& lane, const HybridSystem& system, const 
                              const AttractorOptions& options) {
   const Stop stop{options};
   Approach approach(system, p, start, options);
-  RefusedOrbits refused;  // at its returns; at its end it looks at all of them again
   do {
     co_await carry_watched(lane, approach, stop);
     if (approach.open()) approach.stop(Termination::interrupted);
     if (approach.asks() == 0) continue;
-    SettlingLook looked =
-        co_await look(lane, system, p, approach.state(), approach.asks(), options, approach.at_end() ? nullptr : &refused);
+    SettlingLook looked = co_await look(lane, system, p, approach.state(), approach.asks(), options, approach.passed_by());
     approach.answer(std::move(looked.orbit));
   } while (approach.open());
   co_return std::move(approach).result();

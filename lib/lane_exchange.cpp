@@ -143,12 +143,9 @@ void LanePool::carry_part(const Part& part) {
     shared_.clear();
     for (std::size_t m = number * count / of->parts; m < (number + 1) * count / of->parts; ++m) {
       const MotionRun& run = of->runs[m];
-      PeriodResult* const next = run.results + run.carried;
-      const bool first = run.carried == 0;
-      shared_.push_back({{set, first ? run.start.x : next[-1].x, first ? run.start.v : next[-1].v},
-                         run.periods - run.carried,
-                         next,
-                         run.speeds});
+      MotionStart now = run.now();
+      now.parameters = set;
+      shared_.push_back({now, run.periods - run.carried, run.results + run.carried, run.speeds});
     }
     motions_.carry(shared_, of->tangent);
   } catch (...) {
@@ -159,11 +156,7 @@ void LanePool::carry_part(const Part& part) {
 
 /// A parameter set for motions of another pool.
 std::size_t LanePool::set_for(const Lent& lent) {
-  if (!of_others_) of_others_ = free_place();
-  if (of_others_)
-    motions_.change_parameters(*of_others_, lent.p);
-  else
-    of_others_ = motions_.add_parameters(lent.p);
+  put_down(lent.p, of_others_);
   if (lent.table) motions_.use(*of_others_, *lent.table);
   return *of_others_;
 }

@@ -27,11 +27,7 @@ ManyMotions& LanePlace::motions() const { return pool_->motions_; }
 
 void LanePlace::take_parameters(const Vector& p) {
   if (!own_parameters_ || p != own_) {
-    if (!own_parameters_) own_parameters_ = pool_->free_place();
-    if (own_parameters_)
-      motions().change_parameters(*own_parameters_, p);
-    else
-      own_parameters_ = motions().add_parameters(p);
+    pool_->put_down(p, own_parameters_);
     own_ = p;
   }
   parameters_ = *own_parameters_;
@@ -74,6 +70,15 @@ std::optional<std::size_t> LanePool::free_place() {
   const std::size_t place = free_parameters_.back();
   free_parameters_.pop_back();
   return place;
+}
+
+/// In a place that it has already, or in another.
+void LanePool::put_down(const Vector& p, std::optional<std::size_t>& place) {
+  if (!place) place = free_place();
+  if (place)
+    motions_.change_parameters(*place, p);
+  else
+    place = motions_.add_parameters(p);
 }
 
 /// For another computation.

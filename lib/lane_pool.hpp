@@ -98,6 +98,7 @@ class LanePool : RunSupply {
   static const LanePlace* longest_of(std::span<const std::unique_ptr<Member>> members);
   bool hurries(const LanePlace& place) const { return place.hurries_ || &place == longest_; }
   std::optional<std::size_t> free_place();
+  void put_down(const Vector& p, std::optional<std::size_t>& place);
   void clear(LanePlace& place);
   void carry(std::span<const std::unique_ptr<Member>> members, bool tangent, std::size_t motions);
   void go_on_with(LanePlace::Run& run, std::size_t periods);

@@ -271,20 +271,19 @@ bool ManyMotions::join(MotionRun& run) {
 /// What the lanes do of it next.
 lanes::Motion ManyMotions::next_of(const Going& one) const {
   const auto& [run, set] = one;
-  PeriodResult* const next = run->results + run->carried;
-  const bool first = run->carried == 0;
+  const MotionStart now = run->now();
   std::size_t periods = run->periods - run->carried;
   if (!supply_ && set->awaits_table) periods = std::min(periods, periods_between_looks);
   if (supply_ && !set->table && !run->goes_first) periods = std::min(periods, most_);
-  return {first ? run->start.x : next[-1].x,
-          first ? run->start.v : next[-1].v,
-          run->start.parameters,
+  return {now.x,
+          now.v,
+          now.parameters,
           &set->oscillator.coefficients,
           set->oscillator.grid.get(),
           &set->oscillator.pressed,
           set->oscillator.pressed_grid.get(),
           periods,
-          next,
+          run->results + run->carried,
           set->table ? &set->pieces : nullptr,
           set->awaits_table ? &set->met : nullptr,
           run->speeds};

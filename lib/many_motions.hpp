@@ -53,6 +53,12 @@ struct MotionRun {
   ImpactSpeeds* speeds = nullptr;  ///< and at what speeds it hit the barrier; may be null
   std::size_t carried = 0;         ///< of the periods
   bool goes_first = false;         ///< in carry_while_full: over all of them at once, and where it joins, before the others
+  /// Where those carried have brought it.
+  MotionStart now() const {
+    if (carried == 0) return start;
+    const PeriodResult& last = results[carried - 1];
+    return {start.parameters, last.x, last.v};
+  }
 };
 
 /// Who has more motions ready as others come through, so that the lanes do not run dry.
