@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/flow_choice.hpp>
 #include <graze/apps/map_plan.hpp>
 #include <graze/apps/number.hpp>
 
@@ -77,18 +78,19 @@ Json map_head(const MapPlan& plan, const std::vector<std::string>& settings) {
   Json starts = Json::array();
   for (const auto& start : plan.starts) starts.push_back(start ? to_json(*start) : Json(nullptr));
   const MapOptions& o = plan.options;
-  return result_head("map/1", "map", plan.problem,
-                     {{"problem", plan.problem.file},
-                      {"set", settings},
-                      {"columns", axis_json(plan.grid.columns)},
-                      {"rows", axis_json(plan.grid.rows)},
-                      {"starts", starts},
-                      {"follow", plan.follow},
-                      {"settle", o.settle},
-                      {"transient", o.transient},
-                      {"max_period", o.max_period},
-                      {"periods", o.periods},
-                      {"standard_error", o.standard_error}});
+  Json options = {{"problem", plan.problem.file},
+                  {"set", settings},
+                  {"columns", axis_json(plan.grid.columns)},
+                  {"rows", axis_json(plan.grid.rows)},
+                  {"starts", starts},
+                  {"follow", plan.follow},
+                  {"settle", o.settle},
+                  {"transient", o.transient},
+                  {"max_period", o.max_period},
+                  {"periods", o.periods},
+                  {"standard_error", o.standard_error}};
+  put_flow(options, o.flow.kind);
+  return result_head("map/1", "map", plan.problem, options);
 }
 
 MapPlan plan_of(const Json& head) {
@@ -107,6 +109,7 @@ MapPlan plan_of(const Json& head) {
     plan.options.max_period = options.at("max_period");
     plan.options.periods = options.at("periods");
     plan.options.standard_error = options.at("standard_error");
+    plan.options.flow.kind = flow_from(options);
     return plan;
   } catch (const Json::exception& error) {
     throw std::invalid_argument(std::string("this map does not say how it was computed: ") + plain(error));

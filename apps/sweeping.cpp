@@ -30,6 +30,7 @@ SweepOptions sweep_options(const SweepRange& range, const SweepingOptions& optio
   out.attractor.lyapunov.max_periods = options.periods;
   out.attractor.lyapunov.min_periods = std::min(options.periods, 500);
   out.attractor.lyapunov.standard_error = standard_error_of(options);
+  out.attractor.lyapunov.flow.kind = options.flow.kind();
   return out;
 }
 
@@ -42,6 +43,7 @@ void add_sweeping_options(CLI::App& app, SweepingOptions& options, Need step, co
   add_count(app, "--periods", options.periods, 1, "most forcing periods of each average (default 20000)");
   add_number(app, "--standard-error", options.standard_error, "bound of the exponents' standard errors (default 1e-3)");
   add_count(app, "--samples", options.samples, 1, "stroboscopic states kept of an attractor that is not periodic (default 200)");
+  add_flow_option(app, options.flow);
 }
 
 void check_sweeping(const SweepingOptions& options) {
@@ -52,11 +54,13 @@ void check_sweeping(const SweepingOptions& options) {
 }
 
 Json sweeping_json(const SweepingOptions& options) {
-  return {{"step", *options.step},
-          {"transient", options.transient},
-          {"periods", options.periods},
-          {"samples", options.samples},
-          {"standard_error", standard_error_of(options)}};
+  Json json = {{"step", *options.step},
+               {"transient", options.transient},
+               {"periods", options.periods},
+               {"samples", options.samples},
+               {"standard_error", standard_error_of(options)}};
+  put_flow(json, options.flow.kind());
+  return json;
 }
 
 void check_sweep_start(const Problem& problem, const StartOptions& start, const SweepRange& range) {

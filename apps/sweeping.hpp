@@ -6,6 +6,7 @@
 #include <graze/apps/arguments.hpp>
 #include <graze/apps/console.hpp>
 #include <graze/apps/find_orbit.hpp>
+#include <graze/apps/flow_choice.hpp>
 
 #include <graze/continuation/sweep.hpp>
 
@@ -20,9 +21,10 @@ struct SweepingOptions {
   std::optional<double> step, standard_error;
   int transient = 300, periods = 20000, samples = 200;
   int max_period = 256;  ///< longest period that is recognised
+  FlowChoice flow;
 };
 
-/// --step (with `step_help`), --transient, --periods, --standard-error, --samples.
+/// --step (with `step_help`), --transient, --periods, --standard-error, --samples, --flow.
 void add_sweeping_options(CLI::App& app, SweepingOptions& options, Need step, const std::string& step_help);
 
 /// @throws std::invalid_argument for a step or a standard error that is not > 0.

@@ -41,6 +41,7 @@ MapWork::MapWork(const HybridSystem& system, const Vector& p, const ParameterGri
   from_start_.lyapunov.max_periods = options.periods;
   from_start_.lyapunov.min_periods = std::min(options.periods, shortest_average);
   from_start_.lyapunov.aligning = shortest_average;
+  from_start_.lyapunov.flow = options.flow;
   from_neighbour_ = from_start_;
   from_neighbour_.transient = options.transient;
 }

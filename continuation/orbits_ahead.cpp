@@ -2,6 +2,7 @@
 #include <graze/continuation/orbits_ahead.hpp>
 #include <graze/floquet/settling_orbit.hpp>
 #include <graze/floquet/state_distance.hpp>
+#include <graze/lib/lane_pool.hpp>
 
 #include <algorithm>
 #include <limits>

@@ -72,6 +72,7 @@ struct MapOptions {
   int max_period = 64;           ///< longest period that is recognised
   int periods = 5000;            ///< most forcing periods of an average
   double standard_error = 3e-3;  ///< bound of the average's standard errors; it goes on until the sign of lambda_1 is sure, too
+  FlowOptions flow = {};
   std::function<bool()> cancelled = {};
   std::function<void()> progress = {};  ///< after every point, from any thread
 };

@@ -2,6 +2,7 @@
 #include <graze/continuation/sweep_chain.hpp>
 #include <graze/floquet/attractor_in_lanes.hpp>
 #include <graze/floquet/stroboscopic_states.hpp>
+#include <graze/lib/lane_pool.hpp>
 
 #include <algorithm>
 #include <stdexcept>

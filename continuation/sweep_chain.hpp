@@ -9,6 +9,7 @@
 
 #include <graze/continuation/orbits_ahead.hpp>
 #include <graze/continuation/sweep.hpp>
+#include <graze/lib/lane_task.hpp>
 
 #include <cstddef>
 #include <functional>
@@ -17,6 +18,8 @@
 #include <vector>
 
 namespace graze {
+
+class LanePlace;
 
 class SweepChain {
  public:

@@ -6,6 +6,7 @@
 #include <graze/floquet/attractor.hpp>
 #include <graze/floquet/refused_orbits.hpp>
 #include <graze/floquet/return_watch.hpp>
+#include <graze/floquet/settling_orbit.hpp>
 
 #include <fmt/format.h>
 

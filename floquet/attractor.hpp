@@ -6,8 +6,8 @@
 // exponent is positive by several standard errors. Else undecided.
 #pragma once
 
-#include <graze/floquet/lyapunov_lanes.hpp>
-#include <graze/floquet/settling_orbit.hpp>
+#include <graze/floquet/lyapunov.hpp>
+#include <graze/floquet/periodic_orbit.hpp>
 
 #include <complex>
 #include <cstdint>

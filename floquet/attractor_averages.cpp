@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The time average on an attractor, of one motion or of several side by side, and what it says.
 #include <graze/floquet/approach.hpp>
+#include <graze/floquet/lyapunov_lanes.hpp>
 #include <graze/floquet/rounds.hpp>
 #include <graze/floquet/side_by_side.hpp>
 #include <graze/lib/in_parallel.hpp>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/approach.hpp>
 #include <graze/floquet/attractor_in_lanes.hpp>
+#include <graze/floquet/lyapunov_lanes.hpp>
 #include <graze/floquet/refused_orbits.hpp>
 #include <graze/floquet/rounds.hpp>
 #include <graze/floquet/side_by_side.hpp>

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <graze/floquet/attractor.hpp>
-#include <graze/lib/lane_pool.hpp>
+#include <graze/lib/lane_task.hpp>
 
 namespace graze {
+
+class LanePlace;
 
 /// approach_attractor and average_on_attractor there, where the lanes know the oscillator, AttractorOptions::recurrence > 0 and
 /// periods_on_orbit = 0; else by themselves. What comes out does not depend on the others. Orbits come as from

@@ -3,6 +3,7 @@
 #include <graze/floquet/basins.hpp>
 #include <graze/floquet/known_attractors.hpp>
 #include <graze/floquet/scout.hpp>
+#include <graze/floquet/settling_orbit.hpp>
 #include <graze/floquet/side_by_side.hpp>
 #include <graze/floquet/spread_order.hpp>
 #include <graze/lib/in_parallel.hpp>

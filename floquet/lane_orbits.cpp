@@ -3,6 +3,7 @@
 #include <graze/floquet/lane_orbits.hpp>
 #include <graze/floquet/log_product.hpp>
 #include <graze/floquet/state_distance.hpp>
+#include <graze/lib/lane_pool.hpp>
 
 #include <algorithm>
 #include <cmath>

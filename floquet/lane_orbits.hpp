@@ -7,7 +7,7 @@
 #pragma once
 
 #include <graze/floquet/shooting.hpp>
-#include <graze/lib/lane_pool.hpp>
+#include <graze/lib/lane_task.hpp>
 
 #include <array>
 #include <complex>
@@ -15,6 +15,9 @@
 #include <vector>
 
 namespace graze {
+
+class LanePlace;
+class ManyMotions;
 
 struct LaneGuess {
   std::size_t parameters = 0;                 ///< as ManyMotions knows them

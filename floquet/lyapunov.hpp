@@ -29,6 +29,12 @@ enum class LyapunovStop {
 
 std::string_view lyapunov_stop_text(LyapunovStop reason);
 
+/// A motion to be averaged over.
+struct AverageStart {
+  Vector p;
+  Vector state;  ///< at forcing phase 0
+};
+
 struct LyapunovOptions {
   int interval = 1;  ///< forcing periods between two orthonormalisations
   /// > 1: averages over so many motions on the attractor side by side, in SIMD lanes, where they know the oscillator.

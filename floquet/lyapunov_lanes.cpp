@@ -3,7 +3,7 @@
 #include <graze/floquet/exponents.hpp>
 #include <graze/floquet/lyapunov_lanes.hpp>
 #include <graze/lib/in_parallel.hpp>
-#include <graze/lib/many_motions.hpp>
+#include <graze/lib/lane_pool.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -7,15 +7,14 @@
 #pragma once
 
 #include <graze/floquet/lyapunov.hpp>
-#include <graze/lib/lane_pool.hpp>
+#include <graze/lib/lane_task.hpp>
+
+#include <memory>
 
 namespace graze {
 
-/// A motion to be averaged over.
-struct AverageStart {
-  Vector p;
-  Vector state;  ///< at forcing phase 0
-};
+class LanePlace;
+struct MotionStart;
 
 /// Over LyapunovOptions::motions, side by side until they have met the options' rule. Those beyond the first begin next to it
 /// (1e-7 (1 + |x|) further from the barrier each) and are carried for `parting` periods, not counted, in which chaos parts them,

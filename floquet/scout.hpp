@@ -4,6 +4,7 @@
 #pragma once
 
 #include <graze/floquet/attractor.hpp>
+#include <graze/lib/many_motions.hpp>
 
 #include <memory>
 #include <vector>

@@ -16,14 +16,16 @@
 
 namespace graze {
 
-enum class FlowKind { automatic, general };
+/// What carries a motion. automatic: the fastest that a mode's structure allows, many motions side by side in SIMD lanes.
+/// alone: the same without company (a check on the lanes). general: the GSL integrator for every mode (an oracle for the others).
+enum class FlowKind { automatic, alone, general };
 enum class Sensitivity { none, state, state_and_parameters };
 
 struct FlowOptions {
-  FlowKind kind = FlowKind::automatic;  ///< general: the GSL integrator for every mode (an oracle for the others)
-  double tolerance = 1e-13;             ///< local error per step, relative to 1 + |x| (numerical flows)
-  double max_step = 0.0;                ///< of the general integrator; 0: a sixteenth of the forcing period, or unlimited
-  std::size_t max_steps = 100000;       ///< of one segment; more is FlowEnd::failed
+  FlowKind kind = FlowKind::automatic;
+  double tolerance = 1e-13;        ///< local error per step, relative to 1 + |x| (numerical flows)
+  double max_step = 0.0;           ///< of the general integrator; 0: a sixteenth of the forcing period, or unlimited
+  std::size_t max_steps = 100000;  ///< of one segment; more is FlowEnd::failed
   /// Remaining time of an impact series below which it is taken for complete (its sum is then known to its square).
   double accumulation_window = 1e-6;
   /// Asked before every segment; may be null. A run (simulate, carry) for which it says true ends as Termination::interrupted.

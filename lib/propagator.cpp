@@ -37,7 +37,7 @@ void Propagator::set_parameters(const Vector& p) {
 const lanes::Oscillator* Propagator::one_lane() {
   if (!lane_known_) {
     lane_known_ = true;
-    one_lane_ = options_.kind == FlowKind::automatic ? lanes::lane_oscillator(*system_, p_) : std::nullopt;
+    one_lane_ = options_.kind != FlowKind::general ? lanes::lane_oscillator(*system_, p_) : std::nullopt;
     // Hertz's contact and the cantilever are no faster so.
     if (one_lane_ && (one_lane_->law != lanes::Law::restitution || one_lane_->cubic)) one_lane_.reset();
   }

@@ -5,6 +5,7 @@
 #include <graze/apps/axis.hpp>
 #include <graze/apps/commands/command.hpp>
 #include <graze/apps/find_orbit.hpp>
+#include <graze/apps/flow_choice.hpp>
 #include <graze/apps/input_file.hpp>
 #include <graze/apps/interrupt.hpp>
 #include <graze/apps/number.hpp>
@@ -34,6 +35,7 @@ struct Options {
   std::string x, v, resume;
   std::optional<int> random, seed;
   int transient = 1000, periods = 20000, max_period = 64;
+  FlowChoice flow;
   OutputOptions output;
 };
 
@@ -248,6 +250,7 @@ BasinOptions basin_options(const Options& options, const Console& console, Progr
   out.periods = options.periods;
   out.threads = console.thread_count();
   out.cancelled = [&stints] { return interrupted() || stints.over(); };
+  out.flow.kind = options.flow.kind();
   out.flow.cancelled = interrupted;
   out.progress = [&progress, &stints, starts](std::size_t done, std::size_t attractors) {
     stints.news();
@@ -265,6 +268,7 @@ Json described(const Options& options, const std::array<Axis, 2>& axes) {
   }
   if (options.random) json.update({{"random", *options.random}, {"seed", options.seed.value_or(1)}});
   json.update({{"transient", options.transient}, {"periods", options.periods}, {"max_period", options.max_period}});
+  put_flow(json, options.flow.kind());
   return json;
 }
 
@@ -337,6 +341,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_count(app, "--periods", options->periods, 1,
             "of such an average: who settles on no orbit in them is chaotic or undecided (default 20000)");
   add_count(app, "--max-period", options->max_period, 1, "longest period that is recognised (default 64)", longest_period);
+  add_flow_option(app, options->flow);
   add_text(app, "--resume", options->resume, "DIR", "go on from what an interrupted or killed run left in DIR (its --out)");
   add_output_options(app, options->output, "attractors/1");
   return [options](const Console& console) { return run(*options, console); };

@@ -4,6 +4,7 @@
 #include <graze/apps/attractor_report.hpp>
 #include <graze/apps/commands/command.hpp>
 #include <graze/apps/find_orbit.hpp>
+#include <graze/apps/flow_choice.hpp>
 #include <graze/apps/interrupt.hpp>
 #include <graze/apps/number.hpp>
 #include <graze/apps/progress.hpp>
@@ -25,6 +26,7 @@ struct Options {
   StartOptions start;
   int periods = 200000, interval = 1, max_period = 64;
   std::optional<double> standard_error, change;
+  FlowChoice flow;
   OutputOptions output;
 };
 
@@ -37,6 +39,7 @@ AttractorOptions attractor_options(const Options& options, const Problem& proble
   if (options.standard_error) out.lyapunov.standard_error = *options.standard_error;
   if (options.change) out.lyapunov.change = *options.change;
   out.lyapunov.all_threads = true;
+  out.lyapunov.flow.kind = options.flow.kind();
   out.lyapunov.cancelled = interrupted;
   out.lyapunov.progress = [&progress, most = options.periods](std::int64_t periods) {
     progress.update(static_cast<double>(periods) / most, [&] { return fmt::format("{} forcing periods", periods); });
@@ -79,6 +82,7 @@ int run(const Options& options, const Console& console) {
   given.update({{"periods", options.periods}, {"interval", options.interval}, {"max_period", options.max_period}});
   if (options.standard_error) given["standard_error"] = *options.standard_error;
   if (options.change) given["change"] = *options.change;
+  put_flow(given, options.flow.kind());
   Result result;
   result.json = result_head("lyapunov/1", "lyapunov", problem, given);
   set_status(result.json, status, message);
@@ -116,6 +120,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_number(app, "--change", options->change,
              "stop where no exponent changes by more than this from one interval to the next, instead of --standard-error");
   add_count(app, "--max-period", options->max_period, 1, "longest period that is recognised (default 64)");
+  add_flow_option(app, options->flow);
   add_output_options(app, options->output, "lyapunov/1");
   return [options](const Console& console) { return run(*options, console); };
 }

@@ -5,6 +5,7 @@
 #include <graze/apps/commands/command.hpp>
 #include <graze/apps/drawings.hpp>
 #include <graze/apps/find_orbit.hpp>
+#include <graze/apps/flow_choice.hpp>
 #include <graze/apps/interrupt.hpp>
 #include <graze/apps/map_report.hpp>
 #include <graze/apps/map_run.hpp>
@@ -36,6 +37,7 @@ struct Options {
   MapOptions map;
   std::optional<double> standard_error;
   std::optional<int> chunk_rows, transient;
+  FlowChoice flow;
   OutputOptions output;
 };
 
@@ -78,6 +80,7 @@ MapPlan plan_from(const Options& options, const Console& console) {
     throw std::invalid_argument(
         "--transient is of rows that are followed; give --follow up, down or both too (--settle is of starts)");
   if (options.transient) plan.options.transient = *options.transient;
+  plan.options.flow.kind = options.flow.kind();
   plan.options.settle = settle_of(plan.problem, options.start);
   if (options.standard_error) plan.options.standard_error = *options.standard_error;
   if (!(plan.options.standard_error > 0.0))
@@ -310,6 +313,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_count(app, "--periods", options->map.periods, 1, "most forcing periods of an average (default 5000)");
   add_number(app, "--standard-error", options->standard_error,
              "bound of lambda_1's standard error where it is averaged (default 3e-3: the sign is what matters)");
+  add_flow_option(app, options->flow);
   begin_group(app, "Results");
   add_text(app, "--out", options->output.out, "DIR", "folder that gets map.h5 and pictures, and meanwhile the finished chunks");
   add_flag(app, "--overwrite", options->overwrite, "replace another map in --out DIR; without, it is kept and the run refused");

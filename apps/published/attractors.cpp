@@ -4,6 +4,8 @@
 #include <graze/apps/orbit_report.hpp>
 #include <graze/apps/published/attractors.hpp>
 
+#include <graze/floquet/shooting.hpp>
+
 #include <fmt/format.h>
 
 #include <algorithm>

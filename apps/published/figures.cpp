@@ -6,6 +6,8 @@
 #include <graze/apps/section.hpp>
 #include <graze/apps/sweep_report.hpp>
 
+#include <graze/floquet/shooting.hpp>
+
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -3,6 +3,7 @@
 // followed rows, points next to bifurcations, misuse.
 #include <graze/continuation/parameter_map.hpp>
 #include <graze/continuation/sweep.hpp>
+#include <graze/floquet/shooting.hpp>
 #include <graze/lib/oscillator.hpp>
 
 #include "support/damped_hertz.hpp"

@@ -3,6 +3,7 @@
 // of the values ahead; motions that linger.
 #include <graze/continuation/orbits_ahead.hpp>
 #include <graze/continuation/sweep.hpp>
+#include <graze/floquet/shooting.hpp>
 
 #include "support/damped_hertz.hpp"
 #include "support/newton_oscillator.hpp"

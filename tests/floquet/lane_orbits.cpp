@@ -2,6 +2,7 @@
 // Orbits found side by side in lanes, against closed forms and against the orbits that shoot() finds.
 #include <graze/floquet/lane_orbits.hpp>
 #include <graze/floquet/settling_orbit.hpp>
+#include <graze/lib/lane_pool.hpp>
 #include <graze/lib/oscillator.hpp>
 
 #include "support/checks.hpp"

@@ -2,6 +2,7 @@
 // Motions that linger: at an unstable orbit, on it, on the way to a stable one, in narrow bands of chaos, now and then.
 #include <graze/floquet/attractor.hpp>
 #include <graze/floquet/lingering.hpp>
+#include <graze/floquet/shooting.hpp>
 #include <graze/lib/oscillator.hpp>
 
 #include "support/checks.hpp"

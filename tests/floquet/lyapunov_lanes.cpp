@@ -3,6 +3,7 @@
 // number of threads.
 #include <graze/floquet/attractor.hpp>
 #include <graze/floquet/lyapunov_lanes.hpp>
+#include <graze/lib/lane_pool.hpp>
 #include <graze/lib/oscillator.hpp>
 
 #include "support/checks.hpp"

@@ -4,6 +4,7 @@
 #include <graze/floquet/refused_orbits.hpp>
 #include <graze/floquet/settle.hpp>
 #include <graze/floquet/settling_orbit.hpp>
+#include <graze/lib/lane_pool.hpp>
 #include <graze/lib/oscillator.hpp>
 
 #include "support/checks.hpp"
