@@ -4,28 +4,28 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <stdexcept>
-#include <vector>
 
 namespace graze::apps {
 
 namespace {
 
-const std::vector<std::string> names = {"automatic", "alone", "general"};  // in the order of FlowKind
+constexpr std::array<const char*, 3> names = {"automatic", "alone", "general"};  // in the order of FlowKind
 
 }  // namespace
 
 FlowKind FlowChoice::kind() const {
-  const auto found = std::find(names.begin(), names.end(), name);
+  const auto* const found = std::find(names.begin(), names.end(), name);
   if (found == names.end()) throw std::invalid_argument(fmt::format("flow is {}; allowed are {}", name, fmt::join(names, ", ")));
   return static_cast<FlowKind>(found - names.begin());
 }
 
 void add_flow_option(CLI::App& app, FlowChoice& choice) {
   add_choice(
-      app, "--flow", choice.name, names,
-      "what carries the motions: many side by side in SIMD lanes (automatic, the default), the same one by one (alone), or "
-      "one by one by GSL's rk8pd (general); the last two are slower and there to compare with");
+      app, "--flow", choice.name, {names.begin(), names.end()},
+      "what carries the motions (default automatic: many side by side in SIMD lanes; alone: each by itself; general: each by "
+      "GSL's rk8pd; these are slower, to compare with)");
 }
 
 void put_flow(Json& options, FlowKind kind) {
