@@ -16,7 +16,6 @@
 #include <graze/lib/lanes/two_orders.hpp>
 
 #include <array>
-#include <utility>
 
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
@@ -44,7 +43,10 @@ template <class Real, bool Tangent, bool Cubic, std::size_t Order> class Contact
       p_1_[0] = z.p_1;
       if constexpr (in_quads<Real>) quads_.columns[0] = {z.p_0, z.p_1, z.z_0, z.z_1};
     }
-    expand(Terms(law, Cubic), std::make_index_sequence<order / 2>());
+    const Terms q(law, Cubic);
+    next_two<Known::none>(q, 0);
+#pragma GCC unroll 1
+    for (std::size_t k = 2; k < order; k += 2) next_two<Known::even>(q, k);
   }
   Real depth(const Real& h) const { return sum(y_, h); }
   Real speed(const Real& h) const { return sum(v_, h); }
@@ -85,11 +87,9 @@ template <class Real, bool Tangent, bool Cubic, std::size_t Order> class Contact
 
  private:
   static constexpr bool with_y7 = Tangent || Cubic;
+  template <Known Number> static constexpr Known of_seventh = with_y7 ? Number : Known::none;
+  static constexpr Known of_tangent = Tangent ? Known::odd : Known::none;  // one more than of the others
   using Terms = ContactTerms<Real>;
-
-  template <std::size_t... i> [[gnu::always_inline]] void expand(const Terms& q, std::index_sequence<i...>) {
-    (next_two<2 * i>(q), ...);
-  }
 
   /// Sums of products, of order k those with c and s, of order k + 1 without their first and last terms the others; of yy and uu
   /// one half.
@@ -101,29 +101,29 @@ template <class Real, bool Tangent, bool Cubic, std::size_t Order> class Contact
     Real yp_0, yp_1, fz_0, fz_1;
   };
 
-  template <std::size_t k> [[gnu::always_inline]] void next_two_in_quads(const Terms& q) {
-    const TwoOrders<Quad, k, 1, false> powers(quads_.left, quads_.right);
-    const TwoOrders<Pair, k, 0, true> squares(quads_.roots);
-    const TwoOrders<Real, with_y7 ? k : 0, 1, false> seventh(y4_.data() + 1, y3_.data() + 1);
+  template <Known Number> [[gnu::always_inline]] void next_two_in_quads(const Terms& q, std::size_t k) {
+    const TwoOrders<Quad, Number, 1, false> powers(k, quads_.left, quads_.right);
+    const TwoOrders<Pair, Number, 0, true> squares(k, quads_.roots);
+    const TwoOrders<Real, of_seventh<Number>, 1, false> seventh(k, y4_.data() + 1, y3_.data() + 1);
     const auto products = [](const auto& of_powers, const auto& of_squares, double y3w) __attribute__((always_inline)) {
       const auto [yc, ys, yw, yu] = numbers(of_powers);
       const auto [yy, uu] = numbers(of_squares);
       return Products{yc, ys, yy, yu, uu, yw, y3w};
     };
-    close<k>(q, products(powers.first(), squares.first_square(), seventh.first()));
-    put_in_quads<k>();
-    const TwoOrders<Quad, Tangent ? k + 1 : 0, 1, false> tangent(quads_.factors, quads_.columns);
-    if constexpr (Tangent) close_tangent_in_quads<k>(tangent.first());
-    close<k + 1>(q, products(powers.second(), squares.second_square(), seventh.second()));
-    put_in_quads<k + 1>();
-    if constexpr (Tangent) close_tangent_in_quads<k + 1>(tangent.second());
+    close(k, q, products(powers.first(), squares.first_square(), seventh.first()));
+    put_in_quads(k);
+    const TwoOrders<Quad, of_tangent, 1, false> tangent(k + 1, quads_.factors, quads_.columns);
+    if constexpr (Tangent) close_tangent_in_quads(k, tangent.first());
+    close(k + 1, q, products(powers.second(), squares.second_square(), seventh.second()));
+    put_in_quads(k + 1);
+    if constexpr (Tangent) close_tangent_in_quads(k + 1, tangent.second());
   }
-  template <std::size_t k> [[gnu::always_inline]] void close_tangent_in_quads(const Quad& sums) {
+  [[gnu::always_inline]] void close_tangent_in_quads(std::size_t k, const Quad& sums) {
     const auto [yp_0, yp_1, fz_0, fz_1] = numbers(sums);
-    close_tangent<k>({yp_0, yp_1, fz_0, fz_1});
+    close_tangent(k, {yp_0, yp_1, fz_0, fz_1});
     quads_.columns[k + 1] = {p_0_[k + 1], p_1_[k + 1], z_0_[k + 1], z_1_[k + 1]};
   }
-  template <std::size_t k> [[gnu::always_inline]] void put_in_quads() {
+  [[gnu::always_inline]] void put_in_quads(std::size_t k) {
     quads_.left[k] = {y_[k + 1], y_[k + 1], y_[k + 1], u_[k + 1]};
     quads_.right[k] = {c_[k], s_[k], y4_[k + 1], y_[k + 1]};
     quads_.roots[k] = {y_[k + 1], u_[k + 1]};
@@ -131,26 +131,28 @@ template <class Real, bool Tangent, bool Cubic, std::size_t Order> class Contact
   }
 
   /// Coefficients k + 1 and k + 2 of everything from those up to k.
-  template <std::size_t k> [[gnu::always_inline]] void next_two(const Terms& q) {
-    if constexpr (in_quads<Real>) return next_two_in_quads<k>(q);
+  template <Known Number> [[gnu::always_inline]] void next_two(const Terms& q, std::size_t k) {
+    if constexpr (in_quads<Real>) return next_two_in_quads<Number>(q, k);
     const Real *const y = y_.data() + 1, *const u = u_.data() + 1, *const w = y4_.data() + 1;
-    const TwoOrders<Real, k, 2, false> forced(y, c_.data(), s_.data());
-    const TwoOrders<Real, k, 1, true> fifth(y, w), third(u, y);
-    const TwoOrders<Real, with_y7 ? k : 0, 1, false> seventh(w, y3_.data() + 1);
-    close<k>(q, {forced.first(0), forced.first(1), fifth.first_square(), third.first(), third.first_square(), fifth.first(),
-                 seventh.first()});
-    constexpr std::size_t known = Tangent ? k + 1 : 0;
-    const TwoOrders<Real, known, 2, false> yp(y_.data(), p_0_.data(), p_1_.data()), fz(f_.data(), z_0_.data(), z_1_.data());
-    if constexpr (Tangent) close_tangent<k>({yp.first(0), yp.first(1), fz.first(0), fz.first(1)});
-    close<k + 1>(q, {forced.second(0), forced.second(1), fifth.second_square(), third.second(), third.second_square(),
-                     fifth.second(), seventh.second()});
-    if constexpr (Tangent) close_tangent<k + 1>({yp.second(0), yp.second(1), fz.second(0), fz.second(1)});
+    const TwoOrders<Real, Number, 2, false> forced(k, y, c_.data(), s_.data());
+    const TwoOrders<Real, Number, 1, true> fifth(k, y, w), third(k, u, y);
+    const TwoOrders<Real, of_seventh<Number>, 1, false> seventh(k, w, y3_.data() + 1);
+    close(k, q,
+          {forced.first(0), forced.first(1), fifth.first_square(), third.first(), third.first_square(), fifth.first(),
+           seventh.first()});
+    const TwoOrders<Real, of_tangent, 2, false> yp(k + 1, y_.data(), p_0_.data(), p_1_.data()),
+        fz(k + 1, f_.data(), z_0_.data(), z_1_.data());
+    if constexpr (Tangent) close_tangent(k, {yp.first(0), yp.first(1), fz.first(0), fz.first(1)});
+    close(k + 1, q,
+          {forced.second(0), forced.second(1), fifth.second_square(), third.second(), third.second_square(), fifth.second(),
+           seventh.second()});
+    if constexpr (Tangent) close_tangent(k + 1, {yp.second(0), yp.second(1), fz.second(0), fz.second(1)});
   }
 
   /// Coefficients k + 1 of all but the tangent, and k of f, from sums of products of order k and of order k + 1 without their
   /// first and last terms.
-  template <std::size_t k> [[gnu::always_inline]] void close(const Terms& q, const Products& sums) {
-    constexpr double inverse = 1.0 / static_cast<double>(k + 1);
+  [[gnu::always_inline]] void close(std::size_t k, const Terms& q, const Products& sums) {
+    const double inverse = inverses[k];
     const Real y0 = y_[0], u0 = u_[0], w0 = y4_[0];
     const Real turn = inverse * q.w, c = -turn * madd(y0, s_[k], sums.ys), s = turn * madd(y0, c_[k], sums.yc);
     const Real y = (0.5 * inverse) * v_[k], u = 2.0 * madd(y0, y, sums.yy), w = 2.0 * madd(u0, u, sums.uu),
@@ -178,8 +180,8 @@ template <class Real, bool Tangent, bool Cubic, std::size_t Order> class Contact
     y5_[k + 1] = y5;
     if constexpr (with_y7) y7_[k + 1] = madd(y3_[0], w, madd(w0, y3, sums.y3w));
   }
-  template <std::size_t k> [[gnu::always_inline]] void close_tangent(const TangentProducts& sums) {
-    constexpr double inverse = 1.0 / static_cast<double>(k + 1);
+  [[gnu::always_inline]] void close_tangent(std::size_t k, const TangentProducts& sums) {
+    const double inverse = inverses[k];
     z_0_[k + 1] = inverse * sums.yp_0;
     z_1_[k + 1] = inverse * sums.yp_1;
     p_0_[k + 1] = -inverse * sums.fz_0;

@@ -9,7 +9,6 @@
 #include <graze/lib/lanes/two_orders.hpp>
 
 #include <array>
-#include <utility>
 
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
@@ -38,7 +37,9 @@ template <class Real, bool Tangent, std::size_t Order> class FlightSeries {
     constexpr double third = 1.0 / 3.0;
     const Constants constants{-law.b2,        -law.k,          -third * law.b2,
                               -third * law.k, -2.0 * law.beta, {force_c, -force_s, -force_c, force_s}};
-    expand(law, constants, std::make_index_sequence<order / 2>());
+    next_two<Known::none>(law, constants, 0);
+#pragma GCC unroll 1
+    for (std::size_t k = 2; k < order; k += 2) next_two<Known::even>(law, constants, k);
   }
   /// Of the gap, but for the first.
   const Coefficients& position() const { return x_; }
@@ -85,37 +86,33 @@ template <class Real, bool Tangent, std::size_t Order> class FlightSeries {
     Real drag, pull, drag_3, pull_3, twice_bend, force[4];
   };
 
-  template <std::size_t... i>
-  [[gnu::always_inline]] void expand(const FlightLaw<Real>& law, const Constants& constants, std::index_sequence<i...>) {
-    (next_two<2 * i>(law, constants), ...);
-  }
-
   /// Sums of products: of order k with bend_; of order k + 1, without their first and last terms, one half of x x.
   struct Products {
     Real cube, d[2], square;
   };
 
   /// Coefficients k + 1 and k + 2 of everything from those up to k; bend_ = -beta x^2.
-  template <std::size_t k> [[gnu::always_inline]] void next_two(const FlightLaw<Real>& law, const Constants& q) {
-    const TwoOrders<Real, k, 0, true, true> squares(x_.data() + 1);
+  template <Known Number> [[gnu::always_inline]] void next_two(const FlightLaw<Real>& law, const Constants& q, std::size_t k) {
+    const TwoOrders<Real, Number, 0, true> squares(k, x_.data() + 1);
     if constexpr (with_quads) {
-      const TwoOrders<Quad, k + 1, 1, false, true> products(quads_.bend, quads_.columns);
+      const TwoOrders<Quad, Known::odd, 1, false> products(k + 1, quads_.bend, quads_.columns);
       const auto sums = [](const Quad& of_products, double square) __attribute__((always_inline)) {
         const auto [cube, d_0, d_1, nothing] = numbers(of_products);
         return Products{cube, {d_0, d_1}, square};
       };
-      close<k>(law, q, sums(products.first(), squares.first_square()));
+      close<Number == Known::none>(k, law, q, sums(products.first(), squares.first_square()));
       put_in_quads(k + 1);
-      close<k + 1>(law, q, sums(products.second(), squares.second_square()));
+      close<false>(k + 1, law, q, sums(products.second(), squares.second_square()));
       put_in_quads(k + 2);
     } else if constexpr (Tangent) {
-      const TwoOrders<Real, k + 1, 3, false, true> products(bend_.data(), x_.data(), Phi_[0].data(), Phi_[1].data());
-      close<k>(law, q, {products.first(0), {products.first(1), products.first(2)}, squares.first_square()});
-      close<k + 1>(law, q, {products.second(0), {products.second(1), products.second(2)}, squares.second_square()});
+      const TwoOrders<Real, Known::odd, 3, false> products(k + 1, bend_.data(), x_.data(), Phi_[0].data(), Phi_[1].data());
+      close<Number == Known::none>(k, law, q,
+                                   {products.first(0), {products.first(1), products.first(2)}, squares.first_square()});
+      close<false>(k + 1, law, q, {products.second(0), {products.second(1), products.second(2)}, squares.second_square()});
     } else {
-      const TwoOrders<Real, k + 1, 1, false, true> cubes(bend_.data(), x_.data());
-      close<k>(law, q, {cubes.first(), {}, squares.first_square()});
-      close<k + 1>(law, q, {cubes.second(), {}, squares.second_square()});
+      const TwoOrders<Real, Known::odd, 1, false> cubes(k + 1, bend_.data(), x_.data());
+      close<Number == Known::none>(k, law, q, {cubes.first(), {}, squares.first_square()});
+      close<false>(k + 1, law, q, {cubes.second(), {}, squares.second_square()});
     }
   }
 
@@ -128,11 +125,11 @@ template <class Real, bool Tangent, std::size_t Order> class FlightSeries {
   }
 
   /// Coefficients k + 1 of everything.
-  template <std::size_t k>
-  [[gnu::always_inline]] void close(const FlightLaw<Real>& law, const Constants& q, const Products& sums) {
-    constexpr double inverse = 1.0 / static_cast<double>(k + 1);
+  template <bool First>
+  [[gnu::always_inline]] void close(std::size_t k, const FlightLaw<Real>& law, const Constants& q, const Products& sums) {
+    const double inverse = inverses[k];
     Real force = sums.cube;
-    if constexpr (k == 0) force = force + law.constant;
+    if constexpr (First) force = force + law.constant;
     force = madd(q.force[k % 4], turn_[k], force);
     const Real v = inverse * madd(q.pull, x_[k], madd(q.drag, v_[k], force)), x = inverse * v_[k];
     v_[k + 1] = v;

@@ -15,6 +15,13 @@ inline namespace GRAZE_ARITHMETIC {
 inline constexpr std::size_t low_order = 16, high_order = 20;
 inline constexpr double small_tolerance = 5e-13;
 
+/// 1/(k + 1), k < high_order.
+inline constexpr auto inverses = [] {
+  std::array<double, high_order> all{};
+  for (std::size_t k = 0; k < high_order; ++k) all[k] = 1.0 / static_cast<double>(k + 1);
+  return all;
+}();
+
 /// (a[0] + a[1] h + ... - a[0])/h. Even and odd powers apart: half as long a chain.
 template <class Real, std::size_t N> Real without_first(const std::array<Real, N>& a, const Real& h) {
   static_assert(N % 2 == 1 && N > 4);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // TwoOrders: two successive coefficients of products of power series at once. Each number that is loaded serves both, which
-// halves the loads: they, not the arithmetic, are what sums of products in wide registers wait for.
+// halves the loads: they, not the arithmetic, are what sums of products in wide registers wait for. How many coefficients are
+// known is a number and no constant: code of its own for each order would be more than instruction caches hold.
 #pragma once
 
 #include <graze/lib/lanes/real.hpp>
@@ -11,34 +12,38 @@
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
-/// Products of a series a with N others, and one half of its square if Squared, so many coefficients of all of them being known:
-/// the sums of a_i b_j over i + j = Known - 1, and over i + j = Known once the next coefficients are known, too. Unrolled: as
-/// long as there are few such sums (they have to stay in the instruction cache), that takes a tenth less time.
-template <class Real, std::size_t Known, std::size_t N, bool Squared, bool Unrolled = false> class TwoOrders {
+/// How many coefficients are known: none, an even or an odd number of them.
+enum class Known { none, even, odd };
+
+/// Products of a series a with N others, and one half of its square if Squared, the first `known` coefficients of all of them
+/// being known: the sums of a_i b_j over i + j = known - 1, and over i + j = known once the next coefficients are known, too.
+template <class Real, Known Number, std::size_t N, bool Squared> class TwoOrders {
  public:
-  template <class... Series> [[gnu::always_inline]] explicit TwoOrders(const Real* a, const Series*... b) : a_(a), b_{b...} {
+  template <class... Series>
+  [[gnu::always_inline]] explicit TwoOrders(std::size_t known, const Real* a, const Series*... b)
+      : known_(known), a_(a), b_{b...} {
     static_assert(sizeof...(Series) == N);
-    if constexpr (Known > 0) add_up();
+    if constexpr (Number != Known::none) add_up();
   }
   Real first(std::size_t n = 0) const { return first_[n]; }
   Real first_square() const { return first_[N]; }
   [[gnu::always_inline]] Real second(std::size_t n = 0) const {
-    if constexpr (Known == 0) return a_[0] * b_[n][0];
-    return madd(a_[Known], b_[n][0], madd(a_[0], b_[n][Known], second_[n]));
+    if constexpr (Number == Known::none) return a_[0] * b_[n][0];
+    return madd(a_[known_], b_[n][0], madd(a_[0], b_[n][known_], second_[n]));
   }
   [[gnu::always_inline]] Real second_square() const {
-    if constexpr (Known == 0) return (0.5 * a_[0]) * a_[0];
-    return madd(a_[0], a_[Known], second_[N]);
+    if constexpr (Number == Known::none) return (0.5 * a_[0]) * a_[0];
+    return madd(a_[0], a_[known_], second_[N]);
   }
 
  private:
   /// From the middle on: what was computed last comes last, and need not be waited for.
   [[gnu::always_inline]] void add_up() {
-    constexpr std::size_t middle = Known / 2;
+    const std::size_t middle = known_ / 2;
     Real a_low = a_[middle];
     std::array<Real, N> b_low;
     for (std::size_t n = 0; n < N; ++n) b_low[n] = b_[n][middle];
-    if constexpr (Known % 2 == 1) {
+    if constexpr (Number == Known::odd) {
       for (std::size_t n = 0; n < N; ++n) first_[n] = a_low * b_low[n];
       if constexpr (Squared) first_[N] = (0.5 * a_low) * a_low;
     } else {
@@ -55,9 +60,10 @@ template <class Real, std::size_t Known, std::size_t N, bool Squared, bool Unrol
         first_[N] = a_low * a_high;
       }
     }
-    const auto add = [&](std::size_t j) __attribute__((always_inline)) {
+#pragma GCC unroll 1
+    for (std::size_t j = middle + 1; j < known_; ++j) {
       const Real a_high = a_[j], a_before = a_low;
-      a_low = a_[Known - 1 - j];
+      a_low = a_[known_ - 1 - j];
       if constexpr (Squared) {
         second_[N] = madd(a_before, a_high, second_[N]);
         first_[N] = madd(a_low, a_high, first_[N]);
@@ -65,19 +71,13 @@ template <class Real, std::size_t Known, std::size_t N, bool Squared, bool Unrol
       for (std::size_t n = 0; n < N; ++n) {
         const Real b_high = b_[n][j];
         second_[n] = madd(a_high, b_low[n], madd(a_before, b_high, second_[n]));
-        b_low[n] = b_[n][Known - 1 - j];
+        b_low[n] = b_[n][known_ - 1 - j];
         first_[n] = madd(a_high, b_low[n], madd(a_low, b_high, first_[n]));
       }
-    };
-    if constexpr (Unrolled) {
-#pragma GCC unroll 16
-      for (std::size_t j = middle + 1; j < Known; ++j) add(j);
-    } else {
-#pragma GCC unroll 1
-      for (std::size_t j = middle + 1; j < Known; ++j) add(j);
     }
   }
 
+  std::size_t known_;
   const Real* a_;
   std::array<const Real*, N> b_;
   /// The last: of the square. The second without its ends.
