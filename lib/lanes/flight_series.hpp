@@ -93,6 +93,7 @@ template <class Real, bool Tangent, std::size_t Order> class FlightSeries {
 
   /// Coefficients k + 1 and k + 2 of everything from those up to k; bend_ = -beta x^2.
   template <Known Number> [[gnu::always_inline]] void next_two(const FlightLaw<Real>& law, const Constants& q, std::size_t k) {
+    constexpr bool first = Number == Known::none;
     const TwoOrders<Real, Number, 0, true> squares(k, x_.data() + 1);
     if constexpr (with_quads) {
       const TwoOrders<Quad, Known::odd, 1, false> products(k + 1, quads_.bend, quads_.columns);
@@ -100,18 +101,17 @@ template <class Real, bool Tangent, std::size_t Order> class FlightSeries {
         const auto [cube, d_0, d_1, nothing] = numbers(of_products);
         return Products{cube, {d_0, d_1}, square};
       };
-      close<Number == Known::none>(k, law, q, sums(products.first(), squares.first_square()));
+      close<first>(k, law, q, sums(products.first(), squares.first_square()));
       put_in_quads(k + 1);
       close<false>(k + 1, law, q, sums(products.second(), squares.second_square()));
       put_in_quads(k + 2);
     } else if constexpr (Tangent) {
       const TwoOrders<Real, Known::odd, 3, false> products(k + 1, bend_.data(), x_.data(), Phi_[0].data(), Phi_[1].data());
-      close<Number == Known::none>(k, law, q,
-                                   {products.first(0), {products.first(1), products.first(2)}, squares.first_square()});
+      close<first>(k, law, q, {products.first(0), {products.first(1), products.first(2)}, squares.first_square()});
       close<false>(k + 1, law, q, {products.second(0), {products.second(1), products.second(2)}, squares.second_square()});
     } else {
       const TwoOrders<Real, Known::odd, 1, false> cubes(k + 1, bend_.data(), x_.data());
-      close<Number == Known::none>(k, law, q, {cubes.first(), {}, squares.first_square()});
+      close<first>(k, law, q, {cubes.first(), {}, squares.first_square()});
       close<false>(k + 1, law, q, {cubes.second(), {}, squares.second_square()});
     }
   }
