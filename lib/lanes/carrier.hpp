@@ -72,7 +72,7 @@ template <class Flight> class Carrier {
 
   void hit(Landing<Real> landing) {
     landing.where = memory_.count_impacts(landing.where);
-    if (queue_.notes()) note_impacts(landing);
+    if (queue_.notes()) note_impacts(memory_, landing, job_.motions);
     if (job_.law == Law::restitution) return rebound<Flight>(memory_, landing);
     if (job_.law == Law::linear_elastic) return change_sides<Flight>(memory_, landing, job_.motions);
     Mask<Real> touching = landing.where;
@@ -81,17 +81,6 @@ template <class Flight> class Carrier {
       if (queue_.tables()) touching = touching & !pass_known(landing);
     }
     if (any(touching)) touch(memory_, touching, Real(0.0), landing.v, landing.c, landing.s);
-  }
-
-  void note_impacts(const Landing<Real>& landing) {
-    alignas(64) double speed[W];
-    put(speed, landing.v);
-    for_each(landing.where, [&](std::size_t lane) {
-      ImpactNotes* const notes = job_.motions[memory_.motion[lane]].notes;
-      if (!notes || memory_.coefficient[side][lane] < 0.0) return;
-      WideRegisters::leave();
-      notes->add(*notes, speed[lane]);
-    });
   }
 
   /// Contacts that the table knows.

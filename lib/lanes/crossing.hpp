@@ -116,9 +116,7 @@ template <class Real> void leave_barrier(Memory<Real>& m, const Mask<Real>& wher
       where & (-1.0 * v > m[slowest_impact]) & (Real(-2.0 * v) > m[shortest_flight] * pressing) & (whole >= Real(0.0));
   begin_flight(m, goes, r, v, c, s);
   m.set(next_point, goes, Real(m[cells] - whole));
-  m.set(ahead, goes, part);
-  m.set(trial, goes, part);
-  m.set(tried, goes, Real(0.0));
+  look_ahead(m, goes, part);
   m.set(off_barrier, goes, Real(1.0));
   m.assign(goes, Task::flight);
   m.assign(where & !goes, Task::given_up);
@@ -153,9 +151,13 @@ template <class Number, bool WithTangent, std::size_t Order> struct LinearFlight
   /// A forcing period begins at (x, v).
   static void begin_period(Memory<Real>& m, const Mask<Real>& where, const Real& x, const Real& v) {
     begin_flight(m, where, Real(m[side] * x), Real(m[side] * v), Real(1.0), Real(0.0));
-    m.set(next_point, where, Real(0.0));
+    const Real length = m[cell];
+    const Mask<Real> near = where & (m[side] * (x + v * length) >= m[ceiling]);  // hardly a march would get away
+    m.set(next_point, where, select(near, Real(1.0), Real(0.0)));
     m.set(off_barrier, where, Real(0.0));
+    look_ahead(m, near, length);
     m.assign(where, Task::marching);
+    m.assign(near, Task::flight);
   }
   static void leave_barrier(Memory<Real>& m, const Mask<Real>& where, const Real& v, const Real& c, const Real& s) {
     lanes::leave_barrier(m, where, v, c, s);

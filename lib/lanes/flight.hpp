@@ -25,10 +25,10 @@ template <class Real>
 void begin_flight(Memory<Real>& m, const Mask<Real>& where, const Real& x, const Real& v, const Real& c, const Real& s) {
   const Real w = m[frequency], k = m[stiffness], b = m[damping], h = m[cell];
   const Real d = x - (dot(m[cosine], c, m[sine], s) + m[offset]), e = v - w * wedge(m[sine], c, m[cosine], s);
-  // |d''| <= sqrt(d'''^2 + k d''^2)/sqrt(k): an energy, which only decays; it is below the sum of the two. And x rises above a
-  // chord by |x''| h^2/8 at the most.
-  const Real minus_b2 = -2.0 * b, d2 = wedge(minus_b2, e, k, d), d3 = wedge(minus_b2, d2, k, e);
-  const Real bend = abs(d2) + abs(d3) * m[inverse_root_k] + m[forced2];
+  // Up to the barrier, -x'' = k x + 2 b x' - A cos(w t) - c is below `bend` (the transient's energy e^2 + k d^2 only decays), and
+  // x rises above a chord by h^2/8 of that at the most. (Beyond the barrier, by X, it would be k X more, and k h^2/8 < 1.)
+  const Real fastest = abs(e) + m[root_k] * abs(d) + m[forced1];
+  const Real bend = k * m[barrier] + 2.0 * b * fastest + abs(m[amplitude]) - m[constant];
   m.set(transient_p, where, d);
   m.set(transient_q, where, Real((e + b * d) * m[inverse_rate]));
   m.set(spiral_c, where, Real(1.0));
@@ -36,7 +36,15 @@ void begin_flight(Memory<Real>& m, const Mask<Real>& where, const Real& x, const
   m.set(phase_c, where, c);
   m.set(phase_s, where, s);
   m.set(flown, where, Real(0.0));
-  m.set(ceiling, where, Real(m[barrier] - 0.125 * bend * (h * h)));
+  const Real above_chord = largest(Real(0.125 * bend * (h * h)), Real(too_close * (1.0 + abs(m[barrier]))));
+  m.set(ceiling, where, Real(m[barrier] - above_chord));
+}
+
+/// The next step begins so far from the next point of the grid, and may go up to it.
+template <class Real> void look_ahead(Memory<Real>& m, const Mask<Real>& where, const Real& distance) {
+  m.set(ahead, where, distance);
+  m.set(trial, where, distance);
+  m.set(tried, where, Real(0.0));
 }
 
 /// How many cells from point k of the grid on, one after the other, have both ends below the ceiling: less than points_ahead.
@@ -89,9 +97,7 @@ template <class Real, bool Tangent> void march(Memory<Real>& m) {
   const Mask<Real> sees_no_end = marching & (!ends) & (n == Real(static_cast<double>(points_ahead - 1)));
   m.set(flown, marching, Real(m[flown] + n * length));
   m.set(next_point, marching, Real(point + select(sees_no_end, Real(0.0), Real(1.0))));
-  m.set(ahead, marching, length);
-  m.set(trial, marching, length);
-  m.set(tried, marching, Real(0.0));
+  look_ahead(m, marching, length);
   m.assign(marching & !sees_no_end, Task::flight);
   m.assign(ends, Task::period_end);
 }

@@ -25,11 +25,10 @@ enum Coefficient : std::size_t {
   cosine,
   sine,
   offset,
-  root_k,          ///< of the stiffness
-  inverse_root_k,  ///< one over it, and one over the rate
-  inverse_rate,
-  forced2,  ///< bound of the second derivative of the particular solution
-  forced6,  ///< and of the sixth
+  root_k,        ///< of the stiffness
+  inverse_rate,  ///< one over the rate
+  forced1,       ///< bound of the first derivative of the particular solution
+  forced6,       ///< and of the sixth
   barrier,
   side,             ///< 1, or -1: they are those of -x
   slowest_impact,   ///< and speed of departure from the barrier; slower ones are given up (their rounding wants care),

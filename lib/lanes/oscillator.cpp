@@ -141,9 +141,8 @@ void add_closed_form(const Flight& free, Coefficients& q) {
   q[sine] = free.amplitude == 0.0 ? 0.0 : free.amplitude * drag / D;
   q[offset] = free.constant / k;
   q[root_k] = std::sqrt(k);
-  q[inverse_root_k] = 1.0 / q[root_k];
   q[inverse_rate] = 1.0 / q[rate];
-  q[forced2] = std::hypot(q[cosine], q[sine]) * w * w;
+  q[forced1] = std::hypot(q[cosine], q[sine]) * w;
   q[forced6] = std::hypot(q[cosine], q[sine]) * std::pow(w, 6);
   q[cells] = cells_of(free);
   q[cell] = q[period] / q[cells];

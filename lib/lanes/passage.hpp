@@ -7,12 +7,25 @@
 #include <graze/lib/lanes/crossing.hpp>
 #include <graze/lib/lanes/root_in_step.hpp>
 #include <graze/lib/lanes/rough_root.hpp>
+#include <graze/lib/lanes/wide_registers.hpp>
 
 #include <cmath>
 #include <utility>
 
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
+
+/// Tells those who want to know of impacts and entries into contact (Motion::notes).
+template <class Real> void note_impacts(const Memory<Real>& m, const Landing<Real>& landing, const Motion* motions) {
+  alignas(64) double speed[width<Real>];
+  put(speed, landing.v);
+  for_each(landing.where, [&](std::size_t lane) {
+    ImpactNotes* const notes = motions[m.motion[lane]].notes;
+    if (!notes || m.coefficient[side][lane] < 0.0) return;
+    WideRegisters::leave();
+    notes->add(*notes, speed[lane]);
+  });
+}
 
 /// x'+ = -k_r x'-, with its saltation matrix [[-k_r, 0], [(a+ + k_r a-)/v, -k_r]].
 template <class Flight, class Real> void rebound(Memory<Real>& m, const Landing<Real>& landing) {
