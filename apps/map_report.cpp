@@ -4,6 +4,7 @@
 #include <graze/apps/orbit_report.hpp>
 #include <graze/apps/table.hpp>
 
+#include <fmt/compile.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -195,14 +196,15 @@ void map_csv(const MapPlan& plan, const MapRows& rows, int threads, const TextSi
     const std::string value = exact(grid.rows.at(row));
     for (std::size_t i = 0; i < points.size(); ++i) {
       const MapPoint& point = points[i];
-      fmt::format_to(out, "{},{},{},{}", i / columns.size(), value, columns[i % columns.size()], map_type_name(point.type));
+      fmt::format_to(out, FMT_COMPILE("{},{},{},{}"), i / columns.size(), value, columns[i % columns.size()],
+                     map_type_name(point.type));
       if (point.type == MapType::periodic)
-        fmt::format_to(out, ",{},{}", point.period, point.impacts);
+        fmt::format_to(out, FMT_COMPILE(",{},{}"), point.period, point.impacts);
       else
         lines += ",,";
       for (const double number : {point.lambda_1, point.standard_error, point.state[0], point.state[1]}) {
         lines += ',';
-        if (!std::isnan(number)) fmt::format_to(out, "{}", number);
+        if (!std::isnan(number)) fmt::format_to(out, FMT_COMPILE("{}"), number);
       }
       lines += '\n';
     }

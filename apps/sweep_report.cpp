@@ -5,6 +5,7 @@
 #include <graze/apps/orbit_report.hpp>
 #include <graze/apps/sweep_report.hpp>
 
+#include <fmt/compile.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -86,7 +87,8 @@ void samples_csv(const std::vector<SweepRow>& rows, const std::string& parameter
         fmt::format("{},{},{},", row.value, sweep_direction_name(row.direction), attractor_type_name(attractor.type));
     begin += attractor.period > 0 ? fmt::format("{},{}", attractor.period, attractor.impacts) : ",";
     for (std::size_t i = 0; i < 2; ++i) begin += "," + (i < attractor.exponents.size() ? exact(attractor.exponents[i]) : "");
-    for (const Vector& state : row.states) fmt::format_to(std::back_inserter(lines), "{},{},{}\n", begin, state[0], state[1]);
+    for (const Vector& state : row.states)
+      fmt::format_to(std::back_inserter(lines), FMT_COMPILE("{},{},{}\n"), begin, state[0], state[1]);
   });
 }
 

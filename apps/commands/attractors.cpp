@@ -16,6 +16,7 @@
 #include <graze/floquet/basins.hpp>
 #include <graze/lib/oscillator.hpp>
 
+#include <fmt/compile.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -210,7 +211,7 @@ void starts_csv(const Matrix& starts, const Basins& basins, int threads, const T
     const char* other = outcome.fate == Fate::inadmissible ? ",beyond the barrier,,"
                         : outcome.fate == Fate::lost       ? ",lost,,"
                                                            : ",not run,,";
-    fmt::format_to(std::back_inserter(lines), "{},{},{}\n", start[0], start[1],
+    fmt::format_to(std::back_inserter(lines), FMT_COMPILE("{},{},{}\n"), start[0], start[1],
                    outcome.fate == Fate::reached ? ends[outcome.attractor].c_str() : other);
   });
 }
