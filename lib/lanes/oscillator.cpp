@@ -142,8 +142,9 @@ void add_closed_form(const Flight& free, Coefficients& q) {
   q[offset] = free.constant / k;
   q[root_k] = std::sqrt(k);
   q[inverse_rate] = 1.0 / q[rate];
-  q[forced1] = std::hypot(q[cosine], q[sine]) * w;
-  q[forced6] = std::hypot(q[cosine], q[sine]) * std::pow(w, 6);
+  const double forced = std::hypot(q[cosine], q[sine]);
+  q[forced1] = forced * w;
+  q[forced6] = forced * std::pow(w, 6);
   q[cells] = cells_of(free);
   q[cell] = q[period] / q[cells];
   q[inverse_cell] = q[cells] / q[period];
