@@ -20,11 +20,11 @@ namespace graze {
 
 namespace {
 
-constexpr std::size_t most_attractors = 200;                    // more are a parameter at which nothing can be told apart
-constexpr double return_distance = 1e-3;                        // relative to 1 + |x|: so near a return, an orbit is looked for
-constexpr double patience = 128.0;                              // periods: Newton's method costs more than these
-constexpr int first_look = 64;                                  // periods
-constexpr std::size_t least_together = 8, most_together = 256;  // motions of a group: whole registers
+constexpr std::size_t most_attractors = 200;                     // more are a parameter at which nothing can be told apart
+constexpr double return_distance = 1e-3;                         // relative to 1 + |x|: so near a return, an orbit is looked for
+constexpr double patience = 128.0;                               // periods: Newton's method costs more than these
+constexpr int first_look = 64;                                   // periods
+constexpr std::size_t least_together = 8, most_together = 1024;  // motions of a group: whole registers
 
 /// Of so many motions: as many groups for each thread, of much the same size.
 std::size_t motions_of_a_group(std::size_t motions, std::size_t threads) {
@@ -36,7 +36,7 @@ struct Run {
   enum class End { cancelled, reached, new_orbit, unrecognised, inadmissible, lost };
   End end = End::cancelled;
   std::size_t attractor = 0;
-  Vector state;
+  Vector state;                          ///< none: not looked at yet
   std::unique_ptr<PeriodicOrbit> orbit;  ///< apart: most runs have none
   std::int64_t periods = 0;
   bool analysed = false;  ///< it had its turn, and others waited
@@ -46,7 +46,7 @@ class Search {
  public:
   Search(const HybridSystem& system, const Vector& p, const Matrix& starts, const BasinOptions& options, Basins out)
       : system_(system), p_(p), starts_(starts), options_(options), scout_(system, p, starts, options.flow),
-        out_(std::move(out)) {
+        in_lanes_(ManyMotions::applies(system, p, options.flow)), out_(std::move(out)) {
     for (CoexistingAttractor& found : out_.attractors) {
       std::vector<Vector> before = found.states;
       known_.add(describe(found));
@@ -88,10 +88,10 @@ class Search {
       in_parallel(groups, [&](std::size_t group) {
         const std::span its(open.data() + group * together, std::min(together, open.size() - group * together));
         if (first)  // (they lie far apart, and are fetched several at once)
-          for (const std::size_t k : its) runs[k].state = starts_.col(static_cast<Eigen::Index>(todo[k]));
+          for (const std::size_t k : its) __builtin_prefetch(&starts_(0, static_cast<Eigen::Index>(todo[k])));
         std::vector<Watch> watches;
         watches.reserve(its.size());
-        for (const std::size_t k : its) watches.emplace_back(*this, runs[k], first);
+        for (const std::size_t k : its) watches.emplace_back(*this, runs[k], todo[k], first);
         carry_on(watches);
       });
       std::vector<std::size_t> left;
@@ -139,25 +139,27 @@ class Search {
   /// A motion that is watched until it is recognised, or for the transient.
   class Watch {
    public:
-    Watch(Search& search, Run& run, bool first)
-        : search_(search), run_(run), first_(first), strands_(search.known_.strands()),
+    Watch(Search& search, Run& run, std::size_t start, bool first)
+        : search_(search), run_(run), start_(search.starts_.col(static_cast<Eigen::Index>(start)).data()), first_(first),
+          strands_(search.known_.strands()),
           // Again, for as long as it takes to be recognised among cells.
           budget_(first ? search.options_.transient : std::max(search.options_.transient, 4 * VisitedCells::window)) {
       run.end = Run::End::cancelled;
     }
 
     bool open() const { return open_; }
-    const Vector& state() const { return run_.state; }
+    Eigen::Map<const Vector> state() const {
+      return {run_.state.size() > 0 ? run_.state.data() : start_, search_.starts_.rows()};
+    }
 
-    /// So many periods together, at whose end it is at a state, if there is nothing to see in them. (Who is outside a trapping
-    /// region has not been inside before.)
-    bool skip(const Vector& state, int periods) {
-      if (k_ + periods > look_ || k_ + periods >= budget_ || looked_ >= 0 || nearing_) return false;
-      if (!strands_.empty() || search_.known_.reached(state, strands_)) return false;
-      run_.state = state;
-      run_.periods += periods;
+    /// So many periods it need not see, where they do not end in an ellipse of KnownAttractors,
+    int quiet_periods() const {
+      return strands_.empty() && looked_ < 0 && !nearing_ ? std::max(0, std::min(look_, budget_ - 1) - k_) : 0;
+    }
+    /// and so many were left out.
+    void leave_out(int periods) {
       k_ += periods;
-      return true;
+      run_.periods += periods;
     }
     /// What one more period did.
     void see(Termination termination, const Vector& state) {
@@ -167,9 +169,10 @@ class Search {
                      : wrong_start                           ? Run::End::inadmissible
                                                              : Run::End::lost);
       }
-      run_.state = state;
       ++run_.periods;
-      if (reached_known() || returned_to_orbit()) return close(run_.end);
+      if (reached_known(state)) return close(Run::End::reached);
+      run_.state = state;
+      if (returned_to_orbit()) return close(run_.end);
       if (++k_ < budget_) return;
       const bool found = search_.near_orbit(run_.state, false) && search_.look_for_orbit(run_, search_.options_.max_period);
       close(found ? run_.end : Run::End::unrecognised);
@@ -182,9 +185,8 @@ class Search {
       if (end != Run::End::cancelled && end != Run::End::unrecognised) search_.tell();
     }
 
-    bool reached_known() {
-      const auto known = search_.known_.reached(run_.state, strands_);
-      if (known) run_.end = Run::End::reached;
+    bool reached_known(const Vector& state) {
+      const auto known = search_.known_.reached(state, strands_);
       run_.attractor = known.value_or(0);
       return known.has_value();
     }
@@ -230,6 +232,7 @@ class Search {
 
     Search& search_;
     Run& run_;
+    const double* start_;
     bool first_, open_ = true;
     std::vector<Strand> strands_;
     int budget_, k_ = 0, look_ = first_look, looked_ = -1, until_ = 0, return_period_ = 0;
@@ -239,7 +242,7 @@ class Search {
 
   /// Carries the motions until none is open, or it is cancelled: in lanes where they know the oscillator.
   void carry_on(std::vector<Watch>& watches) const {
-    if (!ManyMotions::applies(system_, p_, options_.flow)) {
+    if (!in_lanes_) {
       Propagator propagator(system_, p_, {}, options_.flow);
       for (Watch& watch : watches) carry_watched(propagator, watch, [this] { return cancelled(); });
       return;
@@ -247,6 +250,7 @@ class Search {
     ManyMotions many(system_, options_.flow);
     const std::size_t set = many.add_parameters(p_);
     if (scout_.table()) many.use(set, *scout_.table());
+    many.tell_of(known_.ellipses());
     carry_side_by_side(many, set, watches, [this] { return cancelled(); });
   }
 
@@ -355,7 +359,8 @@ class Search {
 
   void tell() {
     if (!options_.progress) return;
-    ++told_;
+    constexpr std::size_t together = 64;  // in lanes they come thick and fast
+    if (++told_ % (in_lanes_ ? together : 1) != 0) return;
     // Who finds another thread telling leaves it at that: the next start will tell of this one, too.
     if (const std::unique_lock lock(telling_, std::try_to_lock); lock) options_.progress(told_, out_.attractors.size());
   }
@@ -365,6 +370,7 @@ class Search {
   const Matrix& starts_;
   const BasinOptions& options_;
   Scout scout_;
+  const bool in_lanes_;
   Basins out_;
   KnownAttractors known_;
   std::mutex telling_;

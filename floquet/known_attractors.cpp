@@ -19,6 +19,13 @@ std::vector<Strand> KnownAttractors::strands() const {
       static_cast<std::size_t>(std::find_if(list_.rbegin(), list_.rend(), aperiodic).base() - list_.begin()));
 }
 
+std::vector<StateEllipse> KnownAttractors::ellipses() const {
+  std::vector<StateEllipse> all;
+  for (const KnownAttractor& known : list_)
+    for (const StateEllipse& one : known.orbit.ellipses()) all.push_back(one);
+  return all;
+}
+
 std::optional<std::size_t> KnownAttractors::reached(const Vector& state, std::vector<Strand>& strands) const {
   for (std::size_t i = 0; i < list_.size(); ++i) {
     const KnownAttractor& known = list_[i];

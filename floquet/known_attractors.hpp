@@ -37,6 +37,8 @@ class KnownAttractors {
   /// Of a new motion: one for each of them, up to the last that is not periodic.
   std::vector<Strand> strands() const;
 
+  /// Where a motion (of two states) is when it has reached a periodic one of them.
+  std::vector<StateEllipse> ellipses() const;
   /// The attractor that a motion has reached with its next state; `strands`: its own.
   std::optional<std::size_t> reached(const Vector& state, std::vector<Strand>& strands) const;
   /// The known orbit of this period through the state, as far as two runs of Newton's method agree.

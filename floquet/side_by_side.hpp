@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Motions that are watched: carried one by one, or in lanes some forcing periods at a time, in a pool or all together, each until
 // its watch is closed. A Watch has open(), state() (at forcing phase 0) and see(termination, state), which is told of every
-// period while it is open; one that is carried side by side has skip(state, periods), too: whether so many periods, which lead to
-// that state, need not be told one by one.
+// period while it is open; one that is carried side by side has quiet_periods(), too, how many periods it need not be told of
+// next if they do not end in one of the ellipses that the ManyMotions knows, and leave_out(periods): so many were.
 #pragma once
 
 #include <graze/lib/lane_pool.hpp>
 
 #include <algorithm>
+#include <limits>
 #include <vector>
 
 namespace graze {
@@ -16,9 +17,11 @@ namespace graze {
 template <class Watch, class Cancelled> bool carry_watched(Propagator& propagator, Watch& watch, const Cancelled& cancelled) {
   const double T = forcing_period(propagator.system(), propagator.parameters());
   Transition transition;
+  Vector state;
   while (watch.open()) {
     if (cancelled()) return false;
-    carry(propagator, 0.0, T, watch.state(), {.sensitivity = Sensitivity::none}, transition);
+    state = watch.state();
+    carry(propagator, 0.0, T, state, {.sensitivity = Sensitivity::none}, transition);
     watch.see(transition.termination, transition.x1);
   }
   return true;
@@ -51,40 +54,49 @@ template <class Watch, class Cancelled> LaneTask<bool> carry_watched(LanePlace& 
 /// All together, at a parameter set of `many`. Ends when none is open (true) or `cancelled` says so (false).
 template <class Watch, class Cancelled>
 bool carry_side_by_side(ManyMotions& many, std::size_t set, std::vector<Watch>& watches, const Cancelled& cancelled) {
-  constexpr std::size_t at_once = 2048;  // results that stay in the cache until they are seen
-  std::size_t carried = 0;
-  std::vector<MotionStart> motions;
-  std::vector<PeriodResult> results;
-  std::vector<std::size_t> open;
-  for (std::size_t i = 0; i < watches.size(); ++i)
-    if (watches[i].open()) open.push_back(i);
-  Vector state(2);
-  while (!cancelled()) {
-    if (open.empty()) return true;
-    const std::size_t stretch = next_stretch(carried, 4), together = at_once / stretch;  // of all motions, whatever the others do
-    carried += stretch;
-    for (std::size_t begin = 0; begin < open.size(); begin += together) {
-      const std::size_t end = std::min(open.size(), begin + together);
-      motions.clear();
-      for (std::size_t k = begin; k < end; ++k) {
-        const Vector& at = watches[open[k]].state();
-        motions.push_back({set, at[0], at[1]});
-      }
-      many.carry(motions, stretch, false, results);
-      const PeriodResult* next = results.data();
-      for (std::size_t k = begin; k < end; ++k, next += stretch) {
-        Watch& watch = watches[open[k]];
-        state << next[stretch - 1].x, next[stretch - 1].v;
-        if (next[stretch - 1].termination == Termination::time && watch.skip(state, static_cast<int>(stretch))) continue;
-        for (std::size_t period = 0; period < stretch && watch.open(); ++period) {
-          state << next[period].x, next[period].v;
-          watch.see(next[period].termination, state);
-        }
-      }
-    }
-    std::erase_if(open, [&](std::size_t i) { return !watches[i].open(); });
+  struct Common {
+    const Cancelled& cancelled;
+    std::size_t seen = 0;
+    bool stopped = false;
+    Vector state = Vector(2);
+  };
+  struct One : PeriodWatch {
+    Watch* watch = nullptr;
+    Common* common = nullptr;
+    std::size_t seen = 0;
+    void expect() { next = seen + 1 + static_cast<std::size_t>(watch->quiet_periods()); }
+  };
+  constexpr std::size_t between_questions = 64;  // periods
+  Common common{cancelled, 0, cancelled()};
+  if (common.stopped) return false;
+  std::vector<One> each(watches.size());
+  std::vector<PeriodResult> last(watches.size());
+  std::vector<MotionRun> runs;
+  runs.reserve(watches.size());
+  for (std::size_t i = 0; i < watches.size(); ++i) {
+    each[i].see = [](PeriodWatch& self, std::size_t number, const PeriodResult& period) {
+      One& one = static_cast<One&>(self);
+      Common& all = *one.common;
+      if (++all.seen % between_questions == 0) all.stopped = all.stopped || all.cancelled();
+      if (all.stopped) return false;
+      one.watch->leave_out(static_cast<int>(number - 1 - one.seen));
+      one.seen = number;
+      all.state << period.x, period.v;
+      one.watch->see(period.termination, all.state);
+      one.expect();
+      return one.watch->open();
+    };
+    each[i].watch = &watches[i];
+    each[i].common = &common;
+    each[i].expect();
+    const auto& start = watches[i].state();
+    runs.push_back({.start = {set, start[0], start[1]},
+                    .periods = std::numeric_limits<std::size_t>::max(),
+                    .results = &last[i],
+                    .watch = &each[i]});
   }
-  return false;
+  many.carry(runs, false);
+  return !common.stopped;
 }
 
 }  // namespace graze

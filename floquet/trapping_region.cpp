@@ -80,6 +80,18 @@ bool TrappingRegion::holds(const Vector& x) const {
   return false;
 }
 
+std::vector<StateEllipse> TrappingRegion::ellipses() const {
+  constexpr double larger = 1.001;  // than what rounding leaves open
+  std::vector<StateEllipse> list;
+  if (!(size > 0.0)) return list;
+  const double scale = 1.0 / (larger * size * size);
+  for (std::size_t k = 0; k < centres.size(); ++k) {
+    const Matrix H = scale * metrics[k];
+    list.push_back({centres[k][0], centres[k][1], H(0, 0), H(0, 1) + H(1, 0), H(1, 1)});
+  }
+  return list;
+}
+
 double TrappingRegion::distance(const Vector& x) const { return nearest_distance(centres, x); }
 
 TrappingRegion trapping_region(const HybridSystem& system, const Vector& p, const Vector& state, int period,

@@ -10,6 +10,7 @@
 // 0.
 #pragma once
 
+#include <graze/lib/many_motions.hpp>
 #include <graze/lib/transition.hpp>
 
 #include <optional>
@@ -25,6 +26,8 @@ struct TrappingRegion {
 
   /// True if x, a state at forcing phase 0, lies inside.
   bool holds(const Vector& x) const;
+  /// The same for motions in lanes (of two states), or a little larger.
+  std::vector<StateEllipse> ellipses() const;
   /// Least distance from x to a centre, in the maximum norm.
   double distance(const Vector& x) const;
 };

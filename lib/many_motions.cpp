@@ -168,14 +168,15 @@ bool ManyMotions::do_left_over(const lanes::Motion& motion, std::size_t period, 
   Set& set = *sets_[motion.parameters];
   if (!set.propagator) set.propagator = std::make_unique<Propagator>(*system_, set.p, std::vector<std::size_t>{}, options_);
   const bool first = period == 0;
-  const Vector at{{first ? motion.x : motion.results[period - 1].x, first ? motion.v : motion.results[period - 1].v}};
+  const PeriodResult& before = motion.result(first ? 0 : period - 1);
+  const Vector at{{first ? motion.x : before.x, first ? motion.v : before.v}};
   const TransitionOptions carrying{.sensitivity = tangent ? Sensitivity::state : Sensitivity::none,
                                    .keep_events = motion.notes != nullptr};
   graze::carry(*set.propagator, 0.0, set.period, at, carrying, transition_);
   if (motion.notes)
     for (const EventRecord& event : transition_.events)
       if (begins_contact(event.kind)) motion.notes->add(*motion.notes, event.normal_speed);
-  PeriodResult& out = motion.results[period] = {};
+  PeriodResult& out = motion.result(period) = {};
   out.termination = transition_.termination;
   out.by_propagator = true;
   if (out.termination != Termination::time) return false;
@@ -195,6 +196,8 @@ void ManyMotions::carry_in_lanes(std::size_t begin, std::size_t end, bool tangen
   job.motions = motions_.data() + begin;
   job.count = end - begin;
   job.carried = carried_each_.data() + begin;
+  job.ellipses = ellipses_.data();
+  job.ellipse_count = ellipses_.size();
   job.whom = this;
   job.do_given_up = [](void* self, const lanes::Job& its, const lanes::Motion& motion, std::size_t period) {
     return static_cast<ManyMotions*>(self)->do_left_over(motion, period, its.tangent);
@@ -273,7 +276,7 @@ lanes::Motion ManyMotions::next_of(const Going& one) const {
   const auto& [run, set] = one;
   const MotionStart now = run->now();
   std::size_t periods = run->periods - run->carried;
-  if (!supply_ && set->awaits_table) periods = std::min(periods, periods_between_looks);
+  if (!supply_ && !run->watch && set->awaits_table) periods = std::min(periods, periods_between_looks);
   if (supply_ && !set->table && !run->goes_first) periods = std::min(periods, most_);
   return {now.x,
           now.v,
@@ -286,7 +289,8 @@ lanes::Motion ManyMotions::next_of(const Going& one) const {
           run->results + run->carried,
           set->table ? &set->pieces : nullptr,
           set->awaits_table ? &set->met : nullptr,
-          run->speeds};
+          run->speeds,
+          run->watch};
 }
 
 void ManyMotions::carry_alike(std::span<const Going> going, bool tangent) {
@@ -320,8 +324,12 @@ void ManyMotions::finish(std::size_t number) {
   const lanes::Carried& carried = carried_each_[number];
   run.carried += carried.periods;
   carried_ += carried.periods;
-  if (!carried.failed) return;
-  ++carried_;
+  carried_ += carried.failed ? 1 : 0;
+  if (run.watch) {
+    run.periods = run.carried;
+    if (carried.failed) run.watch->see(*run.watch, run.carried + 1, *run.results);
+  }
+  if (!carried.failed || run.watch) return;
   PeriodResult* const end = run.results + run.carried;
   std::fill(end + 1, run.results + run.periods, PeriodResult{.termination = end->termination});
   run.carried = run.periods;

@@ -45,6 +45,10 @@ class ImpactSpeeds : public lanes::ImpactNotes {
   std::vector<double> list_;
 };
 
+/// Who is told what periods did to a motion (of one that cannot be carried, too), and says whether it goes on.
+using PeriodWatch = lanes::PeriodWatch;
+using StateEllipse = lanes::Ellipse;
+
 /// A motion to be carried over so many forcing periods, and where it is written down what each of them did.
 struct MotionRun {
   MotionStart start;
@@ -52,6 +56,7 @@ struct MotionRun {
   PeriodResult* results = nullptr;
   ImpactSpeeds* speeds = nullptr;  ///< and at what speeds it hit the barrier; may be null
   std::size_t carried = 0;         ///< of the periods
+  PeriodWatch* watch = nullptr;    ///< may be null; else there is one of `results`, for the last (and no table is made for it)
   bool goes_first = false;         ///< in carry_while_full: over all of them at once, and where it joins, before the others
   /// Where those carried have brought it.
   MotionStart now() const {
@@ -108,6 +113,9 @@ class ManyMotions {
   /// The table in use; none: null.
   const ContactTable* table(std::size_t parameters) const;
 
+  /// Watches are told of periods that end in one of these from now on, wherever they come first.
+  void tell_of(std::vector<StateEllipse> ellipses) { ellipses_ = std::move(ellipses); }
+
   /// Motions are carried on all threads of the caller's arena (oneTBB) from now on, where they are many.
   void use_all_threads() { all_threads_ = true; }
 
@@ -158,7 +166,8 @@ class ManyMotions {
   std::vector<Going> together_;    ///< in the lanes now, with their motions there and how far these came
   std::vector<lanes::Motion> motions_;
   std::vector<lanes::Carried> carried_each_;
-  bool linear_ = true;           ///< their flights (the parameters of those that are through may have changed meanwhile)
+  bool linear_ = true;  ///< their flights (the parameters of those that are through may have changed meanwhile)
+  std::vector<StateEllipse> ellipses_;
   RunSupply* supply_ = nullptr;  ///< of carry_while_full()
   std::size_t most_ = 0, room_ = 0, taken_ = 0;
   Transition transition_;

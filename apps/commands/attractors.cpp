@@ -201,18 +201,19 @@ void starts_csv(const Matrix& starts, const Basins& basins, int threads, const T
   for (std::size_t i = 0; i < basins.attractors.size(); ++i) {
     const Attractor& attractor = basins.attractors[i].attractor;
     const bool periodic = attractor.type == AttractorType::periodic;
-    ends.push_back(fmt::format("{},{},{}", i + 1, attractor_type_name(attractor.type),
+    ends.push_back(fmt::format("{},{},{}\n", i + 1, attractor_type_name(attractor.type),
                                periodic ? fmt::format("{},{}", attractor.period, attractor.impacts) : ","));
   }
   sink(csv(Table{{"x", "v", "attractor", "type", "period", "impacts"}, {}}));
   hand_on_items(threads, basins.outcomes.size(), sink, [&](std::size_t k, std::string& lines) {
     const StartOutcome& outcome = basins.outcomes[k];
     const auto start = starts.col(static_cast<Eigen::Index>(k));
-    const char* other = outcome.fate == Fate::inadmissible ? ",beyond the barrier,,"
-                        : outcome.fate == Fate::lost       ? ",lost,,"
-                                                           : ",not run,,";
-    fmt::format_to(std::back_inserter(lines), FMT_COMPILE("{},{},{}\n"), start[0], start[1],
-                   outcome.fate == Fate::reached ? ends[outcome.attractor].c_str() : other);
+    const std::string_view other = outcome.fate == Fate::inadmissible ? ",beyond the barrier,,\n"
+                                   : outcome.fate == Fate::lost       ? ",lost,,\n"
+                                                                      : ",not run,,\n";
+    char numbers[64];  // of 24 characters at the most
+    lines.append(numbers, fmt::format_to(numbers, FMT_COMPILE("{},{},"), start[0], start[1]));
+    lines += outcome.fate == Fate::reached ? std::string_view(ends[outcome.attractor]) : other;
   });
 }
 

@@ -18,7 +18,7 @@ struct Choice {
 
 /// What most lanes are at, but for what takes longest, which waits until it is worth it: a step of contact (with a table of
 /// contacts they are rare, and few lanes wait for them) and the end of a flight at the barrier (flights by series end in a step).
-template <class Real> Choice choose(const Memory<Real>& m, bool with_table, bool alone) {
+template <class Real> [[gnu::always_inline]] inline Choice choose(const Memory<Real>& m, bool with_table, bool alone) {
   constexpr std::size_t W = width<Real>;
   if constexpr (W == 1) return {m.task(0), 1};  // there is nothing to choose
   const int most = static_cast<int>(with_table ? (W + 3) / 4 : alone ? (W + 1) / 2 : (7 * W + 7) / 8);
@@ -56,7 +56,6 @@ template <class Real> void exchange(Memory<Real>& a, std::size_t i, Memory<Real>
   std::swap(a.grid[i], b.grid[j]);
   std::swap(a.table[i], b.table[j]);
   std::swap(a.met[i], b.met[j]);
-  std::swap(a.impacts[i], b.impacts[j]);
 }
 
 /// Lets the motions in contact come together in one of two registers, and the others in the other, as far as there is room.

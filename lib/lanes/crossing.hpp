@@ -3,7 +3,7 @@
 // exact motion; where the last correction is small, the polynomial about the new point holds to rounding.
 #pragma once
 
-#include <graze/lib/lanes/flight.hpp>
+#include <graze/lib/lanes/march.hpp>
 
 #include <limits>
 #include <utility>
@@ -39,7 +39,7 @@ template <class Real> void turn_a_little(const Real& angle, Real& c, Real& s) {
 /// Where flights have come to the barrier: transient, turn and phase there, and how long the last step took.
 template <class Real> struct Arrival {
   Real P, Q, turn_c, turn_s, c, s, h;
-  Mask<Real> found;
+  Mask<Real> found, unsure;  ///< unsure: the speed may be negative in between, and this be another crossing than the first
 };
 
 /// Of every lane whose task is Task::crossing, within its step.
@@ -50,8 +50,9 @@ template <class Real> Arrival<Real> arrival(const Memory<Real>& m) {
   const Real g0 = start.x - r;  // < 0: no motion rises from the barrier
   const Real parabola = -2.0 * g0 / (start.v + sqrt(largest(Real(start.v * start.v - 2.0 * start.a * g0), Real(0.0))));
   Real h = polynomial_root(start, g0, least(largest(parabola, Real(0.0)), farthest), Real(0.0), farthest, 2);
-  Arrival<Real> out{P, Q, Real(1.0), Real(0.0), c, s, Real(0.0), Mask<Real>(crossing & !crossing)};
-  Mask<Real> seeking = crossing;
+  Arrival<Real> out{
+      P, Q, Real(1.0), Real(0.0), c, s, Real(0.0), mask_of<Real>(0), but_not(crossing, rises(start, start.v, farthest))};
+  Mask<Real> seeking = but_not(crossing, out.unsure);
   for (int round = 0; round < 12 && any(seeking); ++round) {
     Turn<Real> by = turn(m, h);
     const Real P1 = dot(by.turn_c, P, by.turn_s, Q), Q1 = wedge(by.turn_c, Q, by.turn_s, P);
@@ -74,7 +75,7 @@ template <class Real> Arrival<Real> arrival(const Memory<Real>& m) {
     out.s = select(settled, dot(s, by.force_c, c, by.force_s), out.s);
     out.h = select(settled, h, out.h);
     out.found = out.found | settled;
-    seeking = seeking & !settled;
+    seeking = but_not(seeking, settled);
   }
   return out;
 }
@@ -104,22 +105,31 @@ void end_flight(Memory<Real>& m, const Mask<Real>& where, const Real& E, const R
 }
 
 /// A motion on the barrier leaves it with speed v < 0 and the time m[rest] left: a flight, unless it would be a short one or ends
-/// with the period.
-template <class Real> void leave_barrier(Memory<Real>& m, const Mask<Real>& where, const Real& v, const Real& c, const Real& s) {
+/// with the period. Where its speed alone takes it to the next point of the grid, it goes there.
+template <class Real, bool Tangent>
+void leave_barrier(Memory<Real>& m, const Mask<Real>& where, const Real& v, const Real& c, const Real& s) {
   const Real r = m[barrier], pressing = m[amplitude] * c + m[constant] - 2.0 * m[damping] * v - m[stiffness] * r;
   const Real left = m[rest], h = m[cell];
   Real whole = floor(Real(left * m[inverse_cell])), part = left - whole * h;
-  const Mask<Real> there = part < 1e-9 * h;
-  whole = select(there, Real(whole - 1.0), whole);
-  part = select(there, Real(part + h), part);
+  const Mask<Real> at_point = part < 1e-9 * h;
+  whole = select(at_point, Real(whole - 1.0), whole);
+  part = select(at_point, Real(part + h), part);
   const Mask<Real> goes =
       where & (-1.0 * v > m[slowest_impact]) & (Real(-2.0 * v) > m[shortest_flight] * pressing) & (whole >= Real(0.0));
-  begin_flight(m, goes, r, v, c, s);
+  const Real fastest = begin_flight<Real, Tangent>(m, goes, r, v, c, s);
   m.set(next_point, goes, Real(m[cells] - whole));
   look_ahead(m, goes, part);
   m.set(off_barrier, goes, Real(1.0));
   m.assign(goes, Task::flight);
-  m.assign(where & !goes, Task::given_up);
+  m.assign(but_not(where, goes), Task::given_up);
+  // Up to there x'' = A cos(w t) + c - k x - 2 b x' is below `pull`, since x falls by fastest * part at the most.
+  const Real pull = abs(m[amplitude]) + m[constant] + 2.0 * m[damping] * fastest + m[stiffness] * (fastest * part - r);
+  const Mask<Real> clear = goes & (Real(-2.0 * v) > pull * part);
+  if (!any(clear)) return;
+  const Later<Real> there = later(m, Real(m[transient_p]), Real(m[transient_q]), c, s, part);
+  go_on_to<Real, Tangent>(m, clear, there, part);
+  look_ahead(m, clear, h);
+  reach_point(m, clear, there);
 }
 
 /// The lanes that have come to the barrier, at speed `v` and the forcing's phase (c, s).
@@ -134,11 +144,14 @@ template <class Real, bool Tangent> Landing<Real> land(Memory<Real>& m) {
   const Real v = wedge(m[rate], end.Q, m[damping], end.P) + m[frequency] * wedge(m[sine], end.c, m[cosine], end.s);
   const Real duration = m[flown] + end.h;
   const Mask<Real> short_hop = (m[off_barrier] > Real(0.5)) & (duration < m[shortest_flight]);
-  const Mask<Real> good = end.found & (v > m[slowest_impact]) & !short_hop;
+  const Mask<Real> good = but_not(end.found & (v > m[slowest_impact]), short_hop);
   m.set(rest, good, Real((m[cells] - m[next_point]) * m[cell] + (m[ahead] - end.h)));
   const Real E = m[spiral_c], F = m[spiral_s];
   end_flight<Real, Tangent>(m, good, wedge(end.turn_c, E, end.turn_s, F), dot(end.turn_c, F, end.turn_s, E), duration);
-  m.assign(crossing & !good, Task::given_up);
+  m.assign(but_not(crossing, good), Task::given_up);
+  m.set(trial, end.unsure, Real(0.5 * m[trial]));
+  m.set(tried, end.unsure, Real(1.0));
+  m.assign(end.unsure, Task::flight);
   return {good, v, end.c, end.s};
 }
 
@@ -150,17 +163,18 @@ template <class Number, bool WithTangent, std::size_t Order> struct LinearFlight
 
   /// A forcing period begins at (x, v).
   static void begin_period(Memory<Real>& m, const Mask<Real>& where, const Real& x, const Real& v) {
-    begin_flight(m, where, Real(m[side] * x), Real(m[side] * v), Real(1.0), Real(0.0));
-    const Real length = m[cell];
-    const Mask<Real> near = where & (m[side] * (x + v * length) >= m[ceiling]);  // hardly a march would get away
+    begin_flight<Real, tangent>(m, where, Real(m[side] * x), Real(m[side] * v), Real(1.0), Real(0.0));
+    const Real x1 = x_after_cell(m, Real(m[transient_p]), Real(m[transient_q]), Real(1.0), Real(0.0));
+    const Mask<Real> near = where & (x1 >= m[ceiling]);  // no march would get away
     m.set(next_point, where, select(near, Real(1.0), Real(0.0)));
     m.set(off_barrier, where, Real(0.0));
-    look_ahead(m, near, length);
+    look_ahead(m, near, Real(m[cell]));
     m.assign(where, Task::marching);
     m.assign(near, Task::flight);
+    m.assign(near & crosses_from(m, Real(m[side] * x), x1), Task::crossing);
   }
   static void leave_barrier(Memory<Real>& m, const Mask<Real>& where, const Real& v, const Real& c, const Real& s) {
-    lanes::leave_barrier(m, where, v, c, s);
+    lanes::leave_barrier<Real, tangent>(m, where, v, c, s);
   }
   static Real spring_at_barrier(const Memory<Real>& m) { return m[stiffness] * m[barrier]; }
   /// What the lanes that are at a task of flights do next; who lands.

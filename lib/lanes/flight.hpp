@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Flights in lanes: the closed form of linear_flow.hpp, from point to point of the Grid. Far from the barrier a motion marches,
-// over as many cells at once as it stays far from it. Elsewhere it goes on by a step up to the next point, or a half, a quarter
-// ... of it, where the Bernstein coefficients of x's Taylor polynomial of degree 5, with a bound of the sixth derivative, show
-// that the barrier is not reached, or that the speed stays positive and the end lies before it; where they show the speed
-// positive and the end lies beyond, the crossing in between is the only one, and is polished (crossing.hpp). What is too close to
-// a tangency for the shortest step is given up: the lanes miss nothing, they leave it to the one-lane path.
+// Flights in lanes: the closed form of linear_flow.hpp, from point to point of the Grid. Far from the barrier a motion marches
+// (march.hpp). Elsewhere it goes on by a step up to the next point, or a half, a quarter ... of it, where the Bernstein
+// coefficients of x's Taylor polynomial of degree 5, with a bound of the sixth derivative, show that the barrier is not reached,
+// or that the speed stays positive and the end lies before it; where they show the speed positive and the end lies beyond, the
+// crossing in between is the only one, and is polished (crossing.hpp). What is too close to a tangency for the shortest step is
+// given up: the lanes miss nothing, they leave it to the one-lane path.
 #pragma once
 
 #include <graze/lib/lanes/memory.hpp>
-
-#include <bit>
-#include <cstdint>
 
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
@@ -20,9 +17,9 @@ inline constexpr double too_close = 1e-12;
 /// Steps are not halved below this part of a cell.
 inline constexpr double shortest_step = 1.0 / 50.0;
 
-/// A flight begins at (x, v) with the forcing's phase (c, s).
-template <class Real>
-void begin_flight(Memory<Real>& m, const Mask<Real>& where, const Real& x, const Real& v, const Real& c, const Real& s) {
+/// A flight begins at (x, v) with the forcing's phase (c, s). Returns what |x'| is at most.
+template <class Real, bool Tangent>
+Real begin_flight(Memory<Real>& m, const Mask<Real>& where, const Real& x, const Real& v, const Real& c, const Real& s) {
   const Real w = m[frequency], k = m[stiffness], b = m[damping], h = m[cell];
   const Real d = x - (dot(m[cosine], c, m[sine], s) + m[offset]), e = v - w * wedge(m[sine], c, m[cosine], s);
   // Up to the barrier, -x'' = k x + 2 b x' - A cos(w t) - c is below `bend` (the transient's energy e^2 + k d^2 only decays), and
@@ -31,13 +28,16 @@ void begin_flight(Memory<Real>& m, const Mask<Real>& where, const Real& x, const
   const Real bend = k * m[barrier] + 2.0 * b * fastest + abs(m[amplitude]) - m[constant];
   m.set(transient_p, where, d);
   m.set(transient_q, where, Real((e + b * d) * m[inverse_rate]));
-  m.set(spiral_c, where, Real(1.0));
-  m.set(spiral_s, where, Real(0.0));
+  if constexpr (Tangent) {
+    m.set(spiral_c, where, Real(1.0));
+    m.set(spiral_s, where, Real(0.0));
+  }
   m.set(phase_c, where, c);
   m.set(phase_s, where, s);
   m.set(flown, where, Real(0.0));
   const Real above_chord = largest(Real(0.125 * bend * (h * h)), Real(too_close * (1.0 + abs(m[barrier]))));
   m.set(ceiling, where, Real(m[barrier] - above_chord));
+  return fastest;
 }
 
 /// The next step begins so far from the next point of the grid, and may go up to it.
@@ -47,59 +47,16 @@ template <class Real> void look_ahead(Memory<Real>& m, const Mask<Real>& where, 
   m.set(tried, where, Real(0.0));
 }
 
-/// How many cells from point k of the grid on, one after the other, have both ends below the ceiling: less than points_ahead.
-template <class Real> std::int64_t cells_below(const Grid& grid, std::int64_t k, double P, double Q, double ceiling) {
-  const double* forced = grid.forced + k;
-  if constexpr (width<Real> == 1) {
-    std::size_t n = 0;
-    while (n < points_ahead && madd(grid.turn_c[n], P, madd(grid.turn_s[n], Q, forced[n])) < ceiling) ++n;
-    return static_cast<std::int64_t>(n) - (n > 0 ? 1 : 0);
-  } else {
-    unsigned below = 0;
-    for (std::size_t i = 0; i < points_ahead; i += width<Real>) {
-      const Real without_P = madd(take<Real>(&grid.turn_s[i]), Real(Q), Real(Real::load_unaligned(forced + i)));
-      const Real x = madd(take<Real>(&grid.turn_c[i]), Real(P), without_P);
-      below |= bits(x < Real(ceiling)) << i;
-    }
-    return std::countr_one(below & (below >> 1) & (~0U >> 1));
-  }
+/// Where motions at points of the grid would be a cell later.
+template <class Real>
+[[gnu::always_inline]] inline Real x_after_cell(const Memory<Real>& m, const Real& P, const Real& Q, const Real& c,
+                                                const Real& s) {
+  return dot(m[cell_p], P, m[cell_q], Q) + (dot(m[cell_c], c, m[cell_s], s) + m[offset]);
 }
-
-/// Takes the motions that are on the grid as far as they are far from the barrier, or points_ahead sees. (What each lane has for
-/// itself is looked up one by one; the rest is done together.)
-template <class Real, bool Tangent> void march(Memory<Real>& m) {
-  constexpr std::size_t W = width<Real>;
-  const Mask<Real> marching = m.is(Task::marching);
-  alignas(64) double over[W] = {}, by_c[W] = {}, by_s[W] = {}, to_c[W] = {}, to_s[W] = {};
-  for_each(marching, [&](std::size_t lane) {
-    const Grid& grid = *m.grid[lane];
-    const auto here = static_cast<std::int64_t>(m.field[next_point][lane]);
-    const std::int64_t n =
-        cells_below<Real>(grid, here, m.field[transient_p][lane], m.field[transient_q][lane], m.field[ceiling][lane]);
-    over[lane] = static_cast<double>(n);
-    by_c[lane] = grid.turn_c[static_cast<std::size_t>(n)];
-    by_s[lane] = grid.turn_s[static_cast<std::size_t>(n)];
-    to_c[lane] = grid.phase_c[here + n];
-    to_s[lane] = grid.phase_s[here + n];
-  });
-  const Real n = take<Real>(over), c = take<Real>(by_c), s = take<Real>(by_s), P = m[transient_p], Q = m[transient_q];
-  m.set(transient_p, marching, dot(c, P, s, Q));
-  m.set(transient_q, marching, wedge(c, Q, s, P));
-  if constexpr (Tangent) {
-    const Real E = m[spiral_c], F = m[spiral_s];
-    m.set(spiral_c, marching, wedge(c, E, s, F));
-    m.set(spiral_s, marching, dot(c, F, s, E));
-  }
-  m.set(phase_c, marching, take<Real>(to_c));
-  m.set(phase_s, marching, take<Real>(to_s));
-  const Real point = m[next_point] + n, length = m[cell];
-  const Mask<Real> ends = marching & (point == m[cells]);
-  const Mask<Real> sees_no_end = marching & (!ends) & (n == Real(static_cast<double>(points_ahead - 1)));
-  m.set(flown, marching, Real(m[flown] + n * length));
-  m.set(next_point, marching, Real(point + select(sees_no_end, Real(0.0), Real(1.0))));
-  look_ahead(m, marching, length);
-  m.assign(marching & !sees_no_end, Task::flight);
-  m.assign(ends, Task::period_end);
+/// Whether from x, not too close to the barrier, that is beyond it: where the speed stays positive, the crossing is the only one.
+template <class Real> [[gnu::always_inline]] inline auto crosses_from(const Memory<Real>& m, const Real& x, const Real& x_later) {
+  const Real r = m[barrier];
+  return (x_later >= r) & (x - r <= -too_close * (1.0 + abs(r)));
 }
 
 /// Whether the polynomial of degree N with Bernstein coefficients from partial sums of b is <= 0 on the step and < 0 at its end.
@@ -127,6 +84,59 @@ template <class Real> [[gnu::always_inline]] inline Turn<Real> turn(const Memory
   return out;
 }
 
+/// Motions in flight a time h later, if there were no barrier.
+template <class Real> struct Later {
+  Turn<Real> by;
+  Real P, Q, c, s, x;
+};
+template <class Real>
+[[gnu::always_inline]] inline Later<Real> later(const Memory<Real>& m, const Real& P, const Real& Q, const Real& c, const Real& s,
+                                                const Real& h) {
+  const Turn<Real> by = turn(m, h);
+  const Real P1 = dot(by.turn_c, P, by.turn_s, Q), Q1 = wedge(by.turn_c, Q, by.turn_s, P);
+  const Real c1 = wedge(c, by.force_c, s, by.force_s), s1 = dot(s, by.force_c, c, by.force_s);
+  return {by, P1, Q1, c1, s1, P1 + (dot(m[cosine], c1, m[sine], s1) + m[offset])};
+}
+template <class Real, bool Tangent>
+void go_on_to(Memory<Real>& m, const Mask<Real>& where, const Later<Real>& there, const Real& h) {
+  m.set(transient_p, where, there.P);
+  m.set(transient_q, where, there.Q);
+  m.set(phase_c, where, there.c);
+  m.set(phase_s, where, there.s);
+  if constexpr (Tangent) {
+    const Real E = m[spiral_c], F = m[spiral_s];
+    m.set(spiral_c, where, wedge(there.by.turn_c, E, there.by.turn_s, F));
+    m.set(spiral_s, where, dot(there.by.turn_c, F, there.by.turn_s, E));
+  }
+  m.set(flown, where, Real(m[flown] + h));
+}
+
+/// Motions have come to the next point of the grid. Above the ceiling no march gets away from it: the step to the next one
+/// follows at once; of which, it says.
+template <class Real>
+[[gnu::always_inline]] inline Mask<Real> reach_point(Memory<Real>& m, const Mask<Real>& where, const Later<Real>& z) {
+  const Real here = m[next_point];
+  const Mask<Real> ends = where & (here == m[cells]), follows = but_not(where, ends) & (z.x >= m[ceiling]);
+  m.set(next_point, follows, Real(here + 1.0));
+  m.assign(where, Task::marching);
+  m.assign(ends, Task::period_end);
+  m.assign(follows, Task::flight);
+  m.assign(follows & crosses_from(m, z.x, x_after_cell(m, z.P, z.Q, z.c, z.s)), Task::crossing);
+  return follows;
+}
+
+/// Whether the speed, v at first, is >= 0 for a time h and > 0 at its end.
+template <class Real> [[gnu::always_inline]] inline auto rises(const Point<Real>& z, const Real& v, const Real& h) {
+  const Real h2 = h * h, h4 = h2 * h2;
+  Real descent[] = {-v,
+                    -0.2 * z.a * h,
+                    -0.05 * z.j * h2,
+                    (-1.0 / 60.0) * z.x4 * (h2 * h),
+                    (-1.0 / 120.0) * z.x5 * h4,
+                    (1.0 / 120.0) * (z.bound6 * (h4 * h))};
+  return below_zero(descent);
+}
+
 /// One step of every lane in flight.
 template <class Real, bool Tangent> void fly(Memory<Real>& m) {
   const Mask<Real> flying = m.is(Task::flight);
@@ -147,42 +157,22 @@ template <class Real, bool Tangent> void fly(Memory<Real>& m) {
                      (1.0 / 720.0) * z.x5 * h5,
                      (1.0 / 720.0) * top * h};
   const Mask<Real> below = below_zero(position);
-  Real descent[] = {
-      -v, -0.2 * z.a * h, -0.05 * z.j * h2, (-1.0 / 60.0) * z.x4 * h3, (-1.0 / 120.0) * z.x5 * h4, (1.0 / 120.0) * top};
-  const Mask<Real> rising = below_zero(descent);
-  const Mask<Real> sure = below | rising;
+  const Mask<Real> sure = below | rises(z, v, h);
 
-  // Where the step would lead.
-  const Turn<Real> by = turn(m, h);
-  const Real P1 = dot(by.turn_c, P, by.turn_s, Q), Q1 = wedge(by.turn_c, Q, by.turn_s, P);
-  const Real c1 = wedge(c, by.force_c, s, by.force_s), s1 = dot(s, by.force_c, c, by.force_s);
-  const Real x1 = P1 + (dot(m[cosine], c1, m[sine], s1) + m[offset]);
-  const Mask<Real> crosses = flying & sure & (!below) & (x1 >= r) & (!close);
-  const Mask<Real> moves = flying & sure & (!crosses) & (!close), stays = flying & (!sure);
+  const Later<Real> there = later(m, P, Q, c, s, h);
+  const Mask<Real> goes = but_not(flying & sure, close), crosses = but_not(goes, below) & (there.x >= r),
+                   moves = but_not(goes, crosses);
+  const Mask<Real> stays = but_not(flying, sure);
 
-  m.set(transient_p, moves, P1);
-  m.set(transient_q, moves, Q1);
-  m.set(phase_c, moves, c1);
-  m.set(phase_s, moves, s1);
-  if constexpr (Tangent) {
-    const Real E = m[spiral_c], F = m[spiral_s];
-    m.set(spiral_c, moves, wedge(by.turn_c, E, by.turn_s, F));
-    m.set(spiral_s, moves, dot(by.turn_c, F, by.turn_s, E));
-  }
-  m.set(flown, moves, Real(m[flown] + h));
-  // Above the ceiling no march gets away from a point of the grid: the step to the next one follows at once.
-  const Real length = m[cell], here = m[next_point];
-  const Mask<Real> on_grid = moves & (h >= left), ends = on_grid & (here == m[cells]);
-  const Mask<Real> follows = on_grid & (!ends) & (x1 >= m[ceiling]);
-  m.set(next_point, follows, Real(here + 1.0));
+  go_on_to<Real, Tangent>(m, moves, there, h);
+  const Real length = m[cell];
+  const Mask<Real> follows = reach_point(m, moves & (h >= left), there);
   m.set(ahead, moves, select(follows, length, Real(left - h)));
   // Longer steps again where this one was not the result of a search.
   const Real longer = least(Real(select(m[tried] > Real(0.5), h, Real(2.0 * h))), Real(left - h));
   m.set(trial, moves, select(follows, length, longer));
   m.set(trial, stays, Real(0.5 * h));
   m.set(tried, select(stays, Real(1.0), Real(0.0)));
-  m.assign(on_grid & !follows, Task::marching);
-  m.assign(ends, Task::period_end);
   m.assign(crosses, Task::crossing);
   m.assign((flying & close) | (stays & (h < shortest_step * length)), Task::given_up);
 }

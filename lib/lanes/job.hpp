@@ -41,7 +41,11 @@ enum Coefficient : std::size_t {
   rebound_volume,  ///< ln|det| of the tangent of an impact with it
   contact_stiffness,
   contact_damping,
-  cubic,  ///< beta: beta x^3 is added to the left side
+  cubic,   ///< beta: beta x^3 is added to the left side
+  cell_p,  ///< of a flight in closed form: what x a cell later is of P, Q (Field) and of the forcing's phase
+  cell_q,
+  cell_c,
+  cell_s,
   coefficients
 };
 using Coefficients = std::array<double, coefficients>;
@@ -83,6 +87,18 @@ struct Period {
   bool by_propagator = false;  ///< the lanes left it to the Propagator
 };
 
+/// States (x0 + x, v0 + v) with xx x^2 + xv x v + vv v^2 <= 1.
+struct Ellipse {
+  double x0 = 0.0, v0 = 0.0, xx = 0.0, xv = 0.0, vv = 0.0;
+};
+
+/// Who is told of those periods of a motion that end in one of the ellipses of the job, and of those numbered `next` (from 1) or
+/// higher, and says whether the motion goes on.
+struct PeriodWatch {
+  bool (*see)(PeriodWatch& watch, std::size_t number, const Period& period) = nullptr;
+  std::size_t next = 1;
+};
+
 struct Motion {
   double x = 0.0, v = 0.0;
   std::size_t parameters = 0;  ///< which set they are
@@ -91,10 +107,14 @@ struct Motion {
   const Coefficients* pressed = nullptr;  ///< of -x in contact with a linear elastic stop
   const Grid* pressed_grid = nullptr;
   std::size_t periods = 1;               ///< to be carried
-  Period* results = nullptr;             ///< of as many periods
+  Period* results = nullptr;             ///< of as many periods; of one that is watched, for the last
   const ContactPieces* table = nullptr;  ///< of contacts; may be null
   SpeedsMet* met = nullptr;              ///< what to write the speeds of entry down in; may be null
   ImpactNotes* notes = nullptr;          ///< may be null
+  PeriodWatch* watch = nullptr;          ///< may be null
+
+  /// Where a period is written down.
+  Period& result(std::size_t of_period) const { return results[watch ? 0 : of_period]; }
 };
 
 enum class Law { restitution, hertz, linear_elastic };
@@ -118,7 +138,9 @@ struct Job {
   bool tangent = true;
   const Motion* motions = nullptr;
   std::size_t count = 0;
-  Carried* carried = nullptr;  ///< of each motion
+  Carried* carried = nullptr;         ///< of each motion
+  const Ellipse* ellipses = nullptr;  ///< Motion::watch is told of periods that end there
+  std::size_t ellipse_count = 0;
   /// Where motions have come to their ends, none is left to begin, and not nearly all lanes have something to do, the others
   /// end with the periods that they are at. (With a table of contacts it matters where a motion is begun anew: those go on.)
   bool while_full = false;

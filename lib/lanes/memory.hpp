@@ -55,6 +55,7 @@ enum Field : std::size_t {
   phi_11,
   det,
   divergence,
+  impact_count,  ///< of the period so far
   fields
 };
 
@@ -69,12 +70,10 @@ template <class Real> struct Memory {
   const Grid* grid[W];
   const ContactPieces* table[W];
   SpeedsMet* met[W];
-  int impacts[W];
 
   /// All lanes idle. (They compute along: with numbers that do no harm.)
   Memory() {
-    if constexpr (W > 1)
-      for (auto& row : coefficient) std::fill_n(row, W, 1.0);
+    for (auto& row : coefficient) std::fill_n(row, W, 1.0);
     for (auto& row : field) std::fill_n(row, W, 0.0);
     for (std::size_t lane = 0; lane < W; ++lane) {
       assign(lane, Task::idle);
@@ -83,7 +82,6 @@ template <class Real> struct Memory {
       grid[lane] = nullptr;
       table[lane] = nullptr;
       met[lane] = nullptr;
-      impacts[lane] = 0;
     }
   }
 
@@ -120,13 +118,10 @@ template <class Real> struct Memory {
   /// Of the lanes that have come to the barrier, to it from outside or back. Gives up those that have had too many impacts, and
   /// returns the others.
   template <class Mask> Mask count_impacts(const Mask& where) {
-    unsigned few = 0;
-    for_each(where, [&](std::size_t lane) {
-      impacts[lane] += coefficient[side][lane] > 0.0 ? 1 : 0;
-      few |= (impacts[lane] <= most_impacts ? 1U : 0U) << lane;
-    });
-    const Mask good = mask_of<Real>(few);
-    assign(where & !good, Task::given_up);
+    const Real count = (*this)[impact_count] + select((*this)[side] > Real(0.0), Real(1.0), Real(0.0));
+    set(impact_count, where, count);
+    const Mask good = where & (count <= Real(static_cast<double>(most_impacts)));
+    assign(but_not(where, good), Task::given_up);
     return good;
   }
   /// Puts a motion's coefficients in a lane: those of its flight, or those of -x in contact.

@@ -148,6 +148,11 @@ void add_closed_form(const Flight& free, Coefficients& q) {
   q[cells] = cells_of(free);
   q[cell] = q[period] / q[cells];
   q[inverse_cell] = q[cells] / q[period];
+  const double h = q[cell], fall = std::exp(-b * h), turned_c = std::cos(w * h), turned_s = std::sin(w * h);
+  q[cell_p] = fall * std::cos(q[rate] * h);
+  q[cell_q] = fall * std::sin(q[rate] * h);
+  q[cell_c] = q[cosine] * turned_c + q[sine] * turned_s;
+  q[cell_s] = q[sine] * turned_c - q[cosine] * turned_s;
 }
 
 /// Of a flight at x, whose angular frequency this would be.

@@ -113,14 +113,14 @@ template <class Flight, class Real, class Job> Surfacing<Real> press(Memory<Real
   }
   const Real duration = m[rest];
   const Mask<Real> finite = abs(Real(y_end + v_end + time_end)) < Real(1e300);
-  Mask<Real> surfaced = pressed & finite & !(y_end > Real(0.0)), late = pressed & finite & (time_end >= duration);
+  Mask<Real> surfaced = but_not(pressed & finite, y_end > Real(0.0)), late = pressed & finite & (time_end >= duration);
   Real s = h;
   if (any(surfaced | late)) {
     s = root_in_step([&](const Real& trial) { return std::pair<Real, Real>(-series.depth(trial), -0.5 * series.speed(trial)); },
                      h, select(surfaced, parabola_root(Real(-z.y), Real(-0.5 * z.v), h, Real(-y_end)), h), surfaced);
     const Real over = series.time(s) - duration;
     const Mask<Real> in_time = surfaced & (over <= Real(0.0));
-    late = (surfaced | late) & !in_time;
+    late = but_not(surfaced | late, in_time);
     surfaced = in_time;
     s = root_in_step([&](const Real& trial) { return std::pair<Real, Real>(series.time(trial) - duration, series.depth(trial)); },
                      s, select(late, parabola_root(Real(z.time - duration), z.y, s, over), s), late);
@@ -157,7 +157,7 @@ template <class Flight, class Real, class Job> Surfacing<Real> press(Memory<Real
   m.set(divergence, taken_over, Real(m[divergence] + next.divergence));
   m.set(contact_divergence, taken_over, Real(0.0));
   m.set(rest, surfaced, Real(duration - next.time));
-  const Mask<Real> endless = (m[steps] >= Real(static_cast<double>(job.max_steps))) & !ended;
+  const Mask<Real> endless = but_not(m[steps] >= Real(static_cast<double>(job.max_steps)), ended);
   m.assign(pressed & (endless | !finite), Task::given_up);
   return {surfaced, late, y, next.v, next.c, next.s};
 }

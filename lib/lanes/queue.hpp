@@ -18,12 +18,14 @@ template <std::size_t Lanes> class Queue {
       tables_ = tables_ || job.motions[i].table;
       met_ = met_ || job.motions[i].met;
       notes_ = notes_ || job.motions[i].notes;
+      watched_ = watched_ || job.motions[i].watch;
     }
   }
-  /// Whether any motion has a table of contacts, wants the speeds met counted or those of its impacts written down.
+  /// Whether any motion has a table of contacts, wants the speeds met counted or those of its impacts written down, is watched.
   bool tables() const { return tables_; }
   bool met() const { return met_; }
   bool notes() const { return notes_; }
+  bool watched() const { return watched_; }
 
   bool empty() const { return taken_ == count_; }
   /// The number of the next motion.
@@ -51,7 +53,7 @@ template <std::size_t Lanes> class Queue {
 
   const Job& job_;
   std::size_t count_, lanes_, taken_ = 0, ended_ = 0;
-  bool tables_ = false, met_ = false, notes_ = false;
+  bool tables_ = false, met_ = false, notes_ = false, watched_ = false;
 };
 
 }  // namespace GRAZE_ARITHMETIC

@@ -9,7 +9,6 @@
 
 #include <bit>
 #include <cmath>
-#include <cstddef>
 #include <type_traits>
 
 #ifdef GRAZE_FUSED
@@ -32,6 +31,17 @@ template <class Real> using Mask = typename MaskType<Real>::type;
 [[gnu::always_inline]] inline double select(bool mask, double a, double b) { return mask ? a : b; }
 [[gnu::always_inline]] inline bool any(bool mask) { return mask; }
 [[gnu::always_inline]] inline unsigned bits(bool mask) { return mask ? 1U : 0U; }
+/// Where a is true and b is not.
+[[gnu::always_inline]] inline bool but_not(bool a, bool b) { return a && !b; }
+template <class T, class A> xsimd::batch_bool<T, A> but_not(const xsimd::batch_bool<T, A>& a, const xsimd::batch_bool<T, A>& b) {
+#if XSIMD_WITH_AVX512F
+  if constexpr (std::is_same_v<A, xsimd::avx512f>) return static_cast<__mmask8>(a.data & ~b.data);
+#endif
+#if XSIMD_WITH_AVX2
+  if constexpr (std::is_same_v<A, xsimd::avx2>) return _mm256_andnot_pd(b.data, a.data);
+#endif
+  return a & !b;
+}
 /// Bit i: that of lane i.
 template <class T, class A> unsigned bits(const xsimd::batch_bool<T, A>& mask) {
 #if XSIMD_WITH_AVX512F
@@ -133,7 +143,7 @@ template <class Real> [[gnu::always_inline]] inline Real wedge(const Real& a, co
   return msub(a, b, Real(c * d));
 }
 
-/// a[0] + a[1] x + ...: even and odd powers side by side, half as long a chain.
+/// a[0] + a[1] x + ...: even and odd powers side by side.
 template <class Real, std::size_t N> Real polynomial(const double (&a)[N], const Real& x) {
   constexpr std::size_t even_top = (N - 1) / 2 * 2, odd_top = N / 2 * 2 - 1;
   const Real square = x * x;
@@ -167,7 +177,7 @@ inline constexpr double inverse_factorial[] = {1.0,
                                                1.0 / 87178291200.0};
 
 /// cos and sin for 0 <= angle <= 0.45 to a few units in the last place: Taylor polynomials (left out: 0.45^15/15! = 5e-18).
-template <class Real> void small_circle(const Real& angle, Real& c, Real& s) {
+template <class Real> [[gnu::always_inline]] inline void small_circle(const Real& angle, Real& c, Real& s) {
   const Real square = angle * angle;
   c = polynomial(inverse_even, square);
   s = angle * polynomial(inverse_odd, square);

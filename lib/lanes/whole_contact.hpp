@@ -73,7 +73,7 @@ template <class Real, bool Tangent> KnownContact<Real> known_contact(const Memor
                       : nullptr;
     any_known = any_known || piece[lane];
   }
-  const Mask<Real> none = landing.where & !landing.where;
+  const Mask<Real> none = mask_of<Real>(0);
   KnownContact<Real> out{};
   out.ends = out.spans = none;
   if (!any_known) return out;
@@ -128,7 +128,7 @@ template <class Real, bool Tangent> void leave_known(Memory<Real>& m, const Know
   if constexpr (Tangent) compose(m, contact.ends, contact.Phi[0], contact.Phi[1], contact.Phi[2], contact.Phi[3]);
   m.set(divergence, contact.ends, Real(m[divergence] + contact.divergence));
   m.set(rest, contact.ends, Real(m[rest] - contact.duration));
-  leave_barrier(m, contact.ends, contact.v_out, contact.c, contact.s);
+  leave_barrier<Real, Tangent>(m, contact.ends, contact.v_out, contact.c, contact.s);
 }
 
 /// Of a contact that spans the end of the period, the part before it,
@@ -149,7 +149,7 @@ void end_spanning(Memory<Real>& m, const Mask<Real>& where, const KnownContact<R
   }
   m.set(divergence, where, Real(contact.divergence - contact.begun_divergence));
   m.set(rest, where, Real(m[period] - (contact.duration - before)));
-  leave_barrier(m, where, contact.v_out, contact.c, contact.s);
+  leave_barrier<Real, Tangent>(m, where, contact.v_out, contact.c, contact.s);
 }
 
 /// Series steps through each contact of the job, as in a period.

@@ -158,7 +158,7 @@ TEST_CASE("the short-cuts of basins reach what plain simulation reaches") {
   }
 }
 
-TEST_CASE("motions in lanes, looked at once a stretch, are recognised in the same period as others, looked at in each") {
+TEST_CASE("motions in lanes, looked at near known orbits alone, are recognised in the same period as others, looked at in each") {
   for (const std::size_t i : {2, 3}) {
     const Case c = of(published()[i]);
     const Matrix starts = grid(14);

@@ -101,6 +101,28 @@ TEST_CASE("from everywhere in a trapping region the motion comes to its orbit") 
   }
 }
 
+TEST_CASE("the ellipses of a trapping region hold what it holds, and hardly more") {
+  const HybridSystem system = make_oscillator("linear", "newton");
+  const Vector p = parameters(system, {{"eta", 0.95}, {"r", 2.0}, {"k_r", 1.0}, {"b", 0.05}});
+  const PeriodicOrbit orbit = settled_orbit(system, p, vector({0.0, 0.0}));
+  const TrappingRegion region = trapping_region(system, p, orbit.state, orbit.period);
+  const std::vector<StateEllipse> ellipses = region.ellipses();
+  REQUIRE(ellipses.size() == region.centres.size());
+  const auto measure = [](const StateEllipse& e, const Vector& x) {
+    const double d = x[0] - e.x0, d_v = x[1] - e.v0;
+    return e.xx * d * d + e.xv * d * d_v + e.vv * d_v * d_v;
+  };
+  for (std::size_t k = 0; k < ellipses.size(); ++k)
+    for (const Vector& x : inside(region, k, 200)) {
+      const Vector d = x - region.centres[k];
+      const double exact = d.dot(region.metrics[k] * d) / (region.size * region.size);  // <= 1 inside
+      CHECK(region.holds(x));
+      CHECK(measure(ellipses[k], x) <= 1.0);
+      CHECK(measure(ellipses[k], x) == Approx(exact).epsilon(2e-3));
+    }
+  CHECK(TrappingRegion{}.ellipses().empty());
+}
+
 TEST_CASE("the trapping region of the impactless orbit is free of impacts and not needlessly small") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = parameters(system, {{"eta", 0.66}});

@@ -41,7 +41,7 @@ struct Flying {
   double ceiling_of() const {
     const auto m = std::make_unique<Memory<double>>();
     for (std::size_t i = 0; i < coefficients; ++i) m->coefficient[i][0] = q[i];
-    begin_flight<double>(*m, true, x, v, std::cos(phase), std::sin(phase));
+    begin_flight<double, false>(*m, true, x, v, std::cos(phase), std::sin(phase));
     return (*m)[ceiling];
   }
 };

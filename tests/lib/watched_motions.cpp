@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Motions that are watched in lanes: what of a motion its watch is told, against the motion carried as a whole.
+#include "support/checks.hpp"
+#include "support/lane_differences.hpp"
+#include "support/lane_widths.hpp"
+
+#include <graze/lib/many_motions.hpp>
+#include <graze/lib/oscillator.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <limits>
+
+using namespace graze;
+using namespace graze::support;
+
+namespace {
+
+struct Told {
+  std::size_t number;
+  PeriodResult period;
+};
+
+/// Wants to be told of every `each`-th period, up to `last`.
+struct Listening : PeriodWatch {
+  std::size_t each = 1, last = 1;
+  std::vector<Told> told;
+  Listening(std::size_t every, std::size_t end) : each(every), last(end) {
+    next = each;
+    see = [](PeriodWatch& self, std::size_t number, const PeriodResult& period) {
+      auto& its = static_cast<Listening&>(self);
+      its.told.push_back({number, period});
+      its.next = number / its.each * its.each + its.each;
+      return number < its.last;
+    };
+  }
+};
+
+/// A little one around a state.
+StateEllipse around(const PeriodResult& at, double size) { return {at.x, at.v, 1.0 / (size * size), 0.0, 1.0 / (size * size)}; }
+
+bool in(const StateEllipse& e, const PeriodResult& at) {
+  const double d = at.x - e.x0, d_v = at.v - e.v0;
+  return e.xx * d * d + e.xv * d * d_v + e.vv * d_v * d_v <= 1.0;
+}
+
+bool same(const PeriodResult& a, const PeriodResult& b) { return same_bits({a}, {b}); }
+
+}  // namespace
+
+TEST_CASE("a watch is told of the periods that it asks for and of those that end in an ellipse, until it has seen enough") {
+  const auto [model, law] = GENERATE(table<const char*, const char*>({{"linear", "newton"},
+                                                                      {"linear", "hertz"},
+                                                                      {"linear", "linear"},
+                                                                      {"cantilever", "newton"},
+                                                                      {"cantilever", "hertz"}}));
+  const HybridSystem system = make_oscillator(model, law);
+  const Vector p = parameters(system, {{"eta", 0.711}, {"r", 0.5}});
+  constexpr std::size_t count = 21, most = 60;
+  std::vector<MotionStart> starts = random_starts(count, 0.3, 1);
+  for (const LaneWidth width : widths_of_processor) {
+    if (!available(width)) continue;
+    INFO(model << ", " << law << ", " << static_cast<int>(width));
+    ManyMotions whole(system, {}, width), many(system, {}, width);
+    whole.add_parameters(p);
+    many.add_parameters(p);
+    std::vector<PeriodResult> expected;
+    whole.carry(starts, most, false, expected);
+    const StateEllipse first = around(expected[0], 0.01), other = around(expected[5 * most + 30], 0.02);
+    many.tell_of({first, other});
+    std::vector<Listening> watches;
+    std::vector<PeriodResult> last(count);
+    std::vector<MotionRun> runs;
+    watches.reserve(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      watches.emplace_back(1 + i % 7, 7 + 2 * i);
+      runs.push_back(
+          {.start = starts[i], .periods = std::numeric_limits<std::size_t>::max(), .results = &last[i], .watch = &watches[i]});
+    }
+    many.carry(runs, false);
+    std::size_t by_ellipse = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Listening& watch = watches[i];
+      std::size_t next = 0;
+      bool ended = false;
+      for (std::size_t k = 1; k <= most && !ended; ++k) {
+        const PeriodResult& period = expected[i * most + k - 1];
+        const bool inside = in(first, period) || in(other, period);
+        if (k % watch.each != 0 && !inside) continue;
+        by_ellipse += k % watch.each != 0 ? 1 : 0;
+        REQUIRE(next < watch.told.size());
+        REQUIRE(watch.told[next].number == k);
+        CHECK(same(watch.told[next++].period, period));
+        ended = k >= watch.last;
+      }
+      CHECK(ended);
+      CHECK(next == watch.told.size());
+      CHECK(runs[i].carried == watch.told.back().number);
+      CHECK(runs[i].periods == runs[i].carried);
+      CHECK(same(last[i], watch.told.back().period));
+    }
+    CHECK(by_ellipse > 1);
+  }
+}
+
+TEST_CASE("a watch is told of a period that cannot be carried, and of those that the lanes leave over") {
+  const HybridSystem system = make_oscillator("linear", "newton");
+  const Vector p = parameters(system, {{"eta", 0.2}, {"r", 0.3}, {"k_r", 0.5}});  // the mass sticks
+  const std::vector<MotionStart> starts = {{0, 0.0, 0.0}, {0, 0.4, 0.0}, {0, 0.3, -0.5}};
+  constexpr std::size_t periods = 5;
+  ManyMotions whole(system), many(system);
+  whole.add_parameters(p);
+  many.add_parameters(p);
+  std::vector<PeriodResult> expected, last(starts.size());
+  whole.carry(starts, periods, false, expected);
+  std::vector<Listening> watches;
+  std::vector<MotionRun> runs;
+  watches.reserve(starts.size());
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    watches.emplace_back(periods, periods);
+    runs.push_back({.start = starts[i], .periods = 1000, .results = &last[i], .watch = &watches[i]});
+  }
+  many.carry(runs, false);
+  CHECK(many.left_over() > 0);
+  for (const std::size_t i : {0, 2}) {
+    REQUIRE(!watches[i].told.empty());
+    CHECK(watches[i].told.back().number == periods);
+    CHECK(same(watches[i].told.back().period, expected[i * periods + periods - 1]));
+  }
+  REQUIRE(watches[1].told.size() == 1);  // it began inside the barrier
+  CHECK(watches[1].told[0].number == 1);
+  CHECK(watches[1].told[0].period.termination == Termination::inadmissible_start);
+}
