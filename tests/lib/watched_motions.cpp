@@ -49,11 +49,8 @@ bool same(const PeriodResult& a, const PeriodResult& b) { return same_bits({a}, 
 }  // namespace
 
 TEST_CASE("a watch is told of the periods that it asks for and of those that end in an ellipse, until it has seen enough") {
-  const auto [model, law] = GENERATE(table<const char*, const char*>({{"linear", "newton"},
-                                                                      {"linear", "hertz"},
-                                                                      {"linear", "linear"},
-                                                                      {"cantilever", "newton"},
-                                                                      {"cantilever", "hertz"}}));
+  const auto [model, law] = GENERATE(table<const char*, const char*>(
+      {{"linear", "newton"}, {"linear", "hertz"}, {"linear", "linear"}, {"cantilever", "newton"}, {"cantilever", "hertz"}}));
   const HybridSystem system = make_oscillator(model, law);
   const Vector p = parameters(system, {{"eta", 0.711}, {"r", 0.5}});
   constexpr std::size_t count = 21, most = 60;
