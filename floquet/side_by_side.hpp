@@ -29,7 +29,8 @@ template <class Watch, class Cancelled> bool carry_watched(Propagator& propagato
 
 /// Forcing periods that are carried at a time, with so many behind. What is carried in vain where a watch is closed is half of
 /// them on average: many are for those that last.
-inline std::size_t next_stretch(std::size_t carried, std::size_t shortest) {
+inline std::size_t next_stretch(std::size_t carried) {
+  constexpr std::size_t shortest = 4;
   return std::clamp(carried / (4 * shortest) * shortest, shortest, 8 * shortest);
 }
 
@@ -39,7 +40,7 @@ template <class Watch, class Cancelled> LaneTask<bool> carry_watched(LanePlace& 
   Vector state(2);
   while (watch.open()) {
     if (cancelled()) co_return false;
-    const std::size_t stretch = next_stretch(carried, 4);
+    const std::size_t stretch = next_stretch(carried);
     carried += stretch;
     const std::span<const PeriodResult> periods = co_await lane.carry(watch.state(), stretch);
     for (const PeriodResult& period : periods) {

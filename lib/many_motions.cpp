@@ -323,13 +323,13 @@ void ManyMotions::finish(std::size_t number) {
   MotionRun& run = *together_[number].run;
   const lanes::Carried& carried = carried_each_[number];
   run.carried += carried.periods;
-  carried_ += carried.periods;
-  carried_ += carried.failed ? 1 : 0;
+  carried_ += carried.periods + (carried.failed ? 1 : 0);
   if (run.watch) {
     run.periods = run.carried;
     if (carried.failed) run.watch->see(*run.watch, run.carried + 1, *run.results);
+    return;
   }
-  if (!carried.failed || run.watch) return;
+  if (!carried.failed) return;
   PeriodResult* const end = run.results + run.carried;
   std::fill(end + 1, run.results + run.periods, PeriodResult{.termination = end->termination});
   run.carried = run.periods;

@@ -54,9 +54,9 @@ template <class Real> Arrival<Real> arrival(const Memory<Real>& m) {
       P, Q, Real(1.0), Real(0.0), c, s, Real(0.0), mask_of<Real>(0), but_not(crossing, rises(start, start.v, farthest))};
   Mask<Real> seeking = but_not(crossing, out.unsure);
   for (int round = 0; round < 12 && any(seeking); ++round) {
-    Turn<Real> by = turn(m, h);
-    const Real P1 = dot(by.turn_c, P, by.turn_s, Q), Q1 = wedge(by.turn_c, Q, by.turn_s, P);
-    const Point<Real> z = point(m, P1, Q1, wedge(c, by.force_c, s, by.force_s), dot(s, by.force_c, c, by.force_s));
+    const Later<Real> there = later(m, P, Q, c, s, h);
+    const Point<Real> z = point(m, there.P, there.Q, there.c, there.s);
+    Turn<Real> by = there.by;
     const Real g = z.x - r, inverse = 1.0 / z.v, newton = -g * inverse, chebyshev = newton * (1.0 - 0.5 * newton * z.a * inverse);
     const Real move = polynomial_root(z, g, chebyshev, Real(-h), Real(farthest - h), 1);
     const Mask<Real> settled = seeking & (abs(move) < nearly_there * m[cell]) & (abs(Real(move * z.a)) < nearly_there * z.v);

@@ -92,8 +92,8 @@ struct Ellipse {
   double x0 = 0.0, v0 = 0.0, xx = 0.0, xv = 0.0, vv = 0.0;
 };
 
-/// Who is told of those periods of a motion that end in one of the ellipses of the job, and of those numbered `next` (from 1) or
-/// higher, and says whether the motion goes on.
+/// Who is told of those periods of a motion that end in one of the ellipses of the job, of those numbered `next` (from 1) or
+/// higher, and of those that the lanes gave up, and says whether the motion goes on.
 struct PeriodWatch {
   bool (*see)(PeriodWatch& watch, std::size_t number, const Period& period) = nullptr;
   std::size_t next = 1;

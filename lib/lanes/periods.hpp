@@ -49,10 +49,7 @@ template <class Flight> class Periods {
       Period& result = motion.result(memory_.period[lane]);
       result.x = at[lane];
       result.v = at_speed[lane];
-      if (nobody_looks(lane, motion, in_ellipse)) {
-        goes_on |= 1U << lane;
-        return;
-      }
+      const bool told = motion.watch && interests(lane, motion, in_ellipse);
       const double impacts = memory_.field[impact_count][lane];
       if constexpr (Tangent) {
         for (std::size_t i = 0; i < 4; ++i) result.Phi[i] = memory_.field[phi_00 + i][lane];
@@ -63,7 +60,7 @@ template <class Flight> class Periods {
       result.impacts = static_cast<std::int32_t>(impacts);
       result.termination = Termination::time;
       result.by_propagator = false;
-      if (!may_go_on(lane, motion, result, (in_ellipse >> lane & 1U) != 0)) return end_motion(lane, starts, false);
+      if (!may_go_on(lane, motion, result, told)) return end_motion(lane, starts, false);
       if (motion.notes) motion.notes->before = motion.notes->count;
       if (job_.law == Law::linear_elastic) load(lane, motion, at[lane]);
       goes_on |= 1U << lane;
@@ -86,7 +83,7 @@ template <class Flight> class Periods {
       const bool done = job_.do_given_up && job_.do_given_up(job_.whom, job_, motion, period);
       if (!done) return end_motion(lane, starts, true);
       const Period& result = motion.result(period);
-      if (!may_go_on(lane, motion, result, true)) return end_motion(lane, starts, false);
+      if (!may_go_on(lane, motion, result, motion.watch != nullptr)) return end_motion(lane, starts, false);
       place(lane, motion, result.x, result.v, starts);
     });
     begin_motions(starts);
@@ -107,13 +104,9 @@ template <class Flight> class Periods {
     }
   };
 
-  /// Whether a period that is over interests nobody.
-  bool nobody_looks(std::size_t lane, const Motion& motion, unsigned in_ellipse) {
-    if (!motion.watch || (in_ellipse >> lane & 1U) != 0 || motion.notes || job_.law == Law::linear_elastic) return false;
-    const std::size_t number = memory_.period[lane] + 1;
-    if (number >= motion.watch->next || number >= motion.periods) return false;
-    memory_.period[lane] = number;
-    return true;
+  /// Whether the period that ends is one that the watch of its motion wants to be told of.
+  bool interests(std::size_t lane, const Motion& motion, unsigned in_ellipse) const {
+    return (in_ellipse >> lane & 1U) != 0 || memory_.period[lane] + 1 >= motion.watch->next;
   }
 
   /// Which of these states are in an ellipse of the job, bit by bit.
@@ -172,11 +165,11 @@ template <class Flight> class Periods {
     memory_.load(lane, motion, job_.law == Law::linear_elastic && x > (*motion.coefficients)[barrier]);
   }
 
-  /// Whether a motion does, at the end of a period.
-  bool may_go_on(std::size_t lane, const Motion& motion, const Period& result, bool in_ellipse) {
+  /// Whether a motion does, at the end of a period; its watch is told, and asked.
+  bool may_go_on(std::size_t lane, const Motion& motion, const Period& result, bool told) {
     const std::size_t number = ++memory_.period[lane];
     const bool more = number != motion.periods && !queue_.stops(motion);
-    if (!motion.watch || (!in_ellipse && number < motion.watch->next)) return more;
+    if (!told) return more;
     WideRegisters::leave();
     return motion.watch->see(*motion.watch, number, result) && more;
   }
