@@ -51,7 +51,6 @@ template <class Real> void exchange(Memory<Real>& a, std::size_t i, Memory<Real>
   a.assign(i, of_b);
   b.assign(j, of_a);
   std::swap(a.motion[i], b.motion[j]);
-  std::swap(a.period[i], b.period[j]);
   std::swap(a.coefficients_of[i], b.coefficients_of[j]);
   std::swap(a.grid[i], b.grid[j]);
   std::swap(a.table[i], b.table[j]);

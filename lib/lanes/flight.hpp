@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Flights in lanes: the closed form of linear_flow.hpp, from point to point of the Grid. Far from the barrier a motion marches
-// (march.hpp). Elsewhere it goes on by a step up to the next point, or a half, a quarter ... of it, where the Bernstein
-// coefficients of x's Taylor polynomial of degree 5, with a bound of the sixth derivative, show that the barrier is not reached,
-// or that the speed stays positive and the end lies before it; where they show the speed positive and the end lies beyond, the
-// crossing in between is the only one, and is polished (crossing.hpp). What is too close to a tangency for the shortest step is
-// given up: the lanes miss nothing, they leave it to the one-lane path.
+// Flights in lanes: the closed form of linear_flow.hpp, from point to point of the Grid. Where a bound of the curvature shows
+// that x stays clear of the barrier between two points, a motion marches (march.hpp). Elsewhere it goes on by a step up to the
+// next point, or a half, a quarter ... of it, where the Bernstein coefficients of x's Taylor polynomial of degree 5, with a bound
+// of the sixth derivative, show that the barrier is not reached, or that the speed stays positive and the end lies before it;
+// where they show the speed positive and the end lies beyond, the crossing in between is the only one, and is polished
+// (crossing.hpp). What is too close to a tangency for the shortest step is given up: the lanes miss nothing, they leave it to the
+// one-lane path.
 #pragma once
 
 #include <graze/lib/lanes/memory.hpp>
@@ -53,10 +54,26 @@ template <class Real>
                                                 const Real& s) {
   return dot(m[cell_p], P, m[cell_q], Q) + (dot(m[cell_c], c, m[cell_s], s) + m[offset]);
 }
+/// The highest x that is not too close to the barrier.
+template <class Real> [[gnu::always_inline]] inline Real highest(const Memory<Real>& m) {
+  const Real r = m[barrier];
+  return r - too_close * (1.0 + abs(r));
+}
 /// Whether from x, not too close to the barrier, that is beyond it: where the speed stays positive, the crossing is the only one.
 template <class Real> [[gnu::always_inline]] inline auto crosses_from(const Memory<Real>& m, const Real& x, const Real& x_later) {
-  const Real r = m[barrier];
-  return (x_later >= r) & (x - r <= -too_close * (1.0 + abs(r)));
+  return (x_later >= m[barrier]) & (x <= highest(m));
+}
+
+/// Whether x stays below `top` between two points of the grid. It is below the parabola through both that bends as much as x may
+/// at the most (begin_flight), which is above the middle of their chord by `bow`; so it is above the higher one, by d, by bow (1
+/// - d/(4 bow))^2 where d < 4 bow, and nowhere else.
+template <class Real>
+[[gnu::always_inline]] inline auto stays_below(const Real& top, const Real& x, const Real& x_later, const Real& bow) {
+  const Real four = 4.0 * bow, lacks = largest(Real(four - abs(Real(x_later - x))), Real(0.0));
+  return lacks * lacks < 4.0 * four * (top - largest(x, x_later));
+}
+template <class Real> [[gnu::always_inline]] inline auto stays_clear(const Memory<Real>& m, const Real& x, const Real& x_later) {
+  return stays_below(highest(m), x, x_later, Real(m[barrier] - m[ceiling]));
 }
 
 /// Whether the polynomial of degree N with Bernstein coefficients from partial sums of b is <= 0 on the step and < 0 at its end.
@@ -111,17 +128,17 @@ void go_on_to(Memory<Real>& m, const Mask<Real>& where, const Later<Real>& there
   m.set(flown, where, Real(m[flown] + h));
 }
 
-/// Motions have come to the next point of the grid. Above the ceiling no march gets away from it: the step to the next one
-/// follows at once; of which, it says.
+/// Motions have come to the next point of the grid. They march on where they stay clear of the barrier up to the one after it;
+/// elsewhere the step to that follows at once; of which, it says.
 template <class Real>
 [[gnu::always_inline]] inline Mask<Real> reach_point(Memory<Real>& m, const Mask<Real>& where, const Later<Real>& z) {
-  const Real here = m[next_point];
-  const Mask<Real> ends = where & (here == m[cells]), follows = but_not(where, ends) & (z.x >= m[ceiling]);
+  const Real here = m[next_point], x = x_after_cell(m, z.P, z.Q, z.c, z.s);
+  const Mask<Real> ends = where & (here == m[cells]), follows = but_not(but_not(where, ends), stays_clear(m, z.x, x));
   m.set(next_point, follows, Real(here + 1.0));
   m.assign(where, Task::marching);
   m.assign(ends, Task::period_end);
   m.assign(follows, Task::flight);
-  m.assign(follows & crosses_from(m, z.x, x_after_cell(m, z.P, z.Q, z.c, z.s)), Task::crossing);
+  m.assign(follows & crosses_from(m, z.x, x), Task::crossing);
   return follows;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The march of flights in lanes: far from the barrier, over as many cells of the Grid at once as a motion stays far from it.
+// The march of flights in lanes, over as many cells of the Grid at once as a motion stays clear of the barrier.
 #pragma once
 
 #include <graze/lib/lanes/flight.hpp>
@@ -10,13 +10,13 @@
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
-/// How many cells from point k of the grid on, one after the other, have both ends below the ceiling: less than points_ahead.
+/// How many cells from point k of the grid on, one after the other, end below the ceiling: less than points_ahead.
 template <class Real> std::int64_t cells_below(const Grid& grid, std::int64_t k, double P, double Q, double ceiling) {
   const double* forced = grid.forced + k;
   if constexpr (width<Real> == 1) {
-    std::size_t n = 0;
+    std::size_t n = 1;
     while (n < points_ahead && madd(grid.turn_c[n], P, madd(grid.turn_s[n], Q, forced[n])) < ceiling) ++n;
-    return static_cast<std::int64_t>(n) - (n > 0 ? 1 : 0);
+    return static_cast<std::int64_t>(n) - 1;
   } else {
     unsigned below = 0;
     for (std::size_t i = 0; i < points_ahead; i += width<Real>) {
@@ -24,16 +24,17 @@ template <class Real> std::int64_t cells_below(const Grid& grid, std::int64_t k,
       const Real x = madd(take<Real>(&grid.turn_c[i]), Real(P), without_P);
       below |= bits(x < Real(ceiling)) << i;
     }
-    return std::countr_one(below & (below >> 1) & (~0U >> 1));
+    return std::countr_one(below >> 1);
   }
 }
 
-/// Takes the motions that are on the grid as far as they are far from the barrier, or points_ahead sees. (What each lane has for
-/// itself is looked up one by one; the rest is done together.)
+/// Takes the motions that are on the grid, and stay clear of the barrier up to its next point if that is below the ceiling, over
+/// all cells from there on that end below the ceiling, as far as points_ahead sees, and one more if they stay clear of the
+/// barrier there. (What each lane has for itself is looked up one by one; the rest is done together.)
 template <class Real, bool Tangent> void march(Memory<Real>& m) {
   constexpr std::size_t W = width<Real>;
   const Mask<Real> marching = m.is(Task::marching);
-  alignas(64) double over[W] = {}, by_c[W] = {}, by_s[W] = {}, to_c[W] = {}, to_s[W] = {};
+  alignas(64) double over[W] = {}, by_c[W] = {}, by_s[W] = {}, to_c[W] = {}, to_s[W] = {}, next_c[W] = {}, next_s[W] = {};
   for_each(marching, [&](std::size_t lane) {
     const Grid& grid = *m.grid[lane];
     const auto here = static_cast<std::int64_t>(m.field[next_point][lane]);
@@ -44,27 +45,35 @@ template <class Real, bool Tangent> void march(Memory<Real>& m) {
     by_s[lane] = grid.turn_s[static_cast<std::size_t>(n)];
     to_c[lane] = grid.phase_c[here + n];
     to_s[lane] = grid.phase_s[here + n];
+    next_c[lane] = grid.phase_c[here + n + 1];
+    next_s[lane] = grid.phase_s[here + n + 1];
   });
   const Real n = take<Real>(over), c = take<Real>(by_c), s = take<Real>(by_s), P = m[transient_p], Q = m[transient_q];
   const Real P1 = dot(c, P, s, Q), Q1 = wedge(c, Q, s, P), c1 = take<Real>(to_c), s1 = take<Real>(to_s);
-  m.set(transient_p, marching, P1);
-  m.set(transient_q, marching, Q1);
+  const Real point1 = m[next_point] + n, x1 = P1 + (dot(m[cosine], c1, m[sine], s1) + m[offset]);
+  const Mask<Real> sees_no_end = n == Real(static_cast<double>(points_ahead - 1));
+  const Mask<Real> one_more = but_not(point1 < m[cells], sees_no_end) & stays_clear(m, x1, x_after_cell(m, P1, Q1, c1, s1));
+  const Real p = m[cell_p], q = m[cell_q], P2 = select(one_more, dot(p, P1, q, Q1), P1),
+             Q2 = select(one_more, wedge(p, Q1, q, P1), Q1);
+  const Real c2 = select(one_more, take<Real>(next_c), c1), s2 = select(one_more, take<Real>(next_s), s1);
+  const Real over_one = select(one_more, Real(1.0), Real(0.0)), point = point1 + over_one, length = m[cell];
+  m.set(transient_p, marching, P2);
+  m.set(transient_q, marching, Q2);
   if constexpr (Tangent) {
-    const Real E = m[spiral_c], F = m[spiral_s];
-    m.set(spiral_c, marching, wedge(c, E, s, F));
-    m.set(spiral_s, marching, dot(c, F, s, E));
+    const Real E = m[spiral_c], F = m[spiral_s], E1 = wedge(c, E, s, F), F1 = dot(c, F, s, E);
+    m.set(spiral_c, marching, select(one_more, wedge(p, E1, q, F1), E1));
+    m.set(spiral_s, marching, select(one_more, dot(p, F1, q, E1), F1));
   }
-  m.set(phase_c, marching, c1);
-  m.set(phase_s, marching, s1);
-  const Real point = m[next_point] + n, length = m[cell];
-  const Mask<Real> ends = marching & (point == m[cells]);
-  const Mask<Real> sees_no_end = but_not(marching, ends) & (n == Real(static_cast<double>(points_ahead - 1)));
-  m.set(flown, marching, Real(m[flown] + n * length));
-  m.set(next_point, marching, Real(point + select(sees_no_end, Real(0.0), Real(1.0))));
+  m.set(phase_c, marching, c2);
+  m.set(phase_s, marching, s2);
+  const Mask<Real> ends = marching & (point == m[cells]), goes_on = but_not(marching, ends) & sees_no_end;
+  m.set(flown, marching, Real(m[flown] + (n + over_one) * length));
+  m.set(next_point, marching, Real(point + select(goes_on, Real(0.0), Real(1.0))));
   look_ahead(m, marching, length);
-  const Mask<Real> flies = but_not(marching, sees_no_end);  // far enough from the barrier for a crossing in the next cell
+  const Mask<Real> flies =
+      but_not(marching, goes_on);  // from where it is far enough from the barrier for a crossing in the next cell
   m.assign(flies, Task::flight);
-  m.assign(flies & (x_after_cell(m, P1, Q1, c1, s1) >= m[barrier]), Task::crossing);
+  m.assign(flies & (x_after_cell(m, P2, Q2, c2, s2) >= m[barrier]), Task::crossing);
   m.assign(ends, Task::period_end);
 }
 

@@ -56,6 +56,10 @@ enum Field : std::size_t {
   det,
   divergence,
   impact_count,  ///< of the period so far
+  ended,         ///< of the motion's periods; which is the next that must be written down
+  told_at,
+  begun_at,  ///< position and speed where the period began, of motions that are watched
+  begun_with,
   fields
 };
 
@@ -65,7 +69,7 @@ template <class Real> struct Memory {
   alignas(64) double coefficient[coefficients][W];
   alignas(64) double field[fields][W];
   std::uint64_t tasks = 0;  ///< byte t: which lanes are at Task t, bit by bit
-  std::size_t motion[W], period[W];
+  std::size_t motion[W];
   const Coefficients* coefficients_of[W];  ///< those that `coefficient` has
   const Grid* grid[W];
   const ContactPieces* table[W];
@@ -77,7 +81,7 @@ template <class Real> struct Memory {
     for (auto& row : field) std::fill_n(row, W, 0.0);
     for (std::size_t lane = 0; lane < W; ++lane) {
       assign(lane, Task::idle);
-      motion[lane] = period[lane] = 0;
+      motion[lane] = 0;
       coefficients_of[lane] = nullptr;
       grid[lane] = nullptr;
       table[lane] = nullptr;

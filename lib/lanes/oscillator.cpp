@@ -199,16 +199,17 @@ std::vector<Complex> powers(Complex z, std::size_t count) {
 
 Complex polar(long double size, long double angle) { return {size * std::cos(angle), size * std::sin(angle)}; }
 
-/// Cosine and sine of k n-ths of a turn, k = 0 ... n.
+/// Cosine and sine of k n-ths of a turn, k = 0 ... n + 1.
 struct Phases {
   std::vector<double> c, s;
 };
 /// (Of many parameters they are the same: the last are kept.)
 std::shared_ptr<const Phases> phases_of(std::size_t n) {
   thread_local std::shared_ptr<const Phases> last;
-  if (last && last->c.size() == n + 1) return last;
+  if (last && last->c.size() == n + 2) return last;
   auto phases = powers(polar(1.0L, 2.0L * std::numbers::pi_v<long double> / static_cast<long double>(n)), n);
   phases.emplace_back(1.0L);
+  phases.push_back(phases[1]);
   const auto made = std::make_shared<Phases>();
   for (const Complex& z : phases) {
     made->c.push_back(static_cast<double>(z.real()));

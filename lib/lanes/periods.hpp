@@ -4,10 +4,11 @@
 
 #include <graze/lib/lanes/memory.hpp>
 #include <graze/lib/lanes/passage.hpp>
+#include <graze/lib/lanes/period_result.hpp>
 #include <graze/lib/lanes/queue.hpp>
 #include <graze/lib/lanes/wide_registers.hpp>
 
-#include <cmath>
+#include <algorithm>
 
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
@@ -28,44 +29,30 @@ template <class Flight> class Periods {
 
   /// Lanes that have nothing to do take motions that have joined meanwhile.
   void take_more() {
-    if (queue_.empty() || memory_.count(Task::idle) == 0) return;
+    if (memory_.count(Task::idle) == 0 || queue_.empty()) return;
     Starts starts;
     for_each(memory_.is(Task::idle), [&](std::size_t lane) { next_motion(lane, starts); });
     begin_motions(starts);
   }
 
  protected:
-  /// Writes down what the periods did, and begins the next, from what is written: it is the same where another call goes on.
-  /// Says which motions go on.
+  /// Writes down what the periods did, where somebody wants to know, and begins the next, from what is written: it is the same
+  /// where another call goes on. Says which motions go on.
   Mask<Real> end_periods(const Mask<Real>& where, const Real& x, const Real& v) {
     Starts starts;
-    const unsigned in_ellipse = queue_.watched() ? in_ellipses(x, v) : 0;
-    unsigned goes_on = 0;
-    alignas(64) double at[W], at_speed[W];
-    put(at, x);
-    put(at_speed, v);
-    for_each(where, [&](std::size_t lane) {
-      const Motion& motion = job_.motions[memory_.motion[lane]];
-      Period& result = motion.result(memory_.period[lane]);
-      result.x = at[lane];
-      result.v = at_speed[lane];
-      const bool told = motion.watch && interests(lane, motion, in_ellipse);
-      const double impacts = memory_.field[impact_count][lane];
-      if constexpr (Tangent) {
-        for (std::size_t i = 0; i < 4; ++i) result.Phi[i] = memory_.field[phi_00 + i][lane];
-        result.det = memory_.field[det][lane];
-        const double of_impacts = impacts > 0.0 ? impacts * memory_.coefficient[rebound_volume][lane] : 0.0;
-        result.liouville = memory_.field[divergence][lane] + of_impacts;
-      }
-      result.impacts = static_cast<std::int32_t>(impacts);
-      result.termination = Termination::time;
-      result.by_propagator = false;
-      if (!may_go_on(lane, motion, result, told)) return end_motion(lane, starts, false);
-      if (motion.notes) motion.notes->before = motion.notes->count;
-      if (job_.law == Law::linear_elastic) load(lane, motion, at[lane]);
-      goes_on |= 1U << lane;
-    });
-    const Mask<Real> on = mask_of<Real>(goes_on);
+    const Real number = memory_[ended] + 1.0;
+    memory_.set(ended, where, number);
+    Mask<Real> on = where & (number < memory_[told_at]), in_ellipse = mask_of<Real>(0);
+    if (queue_.watched()) {
+      in_ellipse = in_ellipses(job_, x, v);
+      on = but_not(on, in_ellipse);
+    }
+    if (const Mask<Real> to_tell = but_not(where, on); any(to_tell)) on = on | write_down(to_tell, x, v, in_ellipse, starts);
+    if (job_.law == Law::linear_elastic) {
+      alignas(64) double at[W];
+      put(at, x);
+      for_each(on, [&](std::size_t lane) { load(lane, job_.motions[memory_.motion[lane]], at[lane]); });
+    }
     if (starts.there == 0)
       begin_periods(on, x, v);
     else
@@ -77,11 +64,16 @@ template <class Flight> class Periods {
     Starts starts;
     for_each(memory_.is(Task::given_up), [&](std::size_t lane) {
       const Motion& motion = job_.motions[memory_.motion[lane]];
-      const std::size_t period = memory_.period[lane];
+      const std::size_t period = ended_in(lane);
       if (motion.notes) motion.notes->count = motion.notes->before;
+      if (motion.watch && period > 0) {  // it was perhaps not told of the one before
+        motion.result(period - 1).x = memory_.field[begun_at][lane];
+        motion.result(period - 1).v = memory_.field[begun_with][lane];
+      }
       WideRegisters::leave();
       const bool done = job_.do_given_up && job_.do_given_up(job_.whom, job_, motion, period);
       if (!done) return end_motion(lane, starts, true);
+      memory_.field[ended][lane] += 1.0;
       const Period& result = motion.result(period);
       if (!may_go_on(lane, motion, result, motion.watch != nullptr)) return end_motion(lane, starts, false);
       place(lane, motion, result.x, result.v, starts);
@@ -104,20 +96,28 @@ template <class Flight> class Periods {
     }
   };
 
-  /// Whether the period that ends is one that the watch of its motion wants to be told of.
-  bool interests(std::size_t lane, const Motion& motion, unsigned in_ellipse) const {
-    return (in_ellipse >> lane & 1U) != 0 || memory_.period[lane] + 1 >= motion.watch->next;
-  }
+  std::size_t ended_in(std::size_t lane) const { return static_cast<std::size_t>(memory_.field[ended][lane]); }
 
-  /// Which of these states are in an ellipse of the job, bit by bit.
-  unsigned in_ellipses(const Real& x, const Real& v) const {
-    Mask<Real> in = mask_of<Real>(0);
-    for (std::size_t i = 0; i < job_.ellipse_count; ++i) {
-      const Ellipse& e = job_.ellipses[i];
-      const Real d = x - e.x0, d_v = v - e.v0;
-      in = in | (d * (e.xx * d + e.xv * d_v) + e.vv * (d_v * d_v) <= Real(1.0));
-    }
-    return bits(in);
+  /// What the periods did that have ended in these lanes. Says which motions go on.
+  Mask<Real> write_down(const Mask<Real>& where, const Real& x, const Real& v, const Mask<Real>& in_ellipse, Starts& starts) {
+    const unsigned interesting = bits(in_ellipse);
+    unsigned goes_on = 0;
+    alignas(64) double at[W], at_speed[W];
+    put(at, x);
+    put(at_speed, v);
+    for_each(where, [&](std::size_t lane) {
+      const Motion& motion = job_.motions[memory_.motion[lane]];
+      const std::size_t number = ended_in(lane);
+      Period& result = motion.result(number - 1);
+      write_period<Real, Tangent>(memory_, lane, result);
+      result.x = at[lane];
+      result.v = at_speed[lane];
+      const bool told = motion.watch && ((interesting >> lane & 1U) != 0 || number >= motion.watch->next);
+      if (!may_go_on(lane, motion, result, told)) return end_motion(lane, starts, false);
+      if (motion.notes) motion.notes->before = motion.notes->count;
+      goes_on |= 1U << lane;
+    });
+    return mask_of<Real>(goes_on);
   }
 
   void begin_motions(const Starts& starts) {
@@ -126,6 +126,10 @@ template <class Flight> class Periods {
 
   void begin_periods(Mask<Real> where, const Real& x, const Real& v) {
     memory_.set(impact_count, where, Real(0.0));
+    if (queue_.watched()) {
+      memory_.set(begun_at, where, x);
+      memory_.set(begun_with, where, v);
+    }
     if (job_.law == Law::restitution) {
       const Mask<Real> inside = where & (x > memory_[barrier]);
       memory_.assign(inside, Task::given_up);
@@ -147,7 +151,8 @@ template <class Flight> class Periods {
     if (queue_.empty()) return memory_.assign(lane, Task::idle);
     memory_.motion[lane] = queue_.take();
     const Motion& motion = job_.motions[memory_.motion[lane]];
-    memory_.period[lane] = 0;
+    memory_.field[ended][lane] = 0.0;
+    listen(lane, motion);
     memory_.table[lane] = motion.table;
     memory_.met[lane] = motion.met;
     place(lane, motion, motion.x, motion.v, starts);
@@ -167,15 +172,22 @@ template <class Flight> class Periods {
 
   /// Whether a motion does, at the end of a period; its watch is told, and asked.
   bool may_go_on(std::size_t lane, const Motion& motion, const Period& result, bool told) {
-    const std::size_t number = ++memory_.period[lane];
+    const std::size_t number = ended_in(lane);
     const bool more = number != motion.periods && !queue_.stops(motion);
     if (!told) return more;
     WideRegisters::leave();
-    return motion.watch->see(*motion.watch, number, result) && more;
+    if (!motion.watch->see(*motion.watch, number, result)) return false;
+    listen(lane, motion);
+    return more;
+  }
+  /// Which period of a motion is the next that has to be written down: of those not watched each.
+  void listen(std::size_t lane, const Motion& motion) {
+    const bool some = motion.watch && !motion.notes && !job_.while_full;
+    memory_.field[told_at][lane] = some ? static_cast<double>(std::min(motion.watch->next, motion.periods)) : 0.0;
   }
 
   void end_motion(std::size_t lane, Starts& starts, bool failed) {
-    queue_.end(memory_.motion[lane], {memory_.period[lane], failed});
+    queue_.end(memory_.motion[lane], {ended_in(lane), failed});
     // Whoever was told of it may have other coefficients in the same place now.
     if (job_.more) memory_.coefficients_of[lane] = nullptr;
     next_motion(lane, starts);

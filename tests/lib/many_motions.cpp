@@ -127,24 +127,6 @@ TEST_CASE("a motion in lanes comes to the same however its periods are divided")
   CHECK((in_contact > 20) == (law != "newton"));  // periods that end there
 }
 
-TEST_CASE("lanes miss no impact next to grazing") {
-  const char* law = GENERATE("newton", "hertz", "linear");
-  const HybridSystem system = oscillator(law);
-  // The impactless orbit with its amplitude from just below the barrier to just above, and motions close to it.
-  std::vector<Vector> sets;
-  std::vector<MotionStart> starts;
-  for (const double distance : {1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12})
-    for (const double side : {-1.0, 1.0}) {
-      Vector p = parameters(system, {{"eta", 0.65}});
-      const Vector steady = steady_response(p);
-      const double eta = p[oscillator_parameter::eta], b = p[oscillator_parameter::b], detuning = 1.0 - eta * eta;
-      p[oscillator_parameter::r] = p[oscillator_parameter::xi] / std::hypot(detuning, 2.0 * b * eta) + side * distance;
-      sets.push_back(p);
-      for (int k = 0; k < 16; ++k) starts.push_back({sets.size() - 1, steady[0] + 1e-7 * k * k, steady[1] - 1e-9 * k});
-    }
-  check_near_grazing(system, sets, starts, 3);
-}
-
 TEST_CASE("lanes leave chattering, sticking and inadmissible motions to the Propagator") {
   const HybridSystem system = oscillator("newton");
   const std::vector<Vector> sets = {parameters(system, {{"eta", 0.2}, {"r", 0.3}, {"k_r", 0.5}})};
