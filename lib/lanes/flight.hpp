@@ -65,8 +65,8 @@ template <class Real> [[gnu::always_inline]] inline auto crosses_from(const Memo
 }
 
 /// Whether x stays below `top` between two points of the grid. It is below the parabola through both that bends as much as x may
-/// at the most (begin_flight), which is above the middle of their chord by `bow`; so it is above the higher one, by d, by bow (1
-/// - d/(4 bow))^2 where d < 4 bow, and nowhere else.
+/// at the most (begin_flight). That is `bow` above the middle of their chord; where d, the difference of the two, is less than
+/// 4 bow, it rises above the higher one, by (4 bow - d)^2/(16 bow).
 template <class Real>
 [[gnu::always_inline]] inline auto stays_below(const Real& top, const Real& x, const Real& x_later, const Real& bow) {
   const Real four = 4.0 * bow, lacks = largest(Real(four - abs(Real(x_later - x))), Real(0.0));

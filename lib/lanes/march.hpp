@@ -28,9 +28,9 @@ template <class Real> std::int64_t cells_below(const Grid& grid, std::int64_t k,
   }
 }
 
-/// Takes the motions that are on the grid, and stay clear of the barrier up to its next point if that is below the ceiling, over
-/// all cells from there on that end below the ceiling, as far as points_ahead sees, and one more if they stay clear of the
-/// barrier there. (What each lane has for itself is looked up one by one; the rest is done together.)
+/// Takes the motions that march over all cells that end below the ceiling, as far as points_ahead sees, and over one more where
+/// they stay clear of the barrier in it. (That they do in the first, if it ends below the ceiling, is what they march for. What
+/// each lane has for itself is looked up one by one; the rest is done together.)
 template <class Real, bool Tangent> void march(Memory<Real>& m) {
   constexpr std::size_t W = width<Real>;
   const Mask<Real> marching = m.is(Task::marching);
@@ -70,8 +70,7 @@ template <class Real, bool Tangent> void march(Memory<Real>& m) {
   m.set(flown, marching, Real(m[flown] + (n + over_one) * length));
   m.set(next_point, marching, Real(point + select(goes_on, Real(0.0), Real(1.0))));
   look_ahead(m, marching, length);
-  const Mask<Real> flies =
-      but_not(marching, goes_on);  // from where it is far enough from the barrier for a crossing in the next cell
+  const Mask<Real> flies = but_not(marching, goes_on);  // from a point not too close to the barrier
   m.assign(flies, Task::flight);
   m.assign(flies & (x_after_cell(m, P2, Q2, c2, s2) >= m[barrier]), Task::crossing);
   m.assign(ends, Task::period_end);

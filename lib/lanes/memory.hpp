@@ -56,9 +56,9 @@ enum Field : std::size_t {
   det,
   divergence,
   impact_count,  ///< of the period so far
-  ended,         ///< of the motion's periods; which is the next that must be written down
-  told_at,
-  begun_at,  ///< position and speed where the period began, of motions that are watched
+  ended,         ///< of the motion's periods
+  told_at,       ///< which of them is the next that must be written down, wherever it ends; 0: each
+  begun_at,      ///< position and speed where the period began, of motions that are watched
   begun_with,
   fields
 };

@@ -66,7 +66,7 @@ template <class Flight> class Periods {
       const Motion& motion = job_.motions[memory_.motion[lane]];
       const std::size_t period = ended_in(lane);
       if (motion.notes) motion.notes->count = motion.notes->before;
-      if (motion.watch && period > 0) {  // it was perhaps not told of the one before
+      if (period > 0 && memory_.field[told_at][lane] > 0.0) {  // the one before was perhaps not written down
         motion.result(period - 1).x = memory_.field[begun_at][lane];
         motion.result(period - 1).v = memory_.field[begun_with][lane];
       }

@@ -47,7 +47,11 @@ template <std::size_t Lanes> class Queue {
     WideRegisters::leave();
     const std::size_t before = count_;
     count_ = job_.more(job_.whom, number, taken_);
-    for (std::size_t i = before; i < count_; ++i) notes_ = notes_ || job_.motions[i].notes || job_.motions[taken_].notes;
+    for (std::size_t i = before; i < count_; ++i)
+      for (const Motion* one : {&job_.motions[i], &job_.motions[taken_]}) {
+        notes_ = notes_ || one->notes;
+        watched_ = watched_ || one->watch;
+      }
     lanes_ = std::max(lanes_, std::min(count_ - ended_, Lanes));
   }
 
