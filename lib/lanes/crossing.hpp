@@ -165,13 +165,8 @@ template <class Number, bool WithTangent, std::size_t Order> struct LinearFlight
   static void begin_period(Memory<Real>& m, const Mask<Real>& where, const Real& x, const Real& v) {
     begin_flight<Real, tangent>(m, where, Real(m[side] * x), Real(m[side] * v), Real(1.0), Real(0.0));
     const Real x0 = m[side] * x, x1 = x_after_cell(m, Real(m[transient_p]), Real(m[transient_q]), Real(1.0), Real(0.0));
-    const Mask<Real> near = but_not(where, stays_clear(m, x0, x1));
-    m.set(next_point, where, select(near, Real(1.0), Real(0.0)));
+    look_ahead(m, set_out(m, where, Real(0.0), x0, x1), Real(m[cell]));
     m.set(off_barrier, where, Real(0.0));
-    look_ahead(m, near, Real(m[cell]));
-    m.assign(where, Task::marching);
-    m.assign(near, Task::flight);
-    m.assign(near & crosses_from(m, x0, x1), Task::crossing);
   }
   static void leave_barrier(Memory<Real>& m, const Mask<Real>& where, const Real& v, const Real& c, const Real& s) {
     lanes::leave_barrier<Real, tangent>(m, where, v, c, s);

@@ -18,9 +18,16 @@ inline constexpr double too_close = 1e-12;
 /// Steps are not halved below this part of a cell.
 inline constexpr double shortest_step = 1.0 / 50.0;
 
+/// The highest x that is not too close to the barrier.
+template <class Real> [[gnu::always_inline]] inline Real highest(const Memory<Real>& m) {
+  const Real r = m[barrier];
+  return r - too_close * (1.0 + abs(r));
+}
+
 /// A flight begins at (x, v) with the forcing's phase (c, s). Returns what |x'| is at most.
 template <class Real, bool Tangent>
-Real begin_flight(Memory<Real>& m, const Mask<Real>& where, const Real& x, const Real& v, const Real& c, const Real& s) {
+[[gnu::always_inline]] inline Real begin_flight(Memory<Real>& m, const Mask<Real>& where, const Real& x, const Real& v,
+                                                const Real& c, const Real& s) {
   const Real w = m[frequency], k = m[stiffness], b = m[damping], h = m[cell];
   const Real d = x - (dot(m[cosine], c, m[sine], s) + m[offset]), e = v - w * wedge(m[sine], c, m[cosine], s);
   // Up to the barrier, -x'' = k x + 2 b x' - A cos(w t) - c is below `bend` (the transient's energy e^2 + k d^2 only decays), and
@@ -36,8 +43,7 @@ Real begin_flight(Memory<Real>& m, const Mask<Real>& where, const Real& x, const
   m.set(phase_c, where, c);
   m.set(phase_s, where, s);
   m.set(flown, where, Real(0.0));
-  const Real above_chord = largest(Real(0.125 * bend * (h * h)), Real(too_close * (1.0 + abs(m[barrier]))));
-  m.set(ceiling, where, Real(m[barrier] - above_chord));
+  m.set(ceiling, where, least(Real(m[barrier] - 0.125 * bend * (h * h)), highest(m)));
   return fastest;
 }
 
@@ -54,26 +60,17 @@ template <class Real>
                                                 const Real& s) {
   return dot(m[cell_p], P, m[cell_q], Q) + (dot(m[cell_c], c, m[cell_s], s) + m[offset]);
 }
-/// The highest x that is not too close to the barrier.
-template <class Real> [[gnu::always_inline]] inline Real highest(const Memory<Real>& m) {
-  const Real r = m[barrier];
-  return r - too_close * (1.0 + abs(r));
-}
 /// Whether from x, not too close to the barrier, that is beyond it: where the speed stays positive, the crossing is the only one.
 template <class Real> [[gnu::always_inline]] inline auto crosses_from(const Memory<Real>& m, const Real& x, const Real& x_later) {
   return (x_later >= m[barrier]) & (x <= highest(m));
 }
 
-/// Whether x stays below `top` between two points of the grid. It is below the parabola through both that bends as much as x may
-/// at the most (begin_flight). That is `bow` above the middle of their chord; where d, the difference of the two, is less than
-/// 4 bow, it rises above the higher one, by (4 bow - d)^2/(16 bow).
-template <class Real>
-[[gnu::always_inline]] inline auto stays_below(const Real& top, const Real& x, const Real& x_later, const Real& bow) {
-  const Real four = 4.0 * bow, lacks = largest(Real(four - abs(Real(x_later - x))), Real(0.0));
-  return lacks * lacks < 4.0 * four * (top - largest(x, x_later));
-}
+/// Whether x stays below the highest between two points of the grid. It is below the parabola through both that bends as much as
+/// x may at the most (begin_flight). That is `bow` above the middle of their chord; where d, the difference of the two, is less
+/// than 4 bow, it rises above the higher one, by (4 bow - d)^2/(16 bow).
 template <class Real> [[gnu::always_inline]] inline auto stays_clear(const Memory<Real>& m, const Real& x, const Real& x_later) {
-  return stays_below(highest(m), x, x_later, Real(m[barrier] - m[ceiling]));
+  const Real four_bows = 4.0 * (m[barrier] - m[ceiling]), lacks = largest(Real(four_bows - abs(Real(x_later - x))), Real(0.0));
+  return lacks * lacks < 4.0 * four_bows * (highest(m) - largest(x, x_later));
 }
 
 /// Whether the polynomial of degree N with Bernstein coefficients from partial sums of b is <= 0 on the step and < 0 at its end.
@@ -128,18 +125,26 @@ void go_on_to(Memory<Real>& m, const Mask<Real>& where, const Later<Real>& there
   m.set(flown, where, Real(m[flown] + h));
 }
 
-/// Motions have come to the next point of the grid. They march on where they stay clear of the barrier up to the one after it;
-/// elsewhere the step to that follows at once; of which, it says.
+/// Motions at a point of the grid set out from x for the one after it: they march where they stay clear of the barrier up to
+/// there; elsewhere the step to it follows at once; of which, it says.
+template <class Real>
+[[gnu::always_inline]] inline Mask<Real> set_out(Memory<Real>& m, const Mask<Real>& where, const Real& from, const Real& x,
+                                                 const Real& x_later) {
+  const Mask<Real> follows = but_not(where, stays_clear(m, x, x_later));
+  m.set(next_point, where, select(follows, Real(from + 1.0), from));
+  m.assign(where, Task::marching);
+  m.assign(follows, Task::flight);
+  m.assign(follows & crosses_from(m, x, x_later), Task::crossing);
+  return follows;
+}
+
+/// Motions have come to the next point of the grid. Says which set out for the one after it, but not on a march.
 template <class Real>
 [[gnu::always_inline]] inline Mask<Real> reach_point(Memory<Real>& m, const Mask<Real>& where, const Later<Real>& z) {
-  const Real here = m[next_point], x = x_after_cell(m, z.P, z.Q, z.c, z.s);
-  const Mask<Real> ends = where & (here == m[cells]), follows = but_not(but_not(where, ends), stays_clear(m, z.x, x));
-  m.set(next_point, follows, Real(here + 1.0));
-  m.assign(where, Task::marching);
+  const Real here = m[next_point];
+  const Mask<Real> ends = where & (here == m[cells]);
   m.assign(ends, Task::period_end);
-  m.assign(follows, Task::flight);
-  m.assign(follows & crosses_from(m, z.x, x), Task::crossing);
-  return follows;
+  return set_out(m, but_not(where, ends), here, z.x, x_after_cell(m, z.P, z.Q, z.c, z.s));
 }
 
 /// Whether the speed, v at first, is >= 0 for a time h and > 0 at its end.
@@ -160,9 +165,9 @@ template <class Real, bool Tangent> void fly(Memory<Real>& m) {
   const Real P = m[transient_p], Q = m[transient_q], c = m[phase_c], s = m[phase_s];
   const Point<Real> z = point(m, P, Q, c, s);
   const Mask<Real> from_barrier = (m[off_barrier] > Real(0.5)) & (m[flown] == Real(0.0));
-  const Real r = m[barrier], gap = z.x - r;
-  const Real g = select(from_barrier, Real(0.0), gap), v = select(from_barrier, least(z.v, Real(0.0)), z.v);
-  const Mask<Real> close = (!from_barrier) & (gap > -too_close * (1.0 + abs(r)));
+  const Real r = m[barrier], g = select(from_barrier, Real(0.0), Real(z.x - r)),
+             v = select(from_barrier, least(z.v, Real(0.0)), z.v);
+  const Mask<Real> close = but_not(z.x > highest(m), from_barrier);
 
   const Real h = m[trial], left = m[ahead];
   const Real h2 = h * h, h3 = h2 * h, h4 = h2 * h2, h5 = h4 * h, top = z.bound6 * h5;
@@ -173,13 +178,10 @@ template <class Real, bool Tangent> void fly(Memory<Real>& m) {
                      (1.0 / 360.0) * z.x4 * h4,
                      (1.0 / 720.0) * z.x5 * h5,
                      (1.0 / 720.0) * top * h};
-  const Mask<Real> below = below_zero(position);
-  const Mask<Real> sure = below | rises(z, v, h);
-
+  const Mask<Real> below = below_zero(position), sure = below | rises(z, v, h), stays = but_not(flying, sure);
   const Later<Real> there = later(m, P, Q, c, s, h);
   const Mask<Real> goes = but_not(flying & sure, close), crosses = but_not(goes, below) & (there.x >= r),
                    moves = but_not(goes, crosses);
-  const Mask<Real> stays = but_not(flying, sure);
 
   go_on_to<Real, Tangent>(m, moves, there, h);
   const Real length = m[cell];

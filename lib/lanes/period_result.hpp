@@ -9,8 +9,11 @@
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
-/// All but the state at its end.
-template <class Real, bool Tangent> void write_period(const Memory<Real>& m, std::size_t lane, Period& result) {
+/// (It ended at (x, v).)
+template <class Real, bool Tangent>
+void write_period(const Memory<Real>& m, std::size_t lane, double x, double v, Period& result) {
+  result.x = x;
+  result.v = v;
   const double impacts = m.field[impact_count][lane];
   if constexpr (Tangent) {
     for (std::size_t i = 0; i < 4; ++i) result.Phi[i] = m.field[phi_00 + i][lane];

@@ -109,9 +109,7 @@ template <class Flight> class Periods {
       const Motion& motion = job_.motions[memory_.motion[lane]];
       const std::size_t number = ended_in(lane);
       Period& result = motion.result(number - 1);
-      write_period<Real, Tangent>(memory_, lane, result);
-      result.x = at[lane];
-      result.v = at_speed[lane];
+      write_period<Real, Tangent>(memory_, lane, at[lane], at_speed[lane], result);
       const bool told = motion.watch && ((interesting >> lane & 1U) != 0 || number >= motion.watch->next);
       if (!may_go_on(lane, motion, result, told)) return end_motion(lane, starts, false);
       if (motion.notes) motion.notes->before = motion.notes->count;

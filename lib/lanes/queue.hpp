@@ -14,12 +14,7 @@ template <std::size_t Lanes> class Queue {
  public:
   /// For so many lanes, or fewer if there are not so many motions.
   explicit Queue(const Job& job) : job_(job), count_(job.count), lanes_(std::min(job.count, Lanes)) {
-    for (std::size_t i = 0; i < job.count; ++i) {
-      tables_ = tables_ || job.motions[i].table;
-      met_ = met_ || job.motions[i].met;
-      notes_ = notes_ || job.motions[i].notes;
-      watched_ = watched_ || job.motions[i].watch;
-    }
+    for (std::size_t i = 0; i < job.count; ++i) look_at(job.motions[i]);
   }
   /// Whether any motion has a table of contacts, wants the speeds met counted or those of its impacts written down, is watched.
   bool tables() const { return tables_; }
@@ -42,16 +37,19 @@ template <std::size_t Lanes> class Queue {
   }
 
  private:
+  void look_at(const Motion& motion) {
+    tables_ = tables_ || motion.table;
+    met_ = met_ || motion.met;
+    notes_ = notes_ || motion.notes;
+    watched_ = watched_ || motion.watch;
+  }
   /// (Those that are new stand behind the others, or one of them before.)
   void ask_for_more(std::size_t number) {
     WideRegisters::leave();
     const std::size_t before = count_;
     count_ = job_.more(job_.whom, number, taken_);
-    for (std::size_t i = before; i < count_; ++i)
-      for (const Motion* one : {&job_.motions[i], &job_.motions[taken_]}) {
-        notes_ = notes_ || one->notes;
-        watched_ = watched_ || one->watch;
-      }
+    for (std::size_t i = before; i < count_; ++i) look_at(job_.motions[i]);
+    if (count_ > before) look_at(job_.motions[taken_]);
     lanes_ = std::max(lanes_, std::min(count_ - ended_, Lanes));
   }
 

@@ -144,7 +144,7 @@ template <class Real> [[gnu::always_inline]] inline Real wedge(const Real& a, co
 }
 
 /// a[0] + a[1] x + ...: even and odd powers side by side.
-template <class Real, std::size_t N> Real polynomial(const double (&a)[N], const Real& x) {
+template <class Real, std::size_t N> [[gnu::always_inline]] inline Real polynomial(const double (&a)[N], const Real& x) {
   constexpr std::size_t even_top = (N - 1) / 2 * 2, odd_top = N / 2 * 2 - 1;
   const Real square = x * x;
   Real even = Real(a[even_top]), odd = Real(a[odd_top]);
@@ -194,7 +194,7 @@ template <class Real> void circle(const Real& angle, Real& c, Real& s) {
 }
 
 /// e^-x for 0 <= x <= 0.45 (left out: 0.45^15/15!).
-template <class Real> Real decay(const Real& x) { return polynomial(inverse_factorial, Real(-x)); }
+template <class Real> [[gnu::always_inline]] inline Real decay(const Real& x) { return polynomial(inverse_factorial, Real(-x)); }
 
 }  // namespace GRAZE_ARITHMETIC
 }  // namespace graze::lanes

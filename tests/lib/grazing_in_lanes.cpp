@@ -12,15 +12,9 @@
 using namespace graze;
 using namespace graze::support;
 
-namespace {
-
-HybridSystem oscillator(const char* law) { return make_oscillator("linear", law); }
-
-}  // namespace
-
 TEST_CASE("lanes miss no impact next to grazing") {
   const char* law = GENERATE("newton", "hertz", "linear");
-  const HybridSystem system = oscillator(law);
+  const HybridSystem system = make_oscillator("linear", law);
   // The impactless orbit with its amplitude from just below the barrier to just above, and motions close to it.
   std::vector<Vector> sets;
   std::vector<MotionStart> starts;
@@ -40,7 +34,7 @@ TEST_CASE("lanes miss no impact between the points of their grid") {
   const char* law = GENERATE("newton", "hertz", "linear");
   // Hardly damped above resonance, where x peaks against the forcing, bent as much as it may be at the barrier; and transients
   // beside it, which shift the peaks between the points of the grid, from below the barrier to above it.
-  const HybridSystem system = oscillator(law);
+  const HybridSystem system = make_oscillator("linear", law);
   std::vector<Vector> sets;
   std::vector<MotionStart> starts;
   for (const double eta : {1.3, 1.9})
