@@ -9,10 +9,13 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <future>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 namespace graze::apps {
@@ -88,6 +91,17 @@ struct CannotWrite {
   Errno error;
 };
 
+void check(Errno error) {
+  if (error) throw CannotWrite{error};
+}
+
+/// fdatasync on a thread of its own, which sleeps until the disc is done. Nothing where no thread can be made.
+std::future<Errno> sync_meanwhile(int descriptor) try {
+  return std::async(std::launch::async, [descriptor] { return ::fdatasync(descriptor) == 0 ? 0 : errno; });
+} catch (const std::system_error&) {
+  return {};
+}
+
 /// A file while it is being written.
 class WholeFile {
  public:
@@ -95,6 +109,7 @@ class WholeFile {
   WholeFile(const WholeFile&) = delete;
   WholeFile& operator=(const WholeFile&) = delete;
   ~WholeFile() {
+    if (on_its_way_.valid()) on_its_way_.wait();
     if (descriptor_ >= 0) ::close(descriptor_);
     if (!temporary_.empty()) ::unlink(temporary_.c_str());
   }
@@ -102,14 +117,15 @@ class WholeFile {
   /// Opens it at the first piece. @throws CannotWrite, like finish().
   void write(std::string_view piece) {
     open();
-    if (const Errno error = write_all(descriptor_, piece)) throw CannotWrite{error};
-    written_ += static_cast<off_t>(piece.size());
-    if (written_ - on_its_way_ >= worth_sending) send();
+    check(write_all(descriptor_, piece));
+    written_ += piece.size();
+    if (written_ - sent_ >= worth_sending && !special_) send();
   }
 
   /// It takes the place of what was there.
   void finish() {
     open();
+    if (on_its_way_.valid()) check(on_its_way_.get());
     // A pipe or a terminal cannot be synchronised (EINVAL), and need not be.
     if (::fsync(descriptor_) != 0 && !special_) throw CannotWrite{errno};
     if (::close(std::exchange(descriptor_, -1)) != 0) throw CannotWrite{errno};
@@ -127,20 +143,24 @@ class WholeFile {
     throw CannotWrite{error};
   }
 
-  /// Lets the disc begin with what is there, while the rest is made: finish() has less to wait for.
+  /// Lets the disc begin with what is there, while the rest is made: finish() has less to wait for. (sync_file_range would leave
+  /// it in the memory of the disc, from where it has yet to go.)
   void send() {
-#ifdef SYNC_FILE_RANGE_WRITE
-    ::sync_file_range(descriptor_, on_its_way_, written_ - on_its_way_, SYNC_FILE_RANGE_WRITE);  // fails for pipes: no matter
-#endif
-    on_its_way_ = written_;
+    if (on_its_way_.valid()) {
+      if (on_its_way_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+      check(on_its_way_.get());
+    }
+    on_its_way_ = sync_meanwhile(descriptor_);
+    sent_ = written_;
   }
 
-  static constexpr off_t worth_sending = 4 << 20;
+  static constexpr std::size_t worth_sending = 4 << 20;
   fs::path path_;
   bool special_;
-  off_t written_ = 0, on_its_way_ = 0;
   std::string temporary_;
   int descriptor_ = -1;
+  std::size_t written_ = 0, sent_ = 0;
+  std::future<Errno> on_its_way_;
 };
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <iterator>
 #include <limits>
+#include <tuple>
 
 namespace graze::apps {
 
@@ -61,17 +62,21 @@ std::vector<SweepRow> rows_from(const Json& rows) {
 
 Table sweep_overview(const std::vector<SweepRow>& rows, const std::string& parameter) {
   Table table{{"direction", parameter + " from", "to", "attractor", "values", "largest exponent from", "to"}, {}};
+  const auto numbers = [](const Attractor& x) { return std::tie(x.type, x.period, x.impacts, x.isolated_impacts); };
+  const auto alike = [&numbers](const Attractor& a, const Attractor& b) {  // most of them by their numbers
+    return numbers(a) == numbers(b) || attractor_name(a) == attractor_name(b);
+  };
   for (std::size_t i = 0; i < rows.size();) {
-    const std::string name = attractor_name(rows[i].attractor);
+    const SweepRow& first = rows[i];
     std::size_t end = i;
     double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (; end < rows.size() && rows[end].direction == rows[i].direction && attractor_name(rows[end].attractor) == name; ++end) {
+    for (; end < rows.size() && rows[end].direction == first.direction && alike(rows[end].attractor, first.attractor); ++end) {
       if (rows[end].attractor.exponents.empty()) continue;
       low = std::min(low, rows[end].attractor.exponents[0]);
       high = std::max(high, rows[end].attractor.exponents[0]);
     }
-    table.rows.push_back({std::string(sweep_direction_name(rows[i].direction)), rounded(rows[i].value, 7),
-                          rounded(rows[end - 1].value, 7), name, std::to_string(end - i),
+    table.rows.push_back({std::string(sweep_direction_name(first.direction)), rounded(first.value, 7),
+                          rounded(rows[end - 1].value, 7), attractor_name(first.attractor), std::to_string(end - i),
                           low <= high ? exponent_text(low, 4) : "-", low <= high ? exponent_text(high, 4) : "-"});
     i = end;
   }

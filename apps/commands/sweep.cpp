@@ -4,6 +4,7 @@
 #include <graze/apps/commands/command.hpp>
 #include <graze/apps/find_orbit.hpp>
 #include <graze/apps/input_file.hpp>
+#include <graze/apps/long_text.hpp>
 #include <graze/apps/number.hpp>
 #include <graze/apps/result.hpp>
 #include <graze/apps/sweep_report.hpp>
@@ -84,14 +85,17 @@ int run(const Options& given, const Console& console) {
   const KeepingRows keeping{keeping_stints(options.output), [&](const Swept& swept) {
                               keep(with_status(swept), options.output, "sweep", console, rows_of(swept));
                             }};
-  const Swept swept = carry_out_sweeps(problem, options.start, range, options.sweeping, console, so_far, keeping);
+  Swept swept = carry_out_sweeps(problem, options.start, range, options.sweeping, console, so_far, keeping);
   result.json = with_status(swept);
   result.list = rows_of(swept);
   result.csv = [&](const TextSink& sink) { samples_csv(swept.rows, options.parameter, console.thread_count(), sink); };
   result.text = describe(problem, options.parameter) + "\n\n" + aligned(sweep_overview(swept.rows, options.parameter));
   if (swept.status != Status::done)
     console.err << "graze sweep: " << swept.message << how_to_go_on(swept.status, options.output) << "\n";
-  return deliver(result, options.output, "sweep", exit_code(swept.status), console);
+  const int code = deliver(result, options.output, "sweep", exit_code(swept.status), console);
+  // Rows by the hundred thousand, each of several lists, take a while to let go of.
+  on_threads(console.thread_count(), swept.rows.size(), [&](std::size_t k) { swept.rows[k] = {}; });
+  return code;
 }
 
 std::function<int(const Console&)> setup(CLI::App& app) {

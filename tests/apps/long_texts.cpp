@@ -189,3 +189,29 @@ TEST_CASE("a file is written piece by piece, and is as it was if its text fails"
   CHECK_THAT(*failure, Contains("/dev/full: cannot be written: No space left on device"));
   CHECK(made == 0);
 }
+
+TEST_CASE("a file of many megabytes, which goes to the disc while it is made, is whole, or as it was if its text fails") {
+  const TemporaryFolder folder;
+  const std::string file = folder.write("result.csv", "before");
+  const auto lines = [](int count) {
+    std::string text;
+    for (int k = 0; k < count; ++k) text += fmt::format("{},{}\n", k, 7 * k);
+    return text;
+  };
+  constexpr int pieces = 30, of_lines = 40000;
+  const std::string piece = lines(of_lines);
+  REQUIRE(pieces * piece.size() > (std::size_t{12} << 20));  // several times what is sent at once
+  const LongText failing = [&piece](const TextSink& sink) {
+    for (int k = 0; k < pieces; ++k) sink(piece);
+    throw std::runtime_error("interrupted");
+  };
+  CHECK_THROWS_WITH(write_whole(file, failing), "interrupted");
+  CHECK(read_file(file) == "before");
+  CHECK(folder.files() == 1);
+  const LongText numbered = [&piece](const TextSink& sink) {
+    for (int k = 0; k < pieces; ++k) sink(fmt::format("{}:\n{}", k, piece));
+  };
+  CHECK_FALSE(write_whole(file, numbered));
+  CHECK(read_file(file) == whole_text(numbered));
+  CHECK(folder.files() == 1);
+}
