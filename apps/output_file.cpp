@@ -15,7 +15,6 @@
 #include <filesystem>
 #include <future>
 #include <stdexcept>
-#include <system_error>
 #include <utility>
 
 namespace graze::apps {
@@ -30,6 +29,9 @@ using Errno = int;
 std::string cannot_write(const std::string& file, Errno error) {
   return fmt::format("{}: cannot be written: {}", file, std::strerror(error));
 }
+
+/// Of a call that returns 0 or sets errno.
+Errno errno_after(int returned) { return returned == 0 ? 0 : errno; }
 
 Errno write_all(int descriptor, std::string_view content) {
   while (!content.empty()) {
@@ -95,13 +97,6 @@ void check(Errno error) {
   if (error) throw CannotWrite{error};
 }
 
-/// fdatasync on a thread of its own, which sleeps until the disc is done. Nothing where no thread can be made.
-std::future<Errno> sync_meanwhile(int descriptor) try {
-  return std::async(std::launch::async, [descriptor] { return ::fdatasync(descriptor) == 0 ? 0 : errno; });
-} catch (const std::system_error&) {
-  return {};
-}
-
 /// A file while it is being written.
 class WholeFile {
  public:
@@ -125,11 +120,11 @@ class WholeFile {
   /// It takes the place of what was there.
   void finish() {
     open();
-    if (on_its_way_.valid()) check(on_its_way_.get());
+    arrive();
     // A pipe or a terminal cannot be synchronised (EINVAL), and need not be.
-    if (::fsync(descriptor_) != 0 && !special_) throw CannotWrite{errno};
-    if (::close(std::exchange(descriptor_, -1)) != 0) throw CannotWrite{errno};
-    if (!special_ && ::rename(temporary_.c_str(), path_.c_str()) != 0) throw CannotWrite{errno};
+    if (const Errno error = errno_after(::fsync(descriptor_)); !special_) check(error);
+    check(errno_after(::close(std::exchange(descriptor_, -1))));
+    if (!special_) check(errno_after(::rename(temporary_.c_str(), path_.c_str())));
     temporary_.clear();
   }
 
@@ -146,12 +141,15 @@ class WholeFile {
   /// Lets the disc begin with what is there, while the rest is made: finish() has less to wait for. (sync_file_range would leave
   /// it in the memory of the disc, from where it has yet to go.)
   void send() {
-    if (on_its_way_.valid()) {
-      if (on_its_way_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
-      check(on_its_way_.get());
-    }
-    on_its_way_ = sync_meanwhile(descriptor_);
+    if (on_its_way_.valid() && on_its_way_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+    arrive();
+    // On a thread of its own, which sleeps until the disc is done; where none can be made, it is left to finish().
+    on_its_way_ = std::async(std::launch::async | std::launch::deferred,
+                             [descriptor = descriptor_] { return errno_after(::fdatasync(descriptor)); });
     sent_ = written_;
+  }
+  void arrive() {
+    if (on_its_way_.valid()) check(on_its_way_.get());
   }
 
   static constexpr std::size_t worth_sending = 4 << 20;

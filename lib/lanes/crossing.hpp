@@ -163,8 +163,9 @@ template <class Number, bool WithTangent, std::size_t Order> struct LinearFlight
 
   /// A forcing period begins at (x, v).
   static void begin_period(Memory<Real>& m, const Mask<Real>& where, const Real& x, const Real& v) {
-    begin_flight<Real, tangent>(m, where, Real(m[side] * x), Real(m[side] * v), Real(1.0), Real(0.0));
-    const Real x0 = m[side] * x, x1 = x_after_cell(m, Real(m[transient_p]), Real(m[transient_q]), Real(1.0), Real(0.0));
+    const Real x0 = m[side] * x;
+    begin_flight<Real, tangent>(m, where, x0, Real(m[side] * v), Real(1.0), Real(0.0));
+    const Real x1 = x_after_cell(m, Real(m[transient_p]), Real(m[transient_q]), Real(1.0), Real(0.0));
     look_ahead(m, set_out(m, where, Real(0.0), x0, x1), Real(m[cell]));
     m.set(off_barrier, where, Real(0.0));
   }

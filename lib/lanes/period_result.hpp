@@ -9,7 +9,7 @@
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
-/// (It ended at (x, v).)
+/// Writes down a lane's period, which ended at (x, v).
 template <class Real, bool Tangent>
 void write_period(const Memory<Real>& m, std::size_t lane, double x, double v, Period& result) {
   result.x = x;

@@ -8,6 +8,7 @@
 #include <graze/apps/sweep_report.hpp>
 
 #include <catch2/catch.hpp>
+#include <fmt/format.h>
 
 #include <cmath>
 #include <cstring>
@@ -193,13 +194,9 @@ TEST_CASE("a file is written piece by piece, and is as it was if its text fails"
 TEST_CASE("a file of many megabytes, which goes to the disc while it is made, is whole, or as it was if its text fails") {
   const TemporaryFolder folder;
   const std::string file = folder.write("result.csv", "before");
-  const auto lines = [](int count) {
-    std::string text;
-    for (int k = 0; k < count; ++k) text += fmt::format("{},{}\n", k, 7 * k);
-    return text;
-  };
-  constexpr int pieces = 30, of_lines = 40000;
-  const std::string piece = lines(of_lines);
+  constexpr int pieces = 30, lines = 40000;
+  std::string piece;
+  for (int k = 0; k < lines; ++k) piece += fmt::format("{},{}\n", k, 7 * k);
   REQUIRE(pieces * piece.size() > (std::size_t{12} << 20));  // several times what is sent at once
   const LongText failing = [&piece](const TextSink& sink) {
     for (int k = 0; k < pieces; ++k) sink(piece);
