@@ -31,7 +31,7 @@ class TwoPools {
         [this] { LanePool(of_other_, &exchange_).run([this](LanePlace&, std::size_t carried) { return wait(carried); }); });
     {
       std::unique_lock lock(mutex_);
-      news_.wait(lock, [this] { return waits_; });
+      news_.wait(lock, [this] { return asked_ > 0; });
     }
     LanePool(of_one_, &exchange_).run(count, make);
     over_ = true;
@@ -42,12 +42,13 @@ class TwoPools {
   std::size_t by_other() const { return of_other_.carried(); }
 
  private:
+  /// What the other begins next: nothing. It asks anew when it has taken what was given.
   std::optional<LaneTask<>> wait(std::size_t carried) {
-    if (carried > 0) return std::nullopt;
     std::unique_lock lock(mutex_);
-    exchange_.begin_waiting();
-    waits_ = true;
+    ++asked_;
     news_.notify_all();
+    if (carried > 0) return std::nullopt;
+    exchange_.begin_waiting();
     news_.wait(lock, [this] { return exchange_.has_some() || over_; });
     exchange_.end_waiting();
     return std::nullopt;
@@ -56,12 +57,19 @@ class TwoPools {
     const std::lock_guard lock(mutex_);
     news_.notify_all();
   }
+  /// Something is there for the other. It has it before the first pool goes on, which would do all alone where the other thread
+  /// is not given a processor in time.
+  void wake() {
+    std::unique_lock lock(mutex_);
+    news_.notify_all();
+    news_.wait(lock, [this] { return asked_ > 1; });
+  }
 
   std::mutex mutex_;
   std::condition_variable news_;
-  bool waits_ = false;
+  std::size_t asked_ = 0;
   std::atomic<bool> over_ = false;
-  LaneExchange exchange_{[this] { tell(); }};
+  LaneExchange exchange_{[this] { wake(); }};
   ManyMotions of_one_, of_other_;
 };
 
