@@ -2,13 +2,13 @@
 // The floor, counted in multiplications and additions; what a thousand of them take at the machine's peak, peak.cpp measures.
 //
 // Newton at eta = 0.711, with its 0.7 impacts a period and the 2x2 sensitivity. Free flight is a turn of two complex numbers, the
-// transient and the forcing, of which the second is known at the points of a grid of 20 cells a period: 24 of them looked at on
-// the way (5 operations each) and two turns over what lies between them bring the motion near the barrier and away from it; 1.8
-// steps with a certificate (a point with its derivatives 45, the Bernstein coefficients of position and speed 85, two sines, two
-// cosines and an exponential 100, the step 45) bracket an impact or lead back to the grid; 0.7 impacts have to be met exactly
-// (sines and exponential 100, two points 90, two roots 120, the flight's matrix, the saltation, two products and the next flight
-// 140). The end of the period is a point of the grid: the flight's matrix, a product, the next flight, 70. Together 150 + 480 +
-// 320 + 70 = 1020 operations.
+// transient and the forcing, of which the second is known at the points of a grid of 20 cells a period: 1.4 marches, each over as
+// many cells as are clear of the barrier, look at 24 of them (5 operations each) and turn over what lies between (70); where that
+// is not sure, 0.2 steps with a certificate (a point with its derivatives 45, the Bernstein coefficients of position and speed 85,
+// two sines, two cosines and an exponential 100, the step 45) lead on; 0.7 impacts have to be met exactly (sines and exponential
+// 100, two points 90, two roots 120, the flight's matrix, the saltation, two products and the next flight 140). The end of the
+// period is a point of the grid: the flight's matrix, a product, the next flight, 70. Together 270 + 50 + 320 + 70 = 710
+// operations.
 //
 // Damped Hertz at eta = 0.711, with its 0.7 contacts a period of 12.8 steps each of the series of order 16 at 1e-12 (9.8 at
 // 1e-10). A step in lanes: 11 products of series, of which two are squares, 136 terms each (1370 operations), 36 more an order
@@ -23,17 +23,17 @@
 //
 // How far from it: see the table, rows peak/lanes=N and peak/fused-lanes=N (operations on N numbers at once) and period/*. On an
 // AMD EPYC of 2023 (Zen 4, TSC 2.6 GHz, whose AVX-512 does at once what AVX2 does) a thousand single operations take 87 ns one at
-// a time, 43 in SSE2, 21 in AVX2 and in AVX-512, a thousand fused ones 138, 34 and 34. One lane of Newton has its floor at 89 ns
-// and takes 280; eight lanes at 22 ns and 92 (on average five of them have something to do). One lane of damped Hertz at 1e-10
+// a time, 43 in SSE2, 21 in AVX2 and in AVX-512, a thousand fused ones 138, 34 and 34. One lane of Newton has its floor at 62 ns
+// and takes 280; eight lanes at 15 ns and 92 (on average five of them have something to do). One lane of damped Hertz at 1e-10
 // has its floor at 6.9 x (460 x 0.14 + 640 x 0.09) ns and the flights, 0.9 us, and takes 2.9: each order of a series waits for
 // the one before. Eight lanes have it at 15100 x 0.034 ns and the flights, 0.54 us, and take 0.87: 7.3 of 8 lanes on average are
 // in contact when a step is taken, and registers wait to be loaded, once for two orders. Eight lanes of the cantilever have
 // theirs at 0.6 us, and take 0.84, 7.3 of them in flight.
 //
 // On an EPYC of 2025 (Zen 5, with AVX-512 at full width) a thousand single operations take 67 ns one at a time, 34 in SSE2, 17 in
-// AVX2 and 8.4 in AVX-512, fused ones 118, 29 and 15. By the same counts one lane of Newton has its floor at 69 ns and takes 210,
-// eight at 8.6 and take 62; one lane of damped Hertz at 0.73 us and takes 2.2, eight at 0.23 and take 0.56; eight of the
-// cantilever at 0.26 and take 0.46.
+// AVX2 and 8.4 in AVX-512, fused ones 118, 29 and 15. By the same counts one lane of Newton has its floor at 48 ns and takes 180,
+// eight at 6.0 and take 68; one lane of damped Hertz at 0.73 us and takes 2.2, eight at 0.23 and take 0.51; eight of the
+// cantilever at 0.26 and take 0.52.
 //
 // What does a forcing period cost, with its 2x2 sensitivity? Over 200 periods on the attractor, every solver at the loosest
 // tolerance that delivers 1e-10. `miscounted`: of 200 runs next to grazing, those with a wrong number of impacts at that
