@@ -4,11 +4,11 @@
 // Newton at eta = 0.711, with its 0.7 impacts a period and the 2x2 sensitivity. Free flight is a turn of two complex numbers, the
 // transient and the forcing, of which the second is known at the points of a grid of 20 cells a period: 1.4 marches, each over as
 // many cells as are clear of the barrier, look at 24 of them (5 operations each) and turn over what lies between (70); where that
-// is not sure, 0.2 steps with a certificate (a point with its derivatives 45, the Bernstein coefficients of position and speed 85,
-// two sines, two cosines and an exponential 100, the step 45) lead on; 0.7 impacts have to be met exactly (sines and exponential
-// 100, two points 90, two roots 120, the flight's matrix, the saltation, two products and the next flight 140). The end of the
-// period is a point of the grid: the flight's matrix, a product, the next flight, 70. Together 270 + 50 + 320 + 70 = 710
-// operations.
+// is not sure, 0.2 steps with a certificate (a point with its derivatives 45, the Bernstein coefficients of position and speed
+// 85, two sines, two cosines and an exponential 100, the step 45) lead on; 0.7 impacts have to be met exactly (sines and
+// exponential 100, two points 90, two roots 120, the flight's matrix, the saltation, two products and the next flight 140). The
+// end of the period is a point of the grid: the flight's matrix, a product, the next flight, 70. Together 270 + 50 + 320 + 70 =
+// 710 operations.
 //
 // Damped Hertz at eta = 0.711, with its 0.7 contacts a period of 12.8 steps each of the series of order 16 at 1e-12 (9.8 at
 // 1e-10). A step in lanes: 11 products of series, of which two are squares, 136 terms each (1370 operations), 36 more an order
