@@ -10,7 +10,6 @@
 
 #include <catch2/catch.hpp>
 
-#include <atomic>
 #include <condition_variable>
 #include <functional>
 #include <mutex>
@@ -34,8 +33,7 @@ class TwoPools {
       news_.wait(lock, [this] { return asked_ > 0; });
     }
     LanePool(of_one_, &exchange_).run(count, make);
-    over_ = true;
-    tell();
+    end();
     other.join();
   }
   /// Periods that the other carried.
@@ -53,8 +51,9 @@ class TwoPools {
     exchange_.end_waiting();
     return std::nullopt;
   }
-  void tell() {
+  void end() {
     const std::lock_guard lock(mutex_);
+    over_ = true;
     news_.notify_all();
   }
   /// Something is there for the other. It has it before the first pool goes on, which would do all alone where the other thread
@@ -68,7 +67,7 @@ class TwoPools {
   std::mutex mutex_;
   std::condition_variable news_;
   std::size_t asked_ = 0;
-  std::atomic<bool> over_ = false;
+  bool over_ = false;
   LaneExchange exchange_{[this] { wake(); }};
   ManyMotions of_one_, of_other_;
 };
