@@ -9,6 +9,22 @@
 
 namespace graze {
 
+namespace {
+
+/// A point of a branch as every orbit that is the same one: a branch that comes back to any of them is closed.
+std::vector<CurvePoint> images_of(const BranchProblem& problem, const CurvePoint& point) {
+  std::vector<CurvePoint> list;
+  for (BranchProblem::Image& image : problem.images(point.u, point.tangent)) {
+    CurvePoint same = point;
+    same.u = std::move(image.u);
+    same.tangent = std::move(image.tangent);
+    list.push_back(std::move(same));
+  }
+  return list;
+}
+
+}  // namespace
+
 BranchFollower::BranchFollower(const HybridSystem& system, const ContinuationOptions& options, double low, double high)
     : system_(system), options_(options), low_(low), high_(high),
       hard_contacts_(
@@ -19,13 +35,17 @@ bool BranchFollower::interrupted_now() {
   return interrupted_;
 }
 
-/// The end of the range: the step's end is moved onto it. Empty: not there yet.
+/// The end of the range: the step's end is moved onto it. Empty: not there yet. A step that begins on the end of the range and
+/// ends outside has passed a fold, and is to be made shorter.
 std::optional<Verdict> BranchFollower::end_of_range(BranchProblem& problem, const CurvePoint& before, CurvePoint& after) const {
   const double value = problem.value(after.u), last = problem.value(before.u);
   const double tolerance = 1e-14 * (1.0 + std::abs(high_));
   const bool above = value >= high_ - tolerance && last < high_ && value > last;
   const bool below = value <= low_ + tolerance && last > low_ && value < last;
-  if (!above && !below) return std::nullopt;
+  if (!above && !below) {
+    const bool outside = value > high_ + tolerance || value < low_ - tolerance;
+    return outside ? std::optional(Verdict::reject) : std::nullopt;
+  }
   const double bound = above ? high_ : low_;
   const Vector u = at_value(problem, before.u + (bound - last) / (value - last) * (after.u - before.u), bound);
   if (u.size() == 0) return Verdict::reject;
@@ -34,25 +54,6 @@ std::optional<Verdict> BranchFollower::end_of_range(BranchProblem& problem, cons
   after.u = u;
   after.tangent = tangent_at(problem.zero_problem(), u, before.tangent);
   return after.tangent.size() == 0 ? Verdict::reject : Verdict::stop;
-}
-
-/// Where the step passes a point of its own branch the way the branch went on from there, the branch is closed: the step's end,
-/// and `point`, the orbit there, are moved onto that point.
-bool BranchFollower::comes_back(BranchProblem& problem, const CurvePoint& before, CurvePoint& after, BranchPoint& point,
-                                const Branch& branch) const {
-  const std::optional<PassedPoint> passed = passed_again({branch, point, high_ - low_});
-  if (!passed) return false;
-  const Vector u = at_value(problem, before.u + passed->part * (after.u - before.u), branch.points[passed->point].value);
-  if (u.size() == 0) return false;
-  const double length = passed->part * (after.arclength - before.arclength);
-  BranchPoint here = problem.branch_point(u, branch.points.back().arclength + length);
-  Vector tangent = tangent_at(problem.zero_problem(), u, before.tangent);
-  if (tangent.size() == 0 || !here.multipliers.valid || !same_states(here, branch.points[passed->point])) return false;
-  after.arclength = before.arclength + length;
-  after.u = u;
-  after.tangent = std::move(tangent);
-  point = std::move(here);
-  return true;
 }
 
 void BranchFollower::begin(BranchProblem& problem, const Vector& u, Branch& branch) {
@@ -74,7 +75,12 @@ bool BranchFollower::take(BranchProblem& problem, const CurvePoint& before, cons
   for (const TestFunction& test : test_functions()) {
     const double f_a = test.value(a), f_b = test.value(b);
     if (!std::isfinite(f_a) || !std::isfinite(f_b) || (f_a < 0.0) == (f_b < 0.0) || !test.confirm(a, b)) continue;
-    met.push_back(locate(problem, test, a, b, branch));
+    std::optional<MetPoint> special = locate(problem, test, a, b, branch);
+    if (!special) {
+      if (long_step) return false;
+      continue;
+    }
+    met.push_back(std::move(*special));
     if (corner_) {  // at its tip, which lies within the smallest step of the grazing, on the side of the contact
       SpecialPoint& tip = met.back().point;
       tip.status = PointStatus::bracketed;
@@ -100,8 +106,7 @@ Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& 
   const std::optional<Verdict> end = end_of_range(problem, before, after);
   if (end == Verdict::reject) return Verdict::reject;
   BranchPoint point = problem.branch_point(after.u, branch.points.back().arclength + after.arclength - before.arclength);
-  if (!point.multipliers.valid || leaves_branch(system_, {branch, point, high_ - low_})) return Verdict::reject;
-  const bool closed = comes_back(problem, before, after, point, branch);
+  if (!point.multipliers.valid || leaves_branch(system_, branch, point)) return Verdict::reject;
   // One grazing at a time: a step across several is halved, down to where they cannot be told apart. Contacts that touch together
   // (an orbit symmetric between two barriers) are one.
   const int change = std::abs(point.isolated_impacts - branch.points.back().isolated_impacts);
@@ -110,14 +115,13 @@ Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& 
   if (change == 1 && hard_contacts_) return Verdict::reject;
   const bool close = after.arclength - before.arclength <= 1e-7;
   if (change > 1 && hard_contacts_ && !close) return Verdict::reject;
-  returned_ = goes_through_half({branch, point, high_ - low_});
+  returned_ = goes_through_half(problem, before.u, after.u);
   if (returned_) return Verdict::stop;
   std::vector<MetPoint> met;
   if (change == 1 || (change > 1 && !hard_contacts_)) met.push_back(locate_impact_change(problem, before, after, point, branch));
   if (change > 1 && !close && met.back().point.status != PointStatus::converged) return Verdict::reject;
   if (!take(problem, before, after, std::move(point), std::move(met), branch)) return Verdict::reject;
-  closed_ = closed;
-  if (closed || end) return Verdict::stop;
+  if (end) return Verdict::stop;
   section_blocked_ = better_section(problem, after.u) != problem.equations().section_phase();
   return section_blocked_ ? Verdict::stop : Verdict::go_on;
 }
@@ -156,13 +160,11 @@ Verdict BranchFollower::monitor_signature(SignatureProblem& problem, const Curve
   refused_ = problem.violation(after.u);
   if (refused_) return reaches_grazing(problem, before, after, branch) ? Verdict::stop : Verdict::reject;
   BranchPoint point = problem.branch_point(after.u, branch.points.back().arclength + after.arclength - before.arclength);
-  if (!point.multipliers.valid || leaves_branch(system_, {branch, point, high_ - low_})) return Verdict::reject;
-  returned_ = goes_through_half({branch, point, high_ - low_});
+  if (!point.multipliers.valid || leaves_branch(system_, branch, point)) return Verdict::reject;
+  returned_ = goes_through_half(problem, before.u, after.u);
   if (returned_) return Verdict::stop;
-  const bool closed = comes_back(problem, before, after, point, branch);
   if (!take(problem, before, after, std::move(point), {}, branch)) return Verdict::reject;
-  closed_ = closed;
-  return closed ? Verdict::stop : end.value_or(Verdict::go_on);
+  return end.value_or(Verdict::go_on);
 }
 
 /// Where the model allows no value beyond the end of the range, no step leads across it: the last one is made onto it.
@@ -202,6 +204,7 @@ Curve BranchFollower::follow_states(OrbitProblem& problem, const BranchStart& gi
   // Where the branch began: a closed one comes back there, perhaps with its nodes on another section.
   std::optional<CurvePoint> first, origin;
   double first_section = 0.0;
+  const OriginsOf origins_of = [&](const CurvePoint& start_point) { return images_of(problem, origin.value_or(start_point)); };
   TraceOptions trace_options = options_.trace;
   for (;;) {
     section_blocked_ = false;
@@ -217,7 +220,7 @@ Curve BranchFollower::follow_states(OrbitProblem& problem, const BranchStart& gi
       }
       return monitor_states(problem, before, after, branch);
     };
-    curve = trace(zero, start, direction, trace_options, on_branch, origin);
+    curve = trace(zero, start, direction, trace_options, on_branch, origins_of);
     const Vector plain = std::copysign(1.0, direction[direction.size() - 1]) * problem.parameter_direction();
     if (curve.stop == TraceStop::start_failed && branch.points.empty() && direction != plain) {
       direction = plain;
@@ -288,11 +291,12 @@ Curve BranchFollower::follow_signature(SignatureProblem& problem, const BranchSt
                [&](const CurvePoint& before, CurvePoint& after) {
                  if (branch.points.empty() && !start.on_grazing) begin(problem, before.u, branch);
                  return monitor_signature(problem, before, after, branch);
-               });
+               },
+               [&](const CurvePoint& first) { return images_of(problem, first); });
 }
 
 std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const BranchStart& start, Branch& branch) {
-  interrupted_ = returned_ = closed_ = clear_of_soft_ = false;
+  interrupted_ = returned_ = clear_of_soft_ = false;
   fastest_ = 0.0;
   refused_.reset();
   grazing_.reset();
@@ -356,9 +360,6 @@ std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const C
   } else if (returned_) {
     stop(BranchStop::returned,
          fmt::format("the doubled orbit has returned to its parent near {} = {:.12g}", branch.parameter, end.value));
-  } else if (closed_) {
-    stop(BranchStop::returned,
-         fmt::format("the branch is closed: at {} = {:.12g} it is back where it was before", branch.parameter, end.value));
   } else if (why == TraceStop::monitor) {
     stop(BranchStop::reached_bound, fmt::format("the end of the range, {} = {:.12g}, was reached", branch.parameter, end.value));
   } else if (why == TraceStop::closed) {

@@ -53,8 +53,6 @@ class BranchFollower {
   Verdict monitor_beyond_grazing(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
   bool interrupted_now();
   std::optional<Verdict> end_of_range(BranchProblem& problem, const CurvePoint& before, CurvePoint& after) const;
-  bool comes_back(BranchProblem& problem, const CurvePoint& before, CurvePoint& after, BranchPoint& point,
-                  const Branch& branch) const;
   bool take(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, BranchPoint point,
             std::vector<MetPoint> met, Branch& branch);
   void begin(BranchProblem& problem, const Vector& u, Branch& branch);
@@ -64,8 +62,8 @@ class BranchFollower {
   std::optional<BranchStart> to_signature(OrbitProblem& problem, const BranchStart& start) const;
 
   // Special points (branch_follower_points.cpp).
-  MetPoint locate(BranchProblem& problem, const TestFunction& test, const TestPoint& before, const TestPoint& after,
-                  const Branch& branch) const;
+  std::optional<MetPoint> locate(BranchProblem& problem, const TestFunction& test, const TestPoint& before,
+                                 const TestPoint& after, const Branch& branch) const;
   MetPoint locate_impact_change(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after,
                                 const BranchPoint& reached, const Branch& branch) const;
   bool reaches_grazing(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
@@ -83,7 +81,7 @@ class BranchFollower {
   bool hard_contacts_ = false;
   // Of the branch being followed.
   Vector last_;  ///< unknowns of its last point
-  bool interrupted_ = false, returned_ = false, closed_ = false;
+  bool interrupted_ = false, returned_ = false;
   /// Next to the value and the place along the step where a stiff contact's grazing is a corner.
   struct Corner {
     double value, place;

@@ -115,8 +115,11 @@ void BranchFollower::user_points(BranchProblem& problem, const CurvePoint& befor
   }
 }
 
-MetPoint BranchFollower::locate(BranchProblem& problem, const TestFunction& test, const TestPoint& before, const TestPoint& after,
-                                const Branch& branch) const {
+/// Empty where the sign changes without such a point.
+std::optional<MetPoint> BranchFollower::locate(BranchProblem& problem, const TestFunction& test, const TestPoint& before,
+                                               const TestPoint& after, const Branch& branch) const {
+  /// How near to the unit circle's point a multiplier is where only the sign change along the branch locates it.
+  constexpr double announced = 1e-3;
   const ZeroProblem zero = problem.zero_problem();
   const double length = after.curve.arclength - before.curve.arclength;
   double lo = 0.0, hi = 1.0, f_lo = test.value(before), f_hi = test.value(after);
@@ -159,22 +162,27 @@ MetPoint BranchFollower::locate(BranchProblem& problem, const TestFunction& test
   SpecialPoint point;
   point.type = test.type;
   point.after_point = branch.points.size() - 1;
-  Vector u;
-  OrbitProblem& states = problem.stroboscopic(best.u, u);
-  LocatedPoint located = test.locate(states, u, {best, best_branch});
+  LocatedPoint located = test.locate(problem, best.u, {best, best_branch});
   // Newton must not have left for another point of the kind: it stays within the step that announced this one.
-  const bool near = located.u.size() > 0 && weighted_norm(states.zero_problem().weights, located.u - u) <= length;
+  const auto within_step = [&](const Vector& u) {
+    constexpr double slack = 0.01;
+    const double place = place_of(zero, before.curve, u);
+    return weighted_norm(zero.weights, u - best.u) <= length && place >= -slack * length && place <= (1.0 + slack) * length;
+  };
   point.newton = located.newton;
-  if (located.newton.converged() && near) {
+  if (located.newton.converged() && within_step(located.u)) {
     point.status = PointStatus::converged;
     point.precision = std::max(located.precision, 4e-16 * std::abs(problem.value(located.u)));
     point.value = problem.value(located.u);
-    point.orbit = states.orbit(located.u, located.newton);
-    if (test.describe) test.describe(states, located, point);
+    point.orbit = problem.orbit(located.u, located.newton);
+    point.orbit.multipliers = problem.branch_point(located.u, 0.0).multipliers;
+    best.u = located.u;
+    if (test.describe) test.describe(problem, located, point);
   } else {
-    // Close to a grazing the states at fixed phases are steep in the impact's speed, and Newton there may fail: the sign change
-    // along the curve is then followed down to rounding.
+    // Where Newton fails, as at the corner of a stiff contact, the sign change along the curve is followed down to rounding. A
+    // sign that changes with no multiplier where the condition wants one is that of another event, or of a jump.
     close_in(60, 0.0, 1e-12);
+    if (!corner_ && !(test.distance(best_branch) < announced)) return std::nullopt;
     point.value = problem.value(best.u);
     point.precision = std::max(std::abs(value_hi - value_lo), 1e-13 * (1.0 + std::abs(point.value)));
     point.status = hi - lo <= 1e-10 ? PointStatus::converged : PointStatus::bracketed;
@@ -186,7 +194,7 @@ MetPoint BranchFollower::locate(BranchProblem& problem, const TestFunction& test
   }
   point.interval[0] = point.value - point.precision;
   point.interval[1] = point.value + point.precision;
-  return {place_of(zero, before.curve, best.u), best.u, std::move(point)};
+  return MetPoint{place_of(zero, before.curve, best.u), best.u, std::move(point)};
 }
 
 SpecialPoint BranchFollower::grazing_point(const LocatedGrazing& located, int impacts_before, int impacts_after,

@@ -10,11 +10,11 @@ namespace graze {
 namespace {
 
 /// (H, g, w^T H_p) at u for fixed borders; empty where the equations cannot be evaluated.
-Vector extended_residual(OrbitProblem& problem, const Vector& u, double unfolding, const Vector& b, const Vector& c,
+Vector extended_residual(const ZeroProblem& problem, const Vector& u, double unfolding, const Vector& b, const Vector& c,
                          Vector* null) {
   Vector residual;
   Matrix jacobian;
-  if (!problem.residual(u, residual, &jacobian)) return {};
+  if (!problem.evaluate(u, residual, &jacobian)) return {};
   const Eigen::Index size = residual.size();
   Matrix A = Matrix::Zero(size + 1, size + 1);
   A.topLeftCorner(size, size) = jacobian.leftCols(size);
@@ -30,20 +30,21 @@ Vector extended_residual(OrbitProblem& problem, const Vector& u, double unfoldin
 
 }  // namespace
 
-LocatedPoint locate_branch_point(OrbitProblem& problem, const Vector& start) {
+LocatedPoint locate_branch_point(BranchProblem& problem, const Vector& start) {
   LocatedPoint located;
   located.u = start;
   Vector residual;
   Matrix jacobian;
   located.newton.status = NewtonStatus::evaluation_failed;
-  if (!problem.residual(start, residual, &jacobian)) return located;
+  const ZeroProblem zero = problem.zero_problem();
+  if (!zero.evaluate(start, residual, &jacobian)) return located;
   const Eigen::Index size = residual.size();
   const auto [c, b] = null_vectors(Matrix(jacobian.leftCols(size)));
-  const double scale = 1.0 + start.head(size).lpNorm<Eigen::Infinity>();
+  const double scale = problem.state_scale(start);
   double unfolding = 0.0, last_step = std::numeric_limits<double>::infinity();
   for (int iteration = 0; iteration < 20; ++iteration) {
     Vector null;
-    const Vector F = extended_residual(problem, located.u, unfolding, b, c, &null);
+    const Vector F = extended_residual(zero, located.u, unfolding, b, c, &null);
     if (F.size() == 0) return located;
     Matrix J(size + 2, size + 2);
     for (Eigen::Index i = 0; i <= size; ++i) {
@@ -51,8 +52,8 @@ LocatedPoint locate_branch_point(OrbitProblem& problem, const Vector& start) {
       Vector ahead = located.u, behind = located.u;
       ahead[i] += h;
       behind[i] -= h;
-      const Vector fa = extended_residual(problem, ahead, unfolding, b, c, nullptr);
-      const Vector fb = extended_residual(problem, behind, unfolding, b, c, nullptr);
+      const Vector fa = extended_residual(zero, ahead, unfolding, b, c, nullptr);
+      const Vector fb = extended_residual(zero, behind, unfolding, b, c, nullptr);
       if (fa.size() == 0 || fb.size() == 0) return located;
       J.col(i) = (fa - fb) / (2.0 * h);
     }

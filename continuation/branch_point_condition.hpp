@@ -9,6 +9,6 @@
 
 namespace graze {
 
-LocatedPoint locate_branch_point(OrbitProblem& problem, const Vector& u);
+LocatedPoint locate_branch_point(BranchProblem& problem, const Vector& u);
 
 }  // namespace graze

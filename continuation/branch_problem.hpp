@@ -6,6 +6,10 @@
 #include <graze/continuation/branch.hpp>
 #include <graze/continuation/zero_problem.hpp>
 
+#include <complex>
+#include <memory>
+#include <vector>
+
 namespace graze {
 
 class OrbitProblem;
@@ -19,8 +23,32 @@ class BranchProblem {
   /// The small record of the orbit at u that a branch keeps, and the orbit with everything known of it.
   virtual BranchPoint branch_point(const Vector& u, double arclength) = 0;
   virtual PeriodicOrbit orbit(const Vector& u, NewtonReport report) = 0;
-  /// The same orbit in states at fixed phases, in which special points are located. The reference holds until the next call.
+  /// The same orbit in states at fixed phases. The reference holds until the next call.
   virtual OrbitProblem& stroboscopic(const Vector& u, Vector& out) = 0;
+
+  /// K(sigma) at u: the derivative of the equations in the orbit's own unknowns, with the link from the last node to the first
+  /// multiplied by sigma. It is singular where sigma is a multiplier. The equations have been evaluated at u.
+  virtual Eigen::MatrixXcd cyclic(const Vector& u, std::complex<double> sigma) = 0;
+  /// w^H (dK/du_i) v for every unknown u_i (the value last), by central differences at u.
+  virtual Eigen::VectorXcd cyclic_derivative(const Vector& u, std::complex<double> sigma, const Eigen::VectorXcd& w,
+                                             const Eigen::VectorXcd& v) = 0;
+  /// Size of the orbit's states, 1 + |x|: errors of the equations are relative to it.
+  virtual double state_scale(const Vector& u) const = 0;
+
+  /// The same orbit with its nodes counted from another one or another forcing period, in the same unknowns; `tangent`, a
+  /// direction at u, is moved with it. The first is u itself.
+  struct Image {
+    Vector u, tangent;
+  };
+  virtual std::vector<Image> images(const Vector& u, const Vector& tangent) const = 0;
+  /// The equations of the orbit run through twice, and u in their unknowns.
+  struct Doubled {
+    std::unique_ptr<BranchProblem> problem;
+    Vector u;
+  };
+  virtual Doubled doubled(const Vector& u) const = 0;
+  /// Second half of an orbit minus the first, in its unknowns: zero where it has half the period. Empty where it cannot have.
+  virtual Vector half_difference(const Vector& u) const = 0;
 
   /// Dimensionless time carried so far: the measure of cost.
   virtual double time_carried() const = 0;

@@ -11,16 +11,6 @@ namespace graze {
 
 namespace {
 
-/// Half of an orbit's states minus the other half: zero where a doubled orbit has collapsed onto its parent.
-Vector antisymmetric_part(const Branch& branch, const std::vector<Vector>& states) {
-  const std::size_t half = states.size() / 2;
-  if (branch.period % 2 != 0 || states.size() % 2 != 0) return {};
-  const Eigen::Index n = states.front().size();
-  Vector difference(n * static_cast<Eigen::Index>(half));
-  for (std::size_t j = 0; j < half; ++j) difference.segment(static_cast<Eigen::Index>(j) * n, n) = states[j] - states[j + half];
-  return difference;
-}
-
 /// Number of real multipliers beyond -1 and beyond +1, and of complex ones outside the circle.
 std::array<int, 3> unstable_kinds(const BranchPoint& point) {
   std::array<int, 3> count{};
@@ -53,79 +43,38 @@ double asymmetry(const HybridSystem& system, const Branch& branch, const BranchP
   return (transition.x1 + point.state()).lpNorm<Eigen::Infinity>() / (1.0 + point.state().lpNorm<Eigen::Infinity>());
 }
 
-/// From a to b: states at phase 0 and parameter, in the arclength's own measure.
-Vector between(const BranchPoint& a, const BranchPoint& b, double scale) {
-  const auto count = static_cast<Eigen::Index>(a.states.size()), n = a.state().size();
-  Vector out(count * n + 1);
-  for (Eigen::Index j = 0; j < count; ++j) {
-    const auto k = static_cast<std::size_t>(j);
-    out.segment(j * n, n) = (b.states[k] - a.states[k]) / std::sqrt(static_cast<double>(count));
-  }
-  out[count * n] = (b.value - a.value) / scale;
-  return out;
-}
-
-bool skips_something(const BranchStep& step) {
-  const auto a = unstable_kinds(step.last()), b = unstable_kinds(step.next);
+bool skips_something(const BranchPoint& last, const BranchPoint& next) {
+  const auto a = unstable_kinds(last), b = unstable_kinds(next);
   return std::abs(a[0] - b[0]) > 1 || std::abs(a[1] - b[1]) > 1 || std::abs(a[2] - b[2]) > 2;
 }
 
-bool changes_symmetry(const HybridSystem& system, const BranchStep& step) {
+bool changes_symmetry(const HybridSystem& system, const Branch& branch, const BranchPoint& next) {
   // Between the two a small enough step ends, if symmetry is lost without a branch point: by the parameter itself, or at a
   // branch point that was met exactly.
   constexpr double symmetric = 1e-8, broken = 1e-5;
-  const Branch& branch = step.branch;
+  const BranchPoint& last = branch.points.back();
   if (!system.forcing_frequency || branch.period % 2 == 0) return false;
-  if (step.last().signature.events.size() != step.next.signature.events.size()) return false;
-  if (!may_be_symmetric(step.last().signature) || !may_be_symmetric(step.next.signature)) return false;
-  const double before = asymmetry(system, branch, step.last());
-  if (before < symmetric) return asymmetry(system, branch, step.next) > broken;
-  return before > broken && asymmetry(system, branch, step.next) < symmetric;
+  if (last.signature.events.size() != next.signature.events.size()) return false;
+  if (!may_be_symmetric(last.signature) || !may_be_symmetric(next.signature)) return false;
+  const double before = asymmetry(system, branch, last);
+  if (before < symmetric) return asymmetry(system, branch, next) > broken;
+  return before > broken && asymmetry(system, branch, next) < symmetric;
 }
 
 }  // namespace
 
-bool leaves_branch(const HybridSystem& system, const BranchStep& step) {
-  return skips_something(step) || changes_symmetry(system, step);
+bool leaves_branch(const HybridSystem& system, const Branch& branch, const BranchPoint& next) {
+  return skips_something(branch.points.back(), next) || changes_symmetry(system, branch, next);
 }
 
-bool goes_through_half(const BranchStep& step) {
-  const BranchPoint &last = step.last(), &next = step.next;
-  const Vector before = antisymmetric_part(step.branch, last.states), after = antisymmetric_part(step.branch, next.states);
-  // Through zero, and not over it: where an impact passes phase 0 the states jump.
-  const double within = 6.0 * std::sqrt(static_cast<double>(next.states.size())) * (next.arclength - last.arclength);
-  return before.size() > 0 && before.dot(after) < 0.0 && before.lpNorm<Eigen::Infinity>() < within &&
-         after.lpNorm<Eigen::Infinity>() < within;
-}
-
-std::optional<PassedPoint> passed_again(const BranchStep& step) {
-  const std::vector<BranchPoint>& points = step.branch.points;
-  const Vector chord = between(step.last(), step.next, step.scale);
-  const double length = chord.norm();
-  // A curve that turns by 0.3 at most from one end of the step to the other stays closer to the chord than this.
-  double nearest = 0.1 * length;
-  std::optional<PassedPoint> passed;
-  const double around = nearest * step.scale, low = std::min(step.last().value, step.next.value) - around,
-               high = std::max(step.last().value, step.next.value) + around;
-  // The last point but one is where this step comes from.
-  for (std::size_t k = 1; k + 2 < points.size(); ++k) {
-    if (points[k].value < low || points[k].value > high) continue;  // most of a long branch
-    const Vector there = between(step.last(), points[k], step.scale);
-    const double part = chord.dot(there) / (length * length), distance = (there - part * chord).norm();
-    if (!(part > 0.0 && part <= 1.0) || distance >= nearest) continue;
-    if (between(points[k], points[k + 1], step.scale).dot(chord) <= 0.0) continue;
-    nearest = distance;
-    passed = PassedPoint{k, part};
-  }
-  return passed;
-}
-
-bool same_states(const BranchPoint& a, const BranchPoint& b) {
-  if (a.states.size() != b.states.size()) return false;
-  for (std::size_t k = 0; k < a.states.size(); ++k)
-    if ((a.states[k] - b.states[k]).lpNorm<Eigen::Infinity>() > 1e-8 * (1.0 + a.states[k].lpNorm<Eigen::Infinity>()))
-      return false;
-  return true;
+bool goes_through_half(const BranchProblem& problem, const Vector& before, const Vector& after) {
+  // A curve that turns by 0.3 at most within the step bends away from its chord by less than this part of it.
+  constexpr double bend = 0.1;
+  const Vector a = problem.half_difference(before), b = problem.half_difference(after);
+  if (a.size() == 0 || !(a.dot(b) < 0.0)) return false;
+  const Vector chord = b - a;
+  const double part = -a.dot(chord) / chord.squaredNorm();
+  return (a + part * chord).norm() < bend * chord.norm();
 }
 
 }  // namespace graze

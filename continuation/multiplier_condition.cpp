@@ -34,30 +34,33 @@ Bordered solve(const Eigen::MatrixXcd& K, const Eigen::VectorXcd& b, const Eigen
 
 }  // namespace
 
-LocatedPoint locate_multiplier(OrbitProblem& problem, const Vector& start, const MultiplierCondition& condition) {
+LocatedPoint locate_multiplier(BranchProblem& problem, const Vector& start, const MultiplierCondition& condition) {
   LocatedPoint located;
   located.u = start;
   located.theta = condition.theta;
   Vector residual;
   Matrix jacobian;
-  if (!problem.residual(located.u, residual, &jacobian)) {
+  const ZeroProblem zero = problem.zero_problem();
+  if (!zero.evaluate(located.u, residual, &jacobian)) {
     located.newton.status = NewtonStatus::evaluation_failed;
     return located;
   }
   const Eigen::Index unknowns = problem.unknowns(), extra = condition.theta_free ? 2 : 1;
   const Eigen::Index size = unknowns - 1 + extra;
-  auto [c, b] = null_vectors(problem.cyclic(std::polar(1.0, located.theta)));
-  const double scale = 1.0 + located.u.head(unknowns - 1).lpNorm<Eigen::Infinity>();
+  auto [c, b] = null_vectors(problem.cyclic(located.u, std::polar(1.0, located.theta)));
+  const double scale = problem.state_scale(located.u);
   double last_step = std::numeric_limits<double>::infinity();
   for (int iteration = 0; iteration < 20; ++iteration) {
     const Complex sigma =
         condition.theta_free ? std::polar(1.0, located.theta) : Complex(std::cos(located.theta) < 0.0 ? -1.0 : 1.0);
-    const Bordered bordered = solve(problem.cyclic(sigma), b, c);
-    const double size_now = std::max(residual.lpNorm<Eigen::Infinity>() / scale, std::abs(bordered.g));
+    const Eigen::MatrixXcd K = problem.cyclic(located.u, sigma);
+    const Bordered bordered = solve(K, b, c);
+    const double K_scale = std::max(1.0, K.cwiseAbs().maxCoeff());
+    const double size_now = std::max(residual.lpNorm<Eigen::Infinity>() / scale, std::abs(bordered.g) / K_scale);
     located.newton.residual_history.push_back(size_now);
     located.v = bordered.v;
     located.w = bordered.w;
-    const Eigen::VectorXcd g_u = -problem.cyclic_derivative(located.u, bordered.w, bordered.v);
+    const Eigen::VectorXcd g_u = -problem.cyclic_derivative(located.u, sigma, bordered.w, bordered.v);
     Matrix A = Matrix::Zero(size, unknowns + extra - 1);
     A.topLeftCorner(unknowns - 1, unknowns) = jacobian;
     A.row(unknowns - 1).head(unknowns) = g_u.real().transpose();
@@ -65,9 +68,8 @@ LocatedPoint locate_multiplier(OrbitProblem& problem, const Vector& start, const
     right.head(unknowns - 1) = -residual;
     right[unknowns - 1] = -bordered.g.real();
     if (condition.theta_free) {
-      // K depends on theta through -sigma in its corner: dg/dtheta = -w^H dK v = w_last^H (i sigma) v_0.
-      const int n = problem.states();
-      const Complex g_theta = bordered.w.tail(n).dot(Complex(0.0, 1.0) * sigma * bordered.v.head(n));
+      // K is linear in sigma: dg/dtheta = -w^H (dK/dsigma) (i sigma) v.
+      const Complex g_theta = -bordered.w.dot((problem.cyclic(located.u, 1.0) - problem.cyclic(located.u, 0.0)) * (Complex(0.0, 1.0) * sigma * bordered.v));
       A.row(unknowns).head(unknowns) = g_u.imag().transpose();
       A(unknowns - 1, unknowns) = g_theta.real();
       A(unknowns, unknowns) = g_theta.imag();
@@ -83,7 +85,7 @@ LocatedPoint locate_multiplier(OrbitProblem& problem, const Vector& start, const
     Vector noise = Vector::Zero(size);
     noise[unknowns - 1] = 1.0;
     const Vector sensitivity = lu.transpose().solve(noise);
-    located.precision = rounding * scale * sensitivity.lpNorm<1>();
+    located.precision = rounding * (scale * sensitivity.head(unknowns - 1).lpNorm<1>() + K_scale * sensitivity.tail(extra).lpNorm<1>());
     const double step_size = step.head(unknowns).lpNorm<Eigen::Infinity>() / scale;
     if (size_now < 1e-11 && (step_size < 1e-14 || step_size >= 0.5 * last_step)) {
       located.newton.status = NewtonStatus::converged;
@@ -95,7 +97,7 @@ LocatedPoint locate_multiplier(OrbitProblem& problem, const Vector& start, const
     if (condition.theta_free) located.theta += step[unknowns];
     b = bordered.w.normalized();
     c = bordered.v.normalized();
-    if (!problem.residual(located.u, residual, &jacobian)) {
+    if (!zero.evaluate(located.u, residual, &jacobian)) {
       located.newton.status = NewtonStatus::evaluation_failed;
       return located;
     }

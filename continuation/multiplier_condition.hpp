@@ -5,9 +5,12 @@
 //     [c^H       0] [g] = [1],      g(u, theta) = 0,       dg = -w^H (dK) v,
 // with b, c near the left and right null vectors of K. Fold: theta = 0; period doubling: theta = pi; Neimark-Sacker: theta
 // unknown.
+//
+// K is that of the branch's own coordinates (BranchProblem::cyclic). In those of the events of a signature it stays regular where
+// an impact's speed goes to zero: there det K is that of the return map times the speeds.
 #pragma once
 
-#include <graze/continuation/orbit_problem.hpp>
+#include <graze/continuation/branch_problem.hpp>
 
 #include <optional>
 
@@ -27,6 +30,6 @@ struct LocatedPoint {
 };
 
 /// Newton on the extended system from u.
-LocatedPoint locate_multiplier(OrbitProblem& problem, const Vector& u, const MultiplierCondition& condition);
+LocatedPoint locate_multiplier(BranchProblem& problem, const Vector& u, const MultiplierCondition& condition);
 
 }  // namespace graze

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <memory>
 #include <stdexcept>
 
 namespace graze {
@@ -156,7 +157,7 @@ BranchPoint to_branch_point(const PeriodicOrbit& orbit, double value, double arc
   return point;
 }
 
-Eigen::MatrixXcd OrbitProblem::cyclic(std::complex<double> sigma) const {
+Eigen::MatrixXcd OrbitProblem::cyclic(const Vector&, std::complex<double> sigma) {
   const int n = states(), N = nodes();
   Eigen::MatrixXcd K = Eigen::MatrixXcd::Zero(n * N, n * N);
   for (int j = 0; j < N; ++j) {
@@ -167,7 +168,39 @@ Eigen::MatrixXcd OrbitProblem::cyclic(std::complex<double> sigma) const {
   return K;
 }
 
-Eigen::VectorXcd OrbitProblem::cyclic_derivative(const Vector& u, const Eigen::VectorXcd& w, const Eigen::VectorXcd& v) {
+std::vector<BranchProblem::Image> OrbitProblem::images(const Vector& u, const Vector& tangent) const {
+  std::vector<Image> list{{u, tangent}};
+  const Eigen::Index size = states() * nodes();
+  if (equations_.autonomous() || nodes() % period() != 0) return list;
+  const Eigen::Index one_period = size / period();
+  for (Eigen::Index by = one_period; by < size; by += one_period) {
+    const auto later = [&](const Vector& v) {
+      Vector out = v;
+      out.head(size) << v.segment(by, size - by), v.head(by);
+      return out;
+    };
+    list.push_back({later(u), later(tangent)});
+  }
+  return list;
+}
+
+BranchProblem::Doubled OrbitProblem::doubled(const Vector& u) const {
+  const Eigen::Index size = states() * nodes();
+  auto problem = std::make_unique<OrbitProblem>(system(), p_, 2 * period(), 2 * nodes(), parameter_, scale_, equations_.options(),
+                                                equations_.section_phase());
+  Vector twice(2 * size + 1);
+  twice << u.head(size), u.head(size), value(u);
+  return {std::move(problem), std::move(twice)};
+}
+
+Vector OrbitProblem::half_difference(const Vector& u) const {
+  if (equations_.autonomous() || period() % 2 != 0 || nodes() % 2 != 0) return {};
+  const Eigen::Index half = states() * nodes() / 2;
+  return u.segment(half, half) - u.head(half);
+}
+
+Eigen::VectorXcd OrbitProblem::cyclic_derivative(const Vector& u, std::complex<double>, const Eigen::VectorXcd& w,
+                                                 const Eigen::VectorXcd& v) {
   const int n = states(), N = nodes();
   Eigen::VectorXcd derivative = Eigen::VectorXcd::Zero(unknowns());
   const auto form = [&](int j, const Matrix& Phi) -> std::complex<double> {

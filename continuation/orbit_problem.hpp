@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // OrbitProblem: periodic orbits in one parameter as a ZeroProblem. Unknowns u = (x_0, ..., x_{N-1} [, D], value), H the shooting
-// equations. It also knows the linear problem behind every bifurcation of maps: the cyclic matrix
+// equations. The linear problem behind every bifurcation of maps is that of the cyclic matrix
 //     K(sigma) v = (Phi_j v_j - v_{j+1}, j < N - 1;  Phi_{N-1} v_{N-1} - sigma v_0),   singular where sigma is a multiplier.
 #pragma once
 
 #include <graze/continuation/branch_problem.hpp>
 #include <graze/floquet/shooting.hpp>
 
-#include <complex>
 #include <optional>
 
 namespace graze {
@@ -50,10 +49,14 @@ class OrbitProblem : public BranchProblem {
     return *this;
   }
 
-  /// K(sigma) from the stretches evaluated last.
-  Eigen::MatrixXcd cyclic(std::complex<double> sigma) const;
-  /// w^H (dK/du_i) v for every unknown u_i (the value last), by central differences of the stretches at u.
-  Eigen::VectorXcd cyclic_derivative(const Vector& u, const Eigen::VectorXcd& w, const Eigen::VectorXcd& v);
+  /// From the stretches evaluated last.
+  Eigen::MatrixXcd cyclic(const Vector& u, std::complex<double> sigma) override;
+  Eigen::VectorXcd cyclic_derivative(const Vector& u, std::complex<double> sigma, const Eigen::VectorXcd& w,
+                                     const Eigen::VectorXcd& v) override;
+  double state_scale(const Vector& u) const override { return 1.0 + u.head(unknowns() - 1).lpNorm<Eigen::Infinity>(); }
+  std::vector<Image> images(const Vector& u, const Vector& tangent) const override;
+  Doubled doubled(const Vector& u) const override;
+  Vector half_difference(const Vector& u) const override;
 
  private:
   ShootingEquations equations_;

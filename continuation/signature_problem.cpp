@@ -158,6 +158,116 @@ OrbitProblem SignatureProblem::in_states(const Vector& u, int per_period, double
   return problem;
 }
 
+Eigen::MatrixXcd SignatureProblem::cyclic(const Vector& u, std::complex<double> sigma) {
+  const int n = equations_.states(), size = n + 1, m = equations_.events();
+  Eigen::MatrixXcd K = Eigen::MatrixXcd::Zero(m * size, m * size);
+  set_value(u);
+  SignatureEquations::Block block;
+  for (int k = 0; k < m; ++k) {
+    if (!equations_.evaluate(u, k, true, block))
+      return Eigen::MatrixXcd::Constant(m * size, m * size, std::numeric_limits<double>::quiet_NaN());
+    const std::complex<double> link = k + 1 < m ? 1.0 : sigma;
+    K.block(k * size, k * size, n, size) += block.own;
+    K.block(k * size, (k + 1) % m * size, n, size) += link * block.next;
+    K.row(k * size + n).segment(k * size, size) = block.own_gap.transpose();
+  }
+  return K;
+}
+
+Eigen::VectorXcd SignatureProblem::cyclic_derivative(const Vector& u, std::complex<double> sigma, const Eigen::VectorXcd& w,
+                                                     const Eigen::VectorXcd& v) {
+  // Only steers Newton; the equations are smooth, so that a usual step will do.
+  constexpr double difference_step = 1e-6;
+  const int n = equations_.states(), size = n + 1, m = equations_.events();
+  Eigen::VectorXcd derivative = Eigen::VectorXcd::Zero(unknowns());
+  SignatureEquations::Block block;
+  // w^H K v of the rows of event k.
+  const auto form = [&](const Vector& at, int k) -> std::complex<double> {
+    if (!equations_.evaluate(at, k, true, block)) return std::numeric_limits<double>::quiet_NaN();
+    const std::complex<double> link = k + 1 < m ? 1.0 : sigma;
+    const Eigen::VectorXcd rows = block.own * v.segment(k * size, size) + link * (block.next * v.segment((k + 1) % m * size, size));
+    return w.segment(k * size, n).dot(rows) + std::conj(w[k * size + n]) * (block.own_gap.transpose() * v.segment(k * size, size))[0];
+  };
+  for (Eigen::Index i = 0; i < unknowns(); ++i) {
+    const double h = difference_step * (1.0 + std::abs(u[i]));
+    std::complex<double> side[2] = {0.0, 0.0};
+    for (int s = 0; s < 2; ++s) {
+      Vector shifted = u;
+      shifted[i] += s == 0 ? h : -h;
+      if (i + 1 == unknowns()) {
+        set_value(shifted);
+        for (int k = 0; k < m; ++k) side[s] += form(shifted, k);
+        continue;
+      }
+      // An event's state moves the flight after it, its instant the flight before it too.
+      const int k = static_cast<int>(i) / size, before = (k + m - 1) % m;
+      side[s] = form(shifted, k);
+      if (i % size == 0 && before != k) side[s] += form(shifted, before);
+    }
+    derivative[i] = (side[0] - side[1]) / (2.0 * h);
+  }
+  set_value(u);
+  return derivative;
+}
+
+double SignatureProblem::state_scale(const Vector& u) const {
+  double largest = 0.0;
+  for (int k = 0; k < equations_.events(); ++k) largest = std::max(largest, equations_.state(u, k).lpNorm<Eigen::Infinity>());
+  return 1.0 + largest;
+}
+
+std::vector<BranchProblem::Image> SignatureProblem::images(const Vector& u, const Vector& tangent) const {
+  const std::vector<std::size_t>& sequence = equations_.sequence();
+  const int m = equations_.events(), size = equations_.states() + 1, n = equations_.period();
+  Vector p = p_;
+  p[static_cast<Eigen::Index>(parameter_)] = value(u);
+  const double T = forcing_period(equations_.system(), p);
+  const double T_dp = forcing_period_dp(equations_.system(), p)[static_cast<Eigen::Index>(parameter_)];
+  std::vector<Image> list{{u, tangent}};
+  for (int by = 0; by < m; ++by) {
+    bool same = true;
+    for (int k = 0; k < m && same; ++k)
+      same = sequence[static_cast<std::size_t>(k)] == sequence[static_cast<std::size_t>((k + by) % m)];
+    // Instants are counted from any forcing period: along a closed branch they may move by some.
+    for (int periods = -n; same && periods <= n; ++periods) {
+      if (by == 0 && periods == 0) continue;
+      Image image{u, tangent};
+      for (int k = 0; k < m; ++k) {
+        const int from = (k + by) % m;
+        const double later = (k + by >= m ? n : 0) + periods;
+        image.u.segment(k * size, size) = u.segment(from * size, size);
+        image.tangent.segment(k * size, size) = tangent.segment(from * size, size);
+        image.u[k * size] += later * T;
+        image.tangent[k * size] += later * T_dp * tangent[tangent.size() - 1];
+      }
+      list.push_back(std::move(image));
+    }
+  }
+  return list;
+}
+
+BranchProblem::Doubled SignatureProblem::doubled(const Vector& u) const {
+  Vector p = p_;
+  p[static_cast<Eigen::Index>(parameter_)] = value(u);
+  EventNodes twice = unpack(u);
+  twice.repeat(2, equations_.period() * forcing_period(equations_.system(), p));
+  auto problem = std::make_unique<SignatureProblem>(equations_.system(), p, 2 * equations_.period(), twice.sequence, parameter_,
+                                                    scale_, options_);
+  Vector start = problem->pack(twice, value(u));
+  return {std::move(problem), std::move(start)};
+}
+
+Vector SignatureProblem::half_difference(const Vector& u) const {
+  const std::vector<std::size_t>& sequence = equations_.sequence();
+  const int m = equations_.events(), size = equations_.states() + 1, n = equations_.period();
+  if (n % 2 != 0 || m % 2 != 0 || !std::equal(sequence.begin(), sequence.begin() + m / 2, sequence.begin() + m / 2)) return {};
+  Vector p = p_;
+  p[static_cast<Eigen::Index>(parameter_)] = value(u);
+  Vector out = u.segment(m / 2 * size, m / 2 * size) - u.head(m / 2 * size);
+  for (int k = 0; k < m / 2; ++k) out[k * size] -= n / 2 * forcing_period(equations_.system(), p);
+  return out;
+}
+
 double SignatureProblem::time_carried() const {
   return equations_.time_carried() + carried_elsewhere_ + (stroboscopic_ ? stroboscopic_->time_carried() : 0.0);
 }

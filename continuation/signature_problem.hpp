@@ -38,6 +38,13 @@ class SignatureProblem : public BranchProblem {
   /// The orbit at u in states at other phases: `per_period` to the forcing period, from `section` on (see ShootingEquations).
   OrbitProblem in_states(const Vector& u, int per_period, double section, Vector& out);
   double time_carried() const override;
+  Eigen::MatrixXcd cyclic(const Vector& u, std::complex<double> sigma) override;
+  Eigen::VectorXcd cyclic_derivative(const Vector& u, std::complex<double> sigma, const Eigen::VectorXcd& w,
+                                     const Eigen::VectorXcd& v) override;
+  double state_scale(const Vector& u) const override;
+  std::vector<Image> images(const Vector& u, const Vector& tangent) const override;
+  Doubled doubled(const Vector& u) const override;
+  Vector half_difference(const Vector& u) const override;
 
   Vector pack(const EventNodes& nodes, double value) const;
   EventNodes unpack(const Vector& u) const;

@@ -25,8 +25,8 @@ std::string reason(const ZeroProblem& problem, NewtonStatus status) {
   return text;
 }
 
-/// True if the step from `last` to `next` passes through the curve's first point, which `next` then becomes. Being near it is not
-/// enough: another turn of the curve may be.
+/// True if the step from `last` to `next` passes through `first`, which `next` then becomes. Being near it is not enough: another
+/// turn of the curve may be.
 bool return_to_start(const ZeroProblem& problem, const Vector& weights, const CurvePoint& first, const CurvePoint& last,
                      CurvePoint& next, const TraceOptions& options) {
   const Vector normal = weights.cwiseProduct(first.tangent);
@@ -100,7 +100,7 @@ Vector tangent_at(const ZeroProblem& problem, const Vector& u, const Vector& ori
 }
 
 Curve trace(const ZeroProblem& problem, const Vector& u0, const Vector& orientation, const TraceOptions& options,
-            const Monitor& monitor, const std::optional<CurvePoint>& origin) {
+            const Monitor& monitor, const OriginsOf& origins_of) {
   Curve curve;
   const Vector weights = weights_of(problem);
   CurvePoint start;
@@ -114,6 +114,7 @@ Curve trace(const ZeroProblem& problem, const Vector& u0, const Vector& orientat
     return curve;
   }
   curve.points.push_back(start);
+  const std::vector<CurvePoint> origins = origins_of ? origins_of(start) : std::vector<CurvePoint>{start};
   double step = options.initial_step;
   while (static_cast<int>(curve.points.size()) < options.max_points) {
     const CurvePoint& last = curve.points.back();
@@ -130,7 +131,9 @@ Curve trace(const ZeroProblem& problem, const Vector& u0, const Vector& orientat
       // A jump to a neighbouring curve shows as a correction longer than the step, a kink as a large angle.
       const bool smooth = std::acos(std::clamp(cosine, -1.0, 1.0)) <= options.max_angle &&
                           weighted_norm(weights, next.u - predicted) <= 0.5 * step;
-      if (smooth) closes = return_to_start(problem, weights, origin ? *origin : curve.points.front(), last, next, options);
+      closes = smooth && std::any_of(origins.begin(), origins.end(), [&](const CurvePoint& origin) {
+                 return return_to_start(problem, weights, origin, last, next, options);
+               });
       if (smooth || (step <= options.min_step && next.tangent.size() > 0))
         verdict = monitor ? monitor(last, next) : Verdict::go_on;
       if (!smooth && verdict == Verdict::reject) curve.failure = "the curve turns too sharply";

@@ -46,10 +46,12 @@ struct Curve {
 };
 
 /// Follows the curve through (near) u0 in the direction of `orientation` (a vector whose inner product with the tangent is to be
-/// positive; it need not be tangent). `monitor` may be empty. The curve is closed when it passes through `origin`, or if that is
-/// empty through its own first point.
+/// positive; it need not be tangent). `monitor` may be empty. The curve is closed when it passes through one of its origins: its
+/// first point, or if `origins_of` is given what that makes of the first point (all that is the same by a symmetry of the
+/// problem, or where the curve began earlier). A regular curve that comes back to itself does so at its beginning first.
+using OriginsOf = std::function<std::vector<CurvePoint>(const CurvePoint& first)>;
 Curve trace(const ZeroProblem& problem, const Vector& u0, const Vector& orientation, const TraceOptions& options = {},
-            const Monitor& monitor = {}, const std::optional<CurvePoint>& origin = {});
+            const Monitor& monitor = {}, const OriginsOf& origins_of = {});
 
 /// Newton on H(u) = 0 with (u - u_predicted) . W direction = 0; u is changed in place.
 NewtonReport correct(const ZeroProblem& problem, const Vector& direction, Vector& u, const TraceOptions& options);

@@ -36,48 +36,58 @@ HybridState SignatureEquations::after(const Vector& u, int k) {
   return state;
 }
 
-bool SignatureEquations::evaluate(const Vector& u, Vector& residual, Matrix* jacobian) {
-  const int m = events(), block = n_ + 1;
+bool SignatureEquations::evaluate(const Vector& u, int k, bool derivatives, Block& block) {
   const Vector& p = parameters();
   const auto active = static_cast<Eigen::Index>(active_);
+  const Event& here = event(k);
+  const double t = time(u, k), end = end_time(u, k);
+  if (!(end > t)) return false;  // events out of order
+  const Vector x = state(u, k);
+  HybridState moving = after(u, k);
+  Vector start_field(n_), end_field(n_);
+  if (derivatives) propagator_.field(here.to, t, moving.x, start_field);
+  if (!propagator_.coast(moving, end, derivatives ? Sensitivity::state_and_parameters : Sensitivity::none)) return false;
+  block.mismatch = moving.x - state(u, (k + 1) % events());
+  block.gap = here.guard.value(t, x, p);
+  if (!derivatives) return true;
+  const Segment& flight = propagator_.segment();
+  propagator_.field(here.to, end, moving.x, end_field);
+  Matrix reset_dx = Matrix::Identity(n_, n_), reset_dp = Matrix::Zero(n_, p.size());
+  Vector reset_dt = Vector::Zero(n_), gradient(n_), guard_dp = Vector::Zero(p.size());
+  if (here.reset.map) here.reset.dx(t, x, p, reset_dx);
+  if (here.reset.dp) here.reset.dp(t, x, p, reset_dp);
+  if (here.reset.dt) here.reset.dt(t, x, p, reset_dt);
+  block.own.resize(n_, n_ + 1);
+  block.own << flight.Phi * (reset_dt - start_field), flight.Phi * reset_dx;
+  block.next.resize(n_, n_ + 1);
+  block.next << end_field, -Matrix::Identity(n_, n_);
+  block.mismatch_dp = flight.Psi.col(0) + flight.Phi * reset_dp.col(active);
+  if (k + 1 == events()) block.mismatch_dp += end_field * (period_ * forcing_period_dp(system(), p)[active]);
+  here.guard.dx(t, x, p, gradient);
+  if (here.guard.dp) here.guard.dp(t, x, p, guard_dp);
+  block.own_gap.resize(n_ + 1);
+  block.own_gap << (here.guard.dt ? here.guard.dt(t, x, p) : 0.0), gradient;
+  block.gap_dp = guard_dp[active];
+  return true;
+}
+
+bool SignatureEquations::evaluate(const Vector& u, Vector& residual, Matrix* jacobian) {
+  const int size = n_ + 1;
   residual.resize(unknowns());
   if (jacobian) jacobian->setZero(unknowns(), unknowns() + 1);
-  Vector gradient(n_), start_field(n_), end_field(n_), reset_dt = Vector::Zero(n_), guard_dp(p.size());
-  Matrix reset_dx(n_, n_), reset_dp(n_, p.size());
-  for (int k = 0; k < m; ++k) {
-    const Event& here = event(k);
-    const int next = (k + 1) % m;
-    const double t = time(u, k), end = end_time(u, k);
-    if (!(end > t)) return false;  // events out of order
-    const Vector x = state(u, k);
-    HybridState moving = after(u, k);
-    if (jacobian) propagator_.field(here.to, t, moving.x, start_field);
-    if (!propagator_.coast(moving, end, jacobian ? Sensitivity::state_and_parameters : Sensitivity::none)) return false;
-    residual.segment(k * block, n_) = moving.x - state(u, next);
-    residual[k * block + n_] = here.guard.value(t, x, p);
+  Block block;
+  for (int k = 0; k < events(); ++k) {
+    if (!evaluate(u, k, jacobian != nullptr, block)) return false;
+    residual.segment(k * size, n_) = block.mismatch;
+    residual[k * size + n_] = block.gap;
     if (!jacobian) continue;
-    const Segment& flight = propagator_.segment();
-    propagator_.field(here.to, end, moving.x, end_field);
-    reset_dx.setIdentity();
-    reset_dp.setZero();
-    reset_dt.setZero();
-    if (here.reset.map) here.reset.dx(t, x, p, reset_dx);
-    if (here.reset.dp) here.reset.dp(t, x, p, reset_dp);
-    if (here.reset.dt) here.reset.dt(t, x, p, reset_dt);
-    auto rows = jacobian->middleRows(k * block, n_);
-    rows.middleCols(k * block + 1, n_) += flight.Phi * reset_dx;
-    rows.col(k * block) += flight.Phi * (reset_dt - start_field);
-    rows.middleCols(next * block + 1, n_).diagonal().array() -= 1.0;
-    rows.col(next * block) += end_field;
-    rows.col(unknowns()) = flight.Psi.col(0) + flight.Phi * reset_dp.col(active);
-    if (k + 1 == m) rows.col(unknowns()) += end_field * (period_ * forcing_period_dp(system(), p)[active]);
-    here.guard.dx(t, x, p, gradient);
-    guard_dp.setZero();
-    if (here.guard.dp) here.guard.dp(t, x, p, guard_dp);
-    auto row = jacobian->row(k * block + n_);
-    row.segment(k * block + 1, n_) = gradient.transpose();
-    if (here.guard.dt) row[k * block] = here.guard.dt(t, x, p);
-    row[unknowns()] = guard_dp[active];
+    auto rows = jacobian->middleRows(k * size, n_);
+    rows.middleCols(k * size, size) += block.own;
+    rows.middleCols((k + 1) % events() * size, size) += block.next;
+    rows.col(unknowns()) = block.mismatch_dp;
+    auto row = jacobian->row(k * size + n_);
+    row.segment(k * size, size) = block.own_gap.transpose();
+    row[unknowns()] = block.gap_dp;
   }
   return residual.allFinite() && (!jacobian || jacobian->allFinite());
 }

@@ -26,7 +26,8 @@ TestFunction branch_point_test() {
     const bool passes = (real_beyond(before, 1) + real_beyond(after, 1)) % 2 == 1, turns = turning(before) != turning(after);
     return passes != turns;
   };
-  test.locate = [](OrbitProblem& problem, const Vector& u, const TestPoint&) { return locate_branch_point(problem, u); };
+  test.distance = [](const BranchPoint& point) { return nearest_multiplier(point, 1.0); };
+  test.locate = [](BranchProblem& problem, const Vector& u, const TestPoint&) { return locate_branch_point(problem, u); };
   return test;
 }
 

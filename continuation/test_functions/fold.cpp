@@ -13,7 +13,8 @@ TestFunction fold_test() {
   test.confirm = [](const TestPoint& before, const TestPoint& after) {
     return (real_beyond(before, 1) + real_beyond(after, 1)) % 2 == 1;
   };
-  test.locate = [](OrbitProblem& problem, const Vector& u, const TestPoint&) {
+  test.distance = [](const BranchPoint& point) { return nearest_multiplier(point, 1.0); };
+  test.locate = [](BranchProblem& problem, const Vector& u, const TestPoint&) {
     return locate_multiplier(problem, u, {.theta = 0.0});
   };
   return test;

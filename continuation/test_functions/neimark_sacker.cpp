@@ -41,7 +41,13 @@ TestFunction neimark_sacker_test() {
     const Outside a = outside(before), b = outside(after);
     return a.pairs != b.pairs && b.all - a.all == 2 * (b.pairs - a.pairs);
   };
-  test.locate = [](OrbitProblem& problem, const Vector& u, const TestPoint& near) {
+  test.distance = [](const BranchPoint& point) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& mu : nontrivial(point.multipliers))
+      if (mu.imag() != 0.0) least = std::min(least, std::abs(std::abs(mu) - 1.0));
+    return least;
+  };
+  test.locate = [](BranchProblem& problem, const Vector& u, const TestPoint& near) {
     double theta = 0.0, closest = std::numeric_limits<double>::infinity();
     for (const auto& mu : nontrivial(near.branch.multipliers)) {
       if (mu.imag() > 0.0 && std::abs(std::log(std::abs(mu))) < closest) {
@@ -51,7 +57,7 @@ TestFunction neimark_sacker_test() {
     }
     return locate_multiplier(problem, u, {.theta = theta, .theta_free = true});
   };
-  test.describe = [](OrbitProblem&, const LocatedPoint& located, SpecialPoint& point) { point.details["angle"] = located.theta; };
+  test.describe = [](BranchProblem&, const LocatedPoint& located, SpecialPoint& point) { point.details["angle"] = located.theta; };
   return test;
 }
 

@@ -26,10 +26,12 @@ struct TestFunction {
   double (*value)(const TestPoint& point) = nullptr;
   /// After a sign change: is it this bifurcation?
   bool (*confirm)(const TestPoint& before, const TestPoint& after) = nullptr;
-  /// Newton on the extended system from u; `near` is a point close by.
-  LocatedPoint (*locate)(OrbitProblem& problem, const Vector& u, const TestPoint& near) = nullptr;
+  /// How far the multipliers are from those that the bifurcation has.
+  double (*distance)(const BranchPoint& point) = nullptr;
+  /// Newton on the extended system from u, in the branch's own coordinates; `near` is a point close by.
+  LocatedPoint (*locate)(BranchProblem& problem, const Vector& u, const TestPoint& near) = nullptr;
   /// Adds details to the located point; may be empty.
-  void (*describe)(OrbitProblem& problem, const LocatedPoint& located, SpecialPoint& point) = nullptr;
+  void (*describe)(BranchProblem& problem, const LocatedPoint& located, SpecialPoint& point) = nullptr;
 };
 
 TestFunction fold_test();
@@ -42,6 +44,9 @@ const std::vector<TestFunction>& test_functions();
 
 /// Nontrivial multipliers of a point.
 std::vector<std::complex<double>> nontrivial(const FloquetMultipliers& multipliers);
+
+/// Distance of the nontrivial multiplier that is nearest to `mu`.
+double nearest_multiplier(const BranchPoint& point, double mu);
 
 /// Number of real nontrivial multipliers above +1 (unit = 1) or below -1 (unit = -1). Whether it is odd is the sign of
 /// det(M - I), of det(M + I): complex pairs do not change them.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/test_functions/test_function.hpp>
 
+#include <limits>
+
 namespace graze {
 
 const std::vector<TestFunction>& test_functions() {
@@ -11,6 +13,12 @@ const std::vector<TestFunction>& test_functions() {
 std::vector<std::complex<double>> nontrivial(const FloquetMultipliers& multipliers) {
   return {multipliers.values.begin(),
           multipliers.values.end() - std::min<std::ptrdiff_t>(multipliers.trivial, std::ssize(multipliers.values))};
+}
+
+double nearest_multiplier(const BranchPoint& point, double mu) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& value : nontrivial(point.multipliers)) least = std::min(least, std::abs(value - mu));
+  return least;
 }
 
 int real_beyond(const TestPoint& point, int unit) {
