@@ -140,8 +140,15 @@ Verdict BranchFollower::monitor_beyond_grazing(SignatureProblem& problem, const 
       fastest_ = speed;
       fastest_point_ = after.u;
     }
-    if (speed >= weakest_kept) begin(problem, after.u, branch);
-    return Verdict::go_on;
+    if (speed < weakest_kept) return Verdict::go_on;
+    const std::optional<CurvePoint> nearer = beside_grazing(problem, beginning_, after);
+    begin(problem, nearer ? nearer->u : after.u, branch);
+    if (!nearer) return Verdict::go_on;
+    BranchPoint point = problem.branch_point(after.u, after.arclength - nearer->arclength);
+    if (point.multipliers.valid && take(problem, *nearer, after, std::move(point), {}, branch)) return Verdict::go_on;
+    branch.points.clear();
+    branch.special_points.clear();
+    return Verdict::reject;
   }
   if (fastest_ < weakest_told) return outside ? Verdict::stop : Verdict::reject;
   begin(problem, fastest_point_, branch);
@@ -287,6 +294,7 @@ std::optional<BranchStart> BranchFollower::to_signature(OrbitProblem& problem, c
 }
 
 Curve BranchFollower::follow_signature(SignatureProblem& problem, const BranchStart& start, Branch& branch) {
+  if (start.on_grazing) beginning_ = start.u;
   return trace(problem.zero_problem(), start.u, start.orientation, options_.trace,
                [&](const CurvePoint& before, CurvePoint& after) {
                  if (branch.points.empty() && !start.on_grazing) begin(problem, before.u, branch);

@@ -67,6 +67,8 @@ class BranchFollower {
   MetPoint locate_impact_change(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after,
                                 const BranchPoint& reached, const Branch& branch) const;
   bool reaches_grazing(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
+  std::optional<CurvePoint> beside_grazing(SignatureProblem& problem, const Vector& grazing, const CurvePoint& point) const;
+  bool take_up_to_grazing(SignatureProblem& problem, const Vector& grazing, CurvePoint& last, Branch& branch);
   std::optional<GrazingEnd> broken_off_at_grazing(OrbitProblem& problem, Branch& branch);
   SpecialPoint grazing_point(const LocatedGrazing& located, int impacts_before, int impacts_after, const Branch& branch) const;
   void user_points(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, const Branch& branch,
@@ -92,6 +94,7 @@ class BranchFollower {
   bool section_blocked_ = false;  ///< an impact has come too close to a node
   std::optional<GrazingEnd> grazing_;
   // While a branch that starts on a grazing has no point yet:
+  Vector beginning_;      ///< the grazing
   double fastest_ = 0.0;  ///< its weakest impact at its fastest
   Vector fastest_point_;
   std::optional<SignatureEquations::Violation> refused_;  ///< why the orbit tried last is no motion

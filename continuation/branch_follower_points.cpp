@@ -319,19 +319,61 @@ bool BranchFollower::reaches_grazing(SignatureProblem& problem, const CurvePoint
   hi = 1.0;
   if (!close_in(0.0)) return false;
   const std::size_t parameter = parameter_index(system_.parameters, options_.parameter);
-  int slow = 0;  // impacts about to be lost
-  for (int k = 0; beyond->lost && k < problem.equations().events(); ++k) slow += problem.speed(good, k) < weakest_kept ? 1 : 0;
-  std::optional<LocatedGrazing> located;
-  if (slow < 2) located = grazing_by_states(problem, good, *beyond);
-  if (!located) located = grazing_by_events(problem, good, parameter, *beyond);
-  if (!located && slow > 1) located = grazing_by_states(problem, good, *beyond);
-  if (!located) return false;
+  // The bracket's end, and what rounding of a speed or of a gap leaves.
+  constexpr double next_to = 1e-7;
+  std::optional<GrazingAhead> ahead = grazing_ahead(problem, good, *beyond, parameter, next_to + 4.0 * (hi - lo) * length);
+  if (!ahead) return false;
   // What lies before the grazing on this step is taken up; the grazing's own multipliers are singular.
   if (point.multipliers.valid && !take(problem, before, last, std::move(point), {}, branch)) return false;
+  if (!(kept > 0.0 && last.tangent.size() > 0)) last = before;
+  if (!take_up_to_grazing(problem, ahead->u, last, branch)) return false;
   const int impacts = branch.points.back().impacts;
-  branch.special_points.push_back(grazing_point(*located, impacts, impacts + (beyond->lost ? -located->touches : 1), branch));
+  branch.special_points.push_back(
+      grazing_point(ahead->grazing, impacts, impacts + (ahead->lost ? -ahead->grazing.touches : 1), branch));
   after = std::move(last);
-  grazing_ = GrazingEnd{std::move(*located), beyond->lost};
+  grazing_ = GrazingEnd{std::move(ahead->grazing), ahead->lost};
+  return true;
+}
+
+/// A fold or a period doubling closer to the grazing than the branch's points are kept: the signs of its conditions, regular in
+/// the coordinates of the events, are others at the grazing than at `point`. Then the point between the two that is nearest to
+/// the grazing and still on its side of it; empty where there is nothing between.
+std::optional<CurvePoint> BranchFollower::beside_grazing(SignatureProblem& problem, const Vector& grazing,
+                                                         const CurvePoint& point) const {
+  const ZeroProblem zero = problem.zero_problem();
+  struct Signs {
+    bool turned, doubled;
+    bool operator==(const Signs&) const = default;
+  };
+  const auto signs = [&](const Vector& u, const Vector& tangent) {
+    return Signs{tangent[tangent.size() - 1] < 0.0, problem.cyclic(u, -1.0).real().partialPivLu().determinant() < 0.0};
+  };
+  const Vector tangent = tangent_at(zero, grazing, point.tangent);
+  if (tangent.size() == 0) return std::nullopt;
+  const Signs there = signs(grazing, tangent);
+  if (there == signs(point.u, point.tangent)) return std::nullopt;
+  const Vector chord = point.u - grazing;
+  for (double part = 0.5; part * weighted_norm(zero.weights, chord) > weakest_told; part *= 0.5) {
+    CurvePoint between;
+    between.u = grazing + part * chord;
+    if (!correct(zero, chord, between.u, options_.trace).converged() || problem.violation(between.u)) return std::nullopt;
+    between.tangent = tangent_at(zero, between.u, point.tangent);
+    if (between.tangent.size() == 0) return std::nullopt;
+    if (signs(between.u, between.tangent) != there) continue;
+    between.arclength = point.arclength - (1.0 - part) * weighted_norm(zero.weights, chord);
+    return between;
+  }
+  return std::nullopt;
+}
+
+bool BranchFollower::take_up_to_grazing(SignatureProblem& problem, const Vector& grazing, CurvePoint& last, Branch& branch) {
+  std::optional<CurvePoint> nearer = beside_grazing(problem, grazing, last);
+  if (!nearer) return true;
+  nearer->arclength = 2.0 * last.arclength - nearer->arclength;  // it lies ahead
+  BranchPoint point = problem.branch_point(nearer->u, branch.points.back().arclength + nearer->arclength - last.arclength);
+  if (!point.multipliers.valid) return true;
+  if (!take(problem, last, *nearer, std::move(point), {}, branch)) return false;
+  last = std::move(*nearer);
   return true;
 }
 

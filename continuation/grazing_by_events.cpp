@@ -131,46 +131,109 @@ std::optional<LocatedGrazing> hard_grazing_near(OrbitProblem& problem, const Vec
   return located;
 }
 
-std::optional<LocatedGrazing> grazing_by_states(SignatureProblem& problem, const Vector& u,
-                                                const SignatureEquations::Violation& beyond) {
-  Vector v;
-  OrbitProblem& states = problem.stroboscopic(u, v);
-  const std::optional<GrazingGuess> guess =
-      beyond.lost ? guess_of(problem, u, touching_with(problem, u, beyond.event).front(), states, v) : nearest_miss(states, v);
-  return guess ? hard_grazing_near(states, v, *guess) : std::nullopt;
+namespace {
+
+/// A solution with a touch: `problem` has it as event `touching`, of speed zero at `at`; u is the same in the coordinates of the
+/// branch.
+struct Touching {
+  std::optional<SignatureProblem> longer;  ///< where the touch is no event of the branch
+  Vector at, u;
+  int event = 0;
+};
+
+/// Event k of the branch without speed; empty where that lies elsewhere.
+std::optional<Touching> without_speed(SignatureProblem& problem, const Vector& u, int k, double reach) {
+  Touching out{{}, u, {}, k};
+  if (!to_zero_speed(problem, out.at, k)) return std::nullopt;
+  if (weighted_norm(problem.zero_problem().weights, out.at - u) > reach) return std::nullopt;
+  out.u = out.at;
+  return out;
 }
 
-std::optional<LocatedGrazing> grazing_by_events(SignatureProblem& problem, const Vector& u, std::size_t parameter,
-                                                const SignatureEquations::Violation& beyond) {
-  if (!beyond.lost && !beyond.met) return std::nullopt;
-  EventNodes nodes = problem.unpack(u);
-  int touching = beyond.event;
-  if (!beyond.lost) touching = static_cast<int>(nodes.insert(beyond.met->event, beyond.met->t, beyond.met->x_minus));
+/// The maximum that has met a guard as an event without speed; empty where that lies elsewhere.
+std::optional<Touching> with_touch(SignatureProblem& problem, const Vector& u, const EventRecord& met, std::size_t parameter,
+                                   double reach) {
   const SignatureEquations& equations = problem.equations();
-  const Event& contact = equations.system().events[nodes.sequence[static_cast<std::size_t>(touching)]];
-  if (contact.to != contact.from) return std::nullopt;
-  SignatureProblem with_touch(equations.system(), equations.parameters(), equations.period(), nodes.sequence, parameter, 1.0,
-                              problem.flow_options());
-  Vector at = with_touch.pack(nodes, problem.value(u)), v;
-  if (!to_zero_speed(with_touch, at, touching)) return std::nullopt;
-  std::vector<TouchTime> touches = touching_with(with_touch, at, touching);
+  EventNodes nodes = problem.unpack(u);
+  const auto place = static_cast<Eigen::Index>(nodes.insert(met.event, met.t, met.x_minus));
+  Touching out{SignatureProblem(equations.system(), equations.parameters(), equations.period(), nodes.sequence, parameter,
+                                1.0, problem.flow_options()),
+               {},
+               {},
+               static_cast<int>(place)};
+  out.at = out.longer->pack(nodes, problem.value(u));
+  if (!to_zero_speed(*out.longer, out.at, out.event)) return std::nullopt;
+  const Eigen::Index size = equations.states() + 1, rest = out.at.size() - (place + 1) * size;
+  out.u.resize(u.size());
+  out.u << out.at.head(place * size), out.at.tail(rest);
+  if (weighted_norm(problem.zero_problem().weights, out.u - u) > reach) return std::nullopt;
+  return out;
+}
+
+/// The extended system has found this grazing, and no other one beside it.
+bool agrees(const OrbitProblem& states, const LocatedGrazing& located, const Touching& touching) {
+  constexpr double same = 1e-9;
+  const double value = touching.at[touching.at.size() - 1];
+  return std::abs(states.value(located.u) - value) < same * (1.0 + std::abs(value)) + 10.0 * located.precision;
+}
+
+std::optional<LocatedGrazing> located_at(SignatureProblem& problem, const Vector& u, Touching& touching, bool lost) {
+  SignatureProblem& with = touching.longer ? *touching.longer : problem;
+  std::vector<TouchTime> touches = touching_with(with, touching.at, touching.event);
   const std::size_t struck = touches.size();
+  Vector v;
   if (struck == 1) {
-    OrbitProblem& states = with_touch.stroboscopic(at, v);
-    std::optional<LocatedGrazing> located = hard_grazing_near(states, v, guess_of(with_touch, at, touches.front(), states, v));
-    if (located) return located;
+    OrbitProblem& states = with.stroboscopic(touching.at, v);
+    std::optional<LocatedGrazing> located = hard_grazing_near(states, v, guess_of(with, touching.at, touches.front(), states, v));
+    if (located && agrees(states, *located, touching)) return located;
   }
-  if (beyond.lost) add_others(problem, u, touches);
-  if (touches.size() == 1) return std::nullopt;
-  std::optional<OrbitProblem> states = states_between(with_touch, at, touches, v);
+  if (lost) add_others(problem, u, touches);
+  std::optional<OrbitProblem> states = states_between(with, touching.at, touches, v);
   if (!states) return std::nullopt;
   std::vector<GrazingGuess> guesses;
-  for (const TouchTime& touch : touches) guesses.push_back(guess_of(with_touch, at, touch, *states, v));
+  for (const TouchTime& touch : touches) guesses.push_back(guess_of(with, touching.at, touch, *states, v));
   std::optional<LocatedGrazing> located = hard_grazing_near(*states, v, guesses.front(), {guesses.begin() + 1, guesses.end()});
-  if (!located) return std::nullopt;
+  if (!located || !agrees(*states, *located, touching)) return std::nullopt;
   located->touches = static_cast<int>(struck);  // the maxima that touch too are no contacts of the orbit, and come last
   located->contacts.resize(std::min(struck, located->contacts.size()));
   return located;
+}
+
+}  // namespace
+
+std::optional<GrazingAhead> grazing_ahead(SignatureProblem& problem, const Vector& u, const SignatureEquations::Violation& beyond,
+                                          std::size_t parameter, double reach) {
+  const SignatureEquations& equations = problem.equations();
+  const auto found = [&](std::optional<Touching> touching, bool lost) -> std::optional<GrazingAhead> {
+    if (!touching) return std::nullopt;
+    std::optional<LocatedGrazing> located = located_at(problem, u, *touching, lost);
+    if (!located) return std::nullopt;
+    return GrazingAhead{std::move(*located), lost, std::move(touching->u)};
+  };
+  // An impact that is lost can look like one that is gained: its arc beyond the barrier is met before it. So the weak impacts
+  // come first, the weakest before the others.
+  constexpr double weak = 1e-3;
+  std::vector<std::pair<double, int>> slow;
+  for (int k = 0; k < equations.events(); ++k) {
+    const double speed = problem.speed(u, k);
+    if (speed < weak || (beyond.lost && k == beyond.event)) slow.emplace_back(speed, k);
+  }
+  std::sort(slow.begin(), slow.end());
+  for (const auto& [speed, k] : slow) {
+    const Event& contact = equations.system().events[equations.sequence()[static_cast<std::size_t>(k)]];
+    if (contact.to != contact.from) continue;
+    if (auto ahead = found(without_speed(problem, u, k, reach), true)) return ahead;
+  }
+  if (beyond.lost || !beyond.met) return std::nullopt;
+  const Event& contact = equations.system().events[beyond.met->event];
+  if (contact.to == contact.from) return found(with_touch(problem, u, *beyond.met, parameter, reach), false);
+  // A contact that leads to another mode is no event of an orbit with this signature.
+  Vector v;
+  OrbitProblem& states = problem.stroboscopic(u, v);
+  const std::optional<GrazingGuess> guess = nearest_miss(states, v);
+  std::optional<LocatedGrazing> located = guess ? hard_grazing_near(states, v, *guess) : std::nullopt;
+  if (!located || weighted_norm(states.zero_problem().weights, located->u - v) > reach) return std::nullopt;
+  return GrazingAhead{std::move(*located), false, u};
 }
 
 }  // namespace graze

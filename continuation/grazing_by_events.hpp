@@ -13,14 +13,19 @@ namespace graze {
 std::optional<LocatedGrazing> hard_grazing_near(OrbitProblem& problem, const Vector& u, const GrazingGuess& guess,
                                                 const std::vector<GrazingGuess>& together = {});
 
-/// The grazing right beyond u, the last motion before `beyond`, in the states at fixed phases: empty where these are too steep.
-std::optional<LocatedGrazing> grazing_by_states(SignatureProblem& problem, const Vector& u,
-                                                const SignatureEquations::Violation& beyond);
+/// The grazing on which the motions of a branch end.
+struct GrazingAhead {
+  LocatedGrazing grazing;
+  bool lost = false;  ///< an impact's speed goes to zero there; otherwise a free maximum reaches the barrier
+  Vector u;           ///< there, in the coordinates of the branch
+};
 
-/// The same by the speed of the event that is lost or gained. Where other speeds go to zero with it, the contacts touch together
-/// (an orbit symmetric between two barriers): all of them are left out, and counted (LocatedGrazing::touches). Free maxima that
-/// touch too are left out as well.
-std::optional<LocatedGrazing> grazing_by_events(SignatureProblem& problem, const Vector& u, std::size_t parameter,
-                                                const SignatureEquations::Violation& beyond);
+/// The grazing right beyond u, the last motion before `beyond`, no farther than `reach` in arclength. First by the speed of the
+/// event that is lost or gained, in the coordinates of the events: of all that may graze, the one that lies right there. Where
+/// other speeds go to zero with it, the contacts touch together (an orbit symmetric between two barriers): all of them are left
+/// out, and counted (LocatedGrazing::touches). Free maxima that touch too are left out as well. Then the extended system
+/// (locate_grazing) has to agree with that.
+std::optional<GrazingAhead> grazing_ahead(SignatureProblem& problem, const Vector& u, const SignatureEquations::Violation& beyond,
+                                          std::size_t parameter, double reach);
 
 }  // namespace graze

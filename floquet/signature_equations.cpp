@@ -115,6 +115,18 @@ Vector SignatureEquations::speed_gradient(const Vector& u, int k) {
   return out;
 }
 
+/// The flight after event k meets the guard of the next event while it comes up to it. Before a weak impact it does so early, for
+/// it is within the tolerance of the guard long before: it rises all the way from there, unless it rises, falls and rises again.
+bool SignatureEquations::is_next_event(const Vector& u, int k, const EventRecord& met) {
+  constexpr double too_short_to_fall = 1e-3;  // of a forcing period
+  const int next = (k + 1) % events();
+  const double ahead = end_time(u, k) - met.t;
+  if (met.event != sequence_[static_cast<std::size_t>(next)] || ahead > too_short_to_fall * duration() / period_) return false;
+  Vector f(n_);
+  propagator_.field(event(next).from, met.t, met.x_minus, f);
+  return transversality(event(next).guard, met.t, met.x_minus, f, parameters()) > 0.0;
+}
+
 std::optional<SignatureEquations::Violation> SignatureEquations::violation(const Vector& u) {
   for (int k = 0; k < events(); ++k)
     if (!(speed(u, k) > 0.0)) return Violation{k, true};
@@ -124,7 +136,7 @@ std::optional<SignatureEquations::Violation> SignatureEquations::violation(const
     const double end = end_time(u, k), length = end - time(u, k), watched = end - std::min(1e-5, 0.01 * length);
     HybridState moving = after(u, k);
     const StepEnd met = propagator_.step(moving, watched);
-    if (met == StepEnd::event) return Violation{k, false, propagator_.record()};
+    if (met == StepEnd::event && !is_next_event(u, k, propagator_.record())) return Violation{k, false, propagator_.record()};
     if (met == StepEnd::failed) return Violation{k, false, {}};
   }
   return std::nullopt;

@@ -77,6 +77,7 @@ class SignatureEquations {
  private:
   double end_time(const Vector& u, int k) const;
   int flight_at(const Vector& u, double t, double& shift) const;
+  bool is_next_event(const Vector& u, int k, const EventRecord& met);
   HybridState after(const Vector& u, int k);
   const Event& event(int k) const { return system().events[sequence_[static_cast<std::size_t>(k)]]; }
 
