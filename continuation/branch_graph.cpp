@@ -201,11 +201,12 @@ class Graph {
     const SpecialPoint& pd = graph_.branches[task.parent].special_points[task.special];
     PeriodicOrbit at_pd = pd.orbit;
     at_pd.parameters[static_cast<Eigen::Index>(parameter_)] = pd.value;
-    OrbitProblem parent = problem_at(at_pd), doubled = problem_at(at_pd, 2);
+    OrbitProblem parent = problem_at(at_pd);
     Branch branch = new_branch(task, at_pd, 2 * at_pd.period, provisional_id);
-    if (const std::optional<BranchStart> start = doubled_start(pd, parent, doubled, options_.trace)) {
-      const double value = doubled.value(start->u);
-      if (value < low_ || value > high_ || is_known(doubled.orbit(start->u, {}).states, value)) return out;
+    if (const std::optional<BranchStart> start = doubled_start(pd, parent, options_.trace)) {
+      OrbitProblem doubled = problem_at(at_pd, 2);
+      const double value = start->u[start->u.size() - 1];
+      if (value < low_ || value > high_ || is_known(start->states, value)) return out;
       follow_from(*start, doubled, std::move(branch), out);
       return out;
     }

@@ -52,29 +52,46 @@ std::optional<SignatureEquations::Violation> violated_at_once(SignatureStart& fr
 
 }  // namespace
 
-std::optional<BranchStart> doubled_start(const SpecialPoint& pd, OrbitProblem& parent, OrbitProblem& doubled,
-                                         const TraceOptions& options) {
-  const double value = pd.value;
-  std::vector<Vector> twice = pd.orbit.nodes;
-  twice.insert(twice.end(), pd.orbit.nodes.begin(), pd.orbit.nodes.end());
-  const Vector at_birth = doubled.pack(twice, 2.0 * pd.orbit.duration, value);
-  const LocatedPoint located =
-      locate_multiplier(parent, parent.pack(pd.orbit.nodes, pd.orbit.duration, value), {.theta = std::numbers::pi});
+std::optional<BranchStart> doubled_start(const SpecialPoint& pd, OrbitProblem& parent, const TraceOptions& options) {
+  const HybridSystem& system = parent.system();
+  Vector u = parent.pack(pd.orbit.nodes, pd.orbit.duration, pd.value);
+  std::optional<EventNodes> nodes;
+  const bool hard = std::any_of(system.events.begin(), system.events.end(), [](const Event& event) { return !event.continuous; });
+  if (hard && !parent.equations().autonomous()) nodes = event_nodes(parent.orbit(u, {}));
+  std::optional<SignatureProblem> by_events;
+  if (nodes && impacts(system, {0, nodes->sequence}) == pd.orbit.impacts) {
+    by_events.emplace(system, pd.orbit.parameters, parent.period(), nodes->sequence, parent.parameter(), parent.scale(),
+                      parent.equations().options());
+    u = by_events->pack(*nodes, pd.value);
+  }
+  BranchProblem& problem = by_events ? static_cast<BranchProblem&>(*by_events) : parent;
+  const LocatedPoint located = locate_multiplier(problem, u, {.theta = std::numbers::pi});
   if (located.v.size() == 0) return std::nullopt;
+  if (by_events && !located.newton.converged()) return std::nullopt;
+  const BranchProblem::Doubled doubled = problem.doubled(by_events ? located.u : u);
+  auto* events = dynamic_cast<SignatureProblem*>(doubled.problem.get());
+  Vector direction = Vector::Zero(doubled.u.size());
   const Vector v = located.v.real();
-  Vector direction = Vector::Zero(at_birth.size());
-  direction.head(v.size()) = v;
-  direction.segment(v.size(), v.size()) = -v;
-  const ZeroProblem zero = doubled.zero_problem();
+  direction.head(2 * v.size()) << v, -v;
+  const ZeroProblem zero = doubled.problem->zero_problem();
   direction /= weighted_norm(zero.weights, direction);
   // Small, and small steps after it: in a cascade the next bifurcation may follow closely. The parameter follows with the square
   // of the push, and fast beside a grazing: down to where rounding begins.
   for (const double push : {2e-4, 5e-5, 1e-5, 2e-6, 2e-7, 2e-8, 1e-3}) {
-    BranchStart start{at_birth + push * direction, {}, {}, false, push};
+    BranchStart start;
+    start.u = doubled.u + push * direction;
+    start.step = push;
     if (!correct(zero, direction, start.u, options).converged()) continue;
-    start.orientation = start.u - at_birth;
-    if (weighted_norm(zero.weights, start.orientation) < 1.5 * push)
-      return start;  // a correction as long as the push has found something else
+    start.orientation = start.u - doubled.u;
+    // A correction as long as the push has found something else.
+    if (!(weighted_norm(zero.weights, start.orientation) < 1.5 * push)) continue;
+    if (events && events->violation(start.u)) continue;
+    if (events) start.sequence = events->equations().sequence();
+    // With other impacts than twice those of its parent it lies beyond a grazing, or on another family.
+    const BranchPoint first = doubled.problem->branch_point(start.u, 0.0);
+    if (first.impacts != 2 * pd.orbit.impacts) continue;
+    start.states = first.states;
+    return start;
   }
   return std::nullopt;
 }
@@ -112,7 +129,7 @@ std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGra
   }
   if (lost) {
     for (double distance = 1e-7; distance < 1e-3; distance *= 10.0) {
-      BranchStart start{grazing.u + side * distance * grazing.family_dp, side * grazing.family_dp, {}, false, first_step};
+      BranchStart start{grazing.u + side * distance * grazing.family_dp, side * grazing.family_dp, {}, {}, false, first_step};
       if (correct(zero, problem.parameter_direction(), start.u, options).converged()) return start;
     }
     return std::nullopt;
@@ -120,7 +137,7 @@ std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGra
   // An orbit that sticks elsewhere: first order in the impact's speed (LocatedGrazing::response).
   for (const double speed : {1e-3, 3e-3, 3e-4, 1e-2, 3e-2}) {
     const double change = grazing.response * speed / grazing.top_dp;
-    BranchStart start{grazing.u + change * grazing.family_dp + speed * grazing.impulse, {}, {}, false, first_step};
+    BranchStart start{grazing.u + change * grazing.family_dp + speed * grazing.impulse, {}, {}, {}, false, first_step};
     if (!correct(zero, problem.parameter_direction(), start.u, options).converged()) continue;
     start.orientation = start.u - grazing.u;
     if (problem.orbit(start.u, {}).impacts == grazing.orbit.impacts + 1) return start;
@@ -151,7 +168,14 @@ void confirm_criticality(const Branch& child, SpecialPoint& pd, const Branch& pa
   if (k + 1 >= parent.points.size()) return;
   const BranchPoint &before = parent.points[k], &after = parent.points[k + 1];
   const bool unstable_above = (after.multipliers.unstable() > before.multipliers.unstable()) == (after.value > before.value);
-  const bool child_above = child.points.front().value > pd.value;
+  // Up to its first fold the doubled branch stays on one side: there it is farthest away. Its first points are known no better
+  // than the corrector's tolerance over their distance from the parent.
+  const auto fold = std::find_if(child.special_points.begin(), child.special_points.end(),
+                                 [](const SpecialPoint& point) { return point.type == PointType::LP; });
+  const std::size_t last = fold == child.special_points.end() ? child.points.size() - 1 : fold->after_point;
+  const double away = child.points[std::min(last, child.points.size() - 1)].value - pd.value;
+  if (!(std::abs(away) > 4.0 * pd.precision)) return;
+  const bool child_above = away > 0.0;
   // Supercritical: the doubled orbit lives where its parent has become unstable.
   const std::string seen = unstable_above == child_above ? "supercritical" : "subcritical";
   const auto predicted = pd.details.find("criticality");

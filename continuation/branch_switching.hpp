@@ -14,14 +14,16 @@ struct BranchStart {
   Vector u, orientation = {};
   /// Set: u and orientation are in the coordinates of this signature (see SignatureEquations).
   std::optional<std::vector<std::size_t>> sequence = {};
-  bool on_grazing = false;  ///< u is a grazing itself, which is no point of the branch
+  std::vector<Vector> states = {};  ///< of a doubled orbit, at forcing phase 0
+  bool on_grazing = false;          ///< u is a grazing itself, which is no point of the branch
   double step = 0.0;  ///< first step of the tracer, where the usual one could pass over what lies close by; 0: the usual one
 };
 
 /// At a period doubling: the orbit run through twice, pushed apart along the eigenvector of -1. The corrector's arclength
-/// condition keeps the push, so that it cannot fall back onto the parent. `doubled` has twice the nodes of `parent`.
-std::optional<BranchStart> doubled_start(const SpecialPoint& pd, OrbitProblem& parent, OrbitProblem& doubled,
-                                         const TraceOptions& options);
+/// condition keeps the push, so that it cannot fall back onto the parent. An orbit with hard impacts is pushed in the coordinates
+/// of its events. It is pushed so little that the doubled orbit has twice the impacts; empty if that is nowhere so, which means
+/// that the period doubling lies on a grazing. `parent`: the equations of the orbit that doubles, in states.
+std::optional<BranchStart> doubled_start(const SpecialPoint& pd, OrbitProblem& parent, const TraceOptions& options);
 
 /// Contacts that may touch together.
 inline constexpr int most_together = 8;
