@@ -3,6 +3,7 @@
 #pragma once
 
 #include <graze/continuation/special_point.hpp>
+#include <graze/floquet/orbit_shape.hpp>
 
 #include <limits>
 #include <optional>
@@ -42,6 +43,7 @@ struct BranchPoint {
   bool stable = false;
   Admissibility admissible = Admissibility::not_checked;
   OrbitChecks checks;
+  OrbitShape shape;  ///< without nodes where it was read from a file: shape_of gives it again
   const Vector& state() const { return states.front(); }
 };
 

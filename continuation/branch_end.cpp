@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 namespace graze {
 
@@ -34,15 +33,20 @@ OrbitProblem orbit_problem(const HybridSystem& system, const PeriodicOrbit& orbi
 
 std::optional<PeriodicOrbit> half_of(const HybridSystem& system, const Branch& branch, const ContinuationOptions& options) {
   const BranchPoint& last = branch.points.back();
-  const std::size_t half = last.states.size() / 2;
+  // Its nodes keep clear of hard impacts, across which the two halves may differ by a jump.
+  const std::size_t half = last.nodes.size() / 2;
   std::vector<Vector> guess;
-  for (std::size_t k = 0; k < half; ++k) guess.push_back(0.5 * (last.states[k] + last.states[k + half]));
-  try {
-    PeriodicOrbit orbit = shoot(system, parameters_at(system, branch, last.value), guess, branch.period / 2, options.shooting);
-    if (orbit.converged() && orbit.admissible == Admissibility::admissible) return orbit;
-  } catch (const std::invalid_argument&) {  // the middle lies inside a barrier
-  }
-  return std::nullopt;
+  for (std::size_t k = 0; k < half; ++k) guess.push_back(0.5 * (last.nodes[k] + last.nodes[k + half]));
+  OrbitProblem problem(system, parameters_at(system, branch, last.value), branch.period / 2, static_cast<int>(half),
+                       parameter_index(system.parameters, branch.parameter), 1.0, options.shooting.flow, last.section_phase);
+  Vector u = problem.pack(guess, 0.5 * last.duration, last.value);
+  TraceOptions patient = options.trace;
+  patient.max_iterations = options.shooting.max_iterations;
+  const NewtonReport report = correct(problem.zero_problem(), problem.parameter_direction(), u, patient);
+  if (!report.converged()) return std::nullopt;
+  PeriodicOrbit orbit = problem.orbit(u, report);
+  if (orbit.admissible != Admissibility::admissible) return std::nullopt;
+  return orbit;
 }
 
 std::optional<GrazingEnd> grazing_end_of(const HybridSystem& system, const Branch& branch, const ContinuationOptions& options,

@@ -71,7 +71,10 @@ class Graph {
       }
       if (options_.complete) options_.complete(graph_.branches);
     }
-    for (std::size_t k = 0; k < graph_.branches.size(); ++k) confirm_grazing(k);
+    for (std::size_t k = 0; k < graph_.branches.size(); ++k) {
+      confirm_grazing(k);
+      confirm_return(graph_.branches[k]);
+    }
     graph_.interrupted = cancelled();
     if (graph_.interrupted) cut_off_rest(was_interrupted);
     return std::move(graph_);
@@ -109,6 +112,29 @@ class Graph {
     }
     if (!beyond) return;
     set_scenario(branch, [&](SpecialPoint& grazing) { confirm_scenario(grazing, branch, *beyond, begins); });
+  }
+
+  /// The period doubling at which a doubled branch ends: the nearest one to its last point, on a branch of half the period.
+  void confirm_return(const Branch& child) {
+    constexpr double nearest_told = 0.1;  // two of the longest steps
+    if (child.stop != BranchStop::returned || child.period % 2 != 0 || child.points.empty()) return;
+    const BranchPoint& end = child.points.back();
+    double nearest = nearest_told;
+    std::pair<Branch*, SpecialPoint*> found{};
+    for (Branch& parent : graph_.branches) {
+      if (2 * parent.period != child.period) continue;
+      for (SpecialPoint& point : parent.special_points) {
+        if (point.type != PointType::PD || 2 * point.orbit.impacts != end.impacts) continue;
+        double distance = std::numeric_limits<double>::infinity();
+        for (const Vector& state : point.orbit.states)
+          distance = std::min(distance, (state - end.state()).lpNorm<Eigen::Infinity>() / (1.0 + state.lpNorm<Eigen::Infinity>()));
+        distance = std::max(distance, std::abs(point.value - end.value) / (high_ - low_));
+        if (!(distance < nearest)) continue;
+        nearest = distance;
+        found = {&parent, &point};
+      }
+    }
+    if (found.first) confirm_criticality(child, *found.second, *found.first, false);
   }
 
   void cut_off_rest(const std::string& reason) {
@@ -274,7 +300,7 @@ class Graph {
     branch.id = ++last_id_;
     for (SpecialPoint& point : branch.special_points) point.label = labels_.next(point.type);
     if (task.origin == Origin::doubled)
-      confirm_criticality(branch, graph_.branches[task.parent].special_points[task.special], graph_.branches[task.parent]);
+      confirm_criticality(branch, graph_.branches[task.parent].special_points[task.special], graph_.branches[task.parent], true);
     const std::size_t index = graph_.branches.size();
     if (outcome.begins) edges_.push_back({*outcome.begins, index, true});
     if (outcome.ends) edges_.push_back({*outcome.ends, index, false});

@@ -162,18 +162,24 @@ std::optional<BranchStart> multiple_start(OrbitProblem& problem, const LocatedGr
   return start.start;
 }
 
-void confirm_criticality(const Branch& child, SpecialPoint& pd, const Branch& parent) {
+void confirm_criticality(const Branch& child, SpecialPoint& pd, const Branch& parent, bool begins) {
   if (child.points.empty()) return;
   const std::size_t k = pd.after_point;
   if (k + 1 >= parent.points.size()) return;
   const BranchPoint &before = parent.points[k], &after = parent.points[k + 1];
   const bool unstable_above = (after.multipliers.unstable() > before.multipliers.unstable()) == (after.value > before.value);
-  // Up to its first fold the doubled branch stays on one side: there it is farthest away. Its first points are known no better
-  // than the corrector's tolerance over their distance from the parent.
-  const auto fold = std::find_if(child.special_points.begin(), child.special_points.end(),
-                                 [](const SpecialPoint& point) { return point.type == PointType::LP; });
-  const std::size_t last = fold == child.special_points.end() ? child.points.size() - 1 : fold->after_point;
-  const double away = child.points[std::min(last, child.points.size() - 1)].value - pd.value;
+  // Up to its nearest fold the doubled branch stays on one side: there it is farthest away. Next to its birth it is known no
+  // better than the corrector's tolerance over its distance from the parent.
+  const auto is_fold = [](const SpecialPoint& point) { return point.type == PointType::LP; };
+  std::size_t farthest = begins ? child.points.size() - 1 : 0;
+  if (begins) {
+    const auto fold = std::find_if(child.special_points.begin(), child.special_points.end(), is_fold);
+    if (fold != child.special_points.end()) farthest = std::min(farthest, fold->after_point);
+  } else {
+    const auto fold = std::find_if(child.special_points.rbegin(), child.special_points.rend(), is_fold);
+    if (fold != child.special_points.rend()) farthest = std::min(child.points.size() - 1, fold->after_point + 1);
+  }
+  const double away = child.points[farthest].value - pd.value;
   if (!(std::abs(away) > 4.0 * pd.precision)) return;
   const bool child_above = away > 0.0;
   // Supercritical: the doubled orbit lives where its parent has become unstable.

@@ -43,8 +43,9 @@ std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGra
 std::optional<BranchStart> multiple_start(OrbitProblem& problem, const LocatedGrazing& grazing, TurnPattern pattern,
                                           const TraceOptions& options);
 
-/// Compares the side on which a doubled branch starts with the normal form's prediction, and says so in the details of `pd`.
-void confirm_criticality(const Branch& child, SpecialPoint& pd, const Branch& parent);
+/// Compares the side on which a doubled branch lies that `begins` at `pd`, or ends there, with the normal form's prediction, and
+/// says so in the details of `pd`.
+void confirm_criticality(const Branch& child, SpecialPoint& pd, const Branch& parent, bool begins);
 
 /// Decides between persistence and nonsmooth fold by the orbits themselves, those of the branch that `ended` on the grazing and
 /// those of the one `beyond` (which begins there, or ends there too): they are admissible on different sides of it, or on the

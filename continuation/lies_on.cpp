@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/branch_graph.hpp>
-#include <graze/continuation/orbit_problem.hpp>
-#include <graze/lib/transition.hpp>
+#include <graze/continuation/signature_problem.hpp>
 
 #include <algorithm>
 
@@ -9,45 +8,50 @@ namespace graze {
 
 namespace {
 
-/// The same states a fraction of a forcing period later; empty where the motion cannot be carried on.
-std::vector<Vector> later(const HybridSystem& system, const Vector& p, const std::vector<Vector>& states, double fraction) {
-  if (fraction == 0.0) return states;
-  Propagator propagator(system, p);
-  const double T = forcing_period(system, p);
-  std::vector<Vector> out;
-  Transition transition;
-  for (const Vector& x : states) {
-    carry(propagator, 0.0, fraction * T, x, {.sensitivity = Sensitivity::none}, transition);
-    if (transition.termination != Termination::time) return {};
-    out.push_back(transition.x1);
+/// From a to b at s, node by node.
+OrbitShape between(const OrbitShape& a, const OrbitShape& b, double s) {
+  OrbitShape out = a;
+  for (std::size_t k = 0; k < a.nodes.size(); ++k) {
+    out.nodes[k].time += s * (b.nodes[k].time - a.nodes[k].time);
+    out.nodes[k].state += s * (b.nodes[k].state - a.nodes[k].state);
   }
   return out;
 }
 
-/// States on the chord from a to b at s, shifted by the number of forcing periods at which they come closest to the orbit's:
-/// empty unless that is close enough for the orbit to lie on the curve between the two.
-std::vector<Vector> matching_states(const std::vector<Vector>& a, const std::vector<Vector>& b, double s,
-                                    const std::vector<Vector>& orbit) {
-  const std::size_t n = orbit.size();
-  if (a.size() != n || b.size() != n) return {};
-  double step = 0.0;
-  for (std::size_t k = 0; k < n; ++k) step = std::max(step, (b[k] - a[k]).lpNorm<Eigen::Infinity>());
-  // Between two points the curve stays closer to its chord than half its length; Newton then decides.
-  double closest = 0.5 * step + 1e-6;
-  std::vector<Vector> best;
-  for (std::size_t shift = 0; shift < n; ++shift) {
-    std::vector<Vector> between;
-    double distance = 0.0;
-    for (std::size_t k = 0; k < n; ++k) {
-      const std::size_t j = (k + shift) % n;
-      between.push_back(a[j] + s * (b[j] - a[j]));
-      distance = std::max(distance, (between.back() - orbit[k]).lpNorm<Eigen::Infinity>());
+/// Newton from a guess at that value of the parameter (in `p`), in the coordinates in which it is given; empty where it fails.
+std::optional<OrbitShape> corrected(const HybridSystem& system, const Vector& p, std::size_t parameter, const OrbitShape& guess,
+                                    double duration) {
+  TraceOptions patient;
+  patient.max_iterations = 20;
+  const double value = p[static_cast<Eigen::Index>(parameter)], unit = duration / guess.period;
+  OrbitShape out = guess;
+  if (guess.by_events(system) && !guess.autonomous) {
+    EventNodes nodes;
+    for (const OrbitShape::Node& node : guess.nodes) {
+      nodes.sequence.push_back(node.event);
+      nodes.times.push_back(node.time * unit);
+      nodes.states.push_back(node.state);
     }
-    if (distance > closest) continue;
-    closest = distance;
-    best = std::move(between);
+    SignatureProblem problem(system, p, guess.period, nodes.sequence, parameter, 1.0);
+    Vector u = problem.pack(nodes, value);
+    if (!correct(problem.zero_problem(), problem.parameter_direction(), u, patient).converged() || problem.violation(u))
+      return std::nullopt;
+    nodes = problem.unpack(u);
+    for (std::size_t k = 0; k < out.nodes.size(); ++k) {
+      out.nodes[k].time = nodes.times[k] / unit;
+      out.nodes[k].state = nodes.states[k];
+    }
+    return out;
   }
-  return best;
+  std::vector<Vector> states;
+  for (const OrbitShape::Node& node : guess.nodes) states.push_back(node.state);
+  OrbitProblem problem(system, p, guess.period, static_cast<int>(states.size()), parameter, 1.0);
+  Vector u = problem.pack(states, duration, value);
+  if (guess.autonomous) problem.equations().set_phase_reference(states.front());
+  if (!correct(problem.zero_problem(), problem.parameter_direction(), u, patient).converged()) return std::nullopt;
+  for (std::size_t k = 0; k < out.nodes.size(); ++k)
+    out.nodes[k].state = problem.equations().node(u, static_cast<int>(k));
+  return out;
 }
 
 }  // namespace
@@ -60,35 +64,28 @@ bool lies_on(const HybridSystem& system, const Branch& branch, const std::vector
     p[static_cast<Eigen::Index>(parameter)] = v;
     return p;
   };
-  TraceOptions patient;
-  patient.max_iterations = 20;
+  const auto shape = [&](const BranchPoint& point) {
+    return point.shape.nodes.empty() ? shape_of(system, at(point.value), point.states, point.duration) : point.shape;
+  };
+  std::optional<OrbitShape> here;
   for (std::size_t i = 0; i + 1 < branch.points.size(); ++i) {
     const BranchPoint &a = branch.points[i], &b = branch.points[i + 1];
     if (a.value == b.value || value < std::min(a.value, b.value) || value > std::max(a.value, b.value)) continue;
-    const double s = (value - a.value) / (b.value - a.value);
-    // Where a hard impact passes phase 0 between a and b, the states there jump: then those at another phase tell.
-    for (const double phase : {0.0, 0.37}) {
-      if (phase > 0.0 && !system.forcing_frequency) continue;
-      const std::vector<Vector> here = later(system, at(value), states, phase);
-      const std::vector<Vector> guess = here.empty() ? here
-                                                     : matching_states(later(system, at(a.value), a.states, phase),
-                                                                       later(system, at(b.value), b.states, phase), s, here);
-      if (guess.empty()) continue;
-      const int n = static_cast<int>(guess.size());
-      OrbitProblem problem(system, at(value), branch.period, n, parameter, 1.0, {}, phase);
-      Vector u = problem.pack(guess, a.duration + s * (b.duration - a.duration), value);
-      if (!system.forcing_frequency) problem.equations().set_phase_reference(guess.front());
-      if (!correct(problem.zero_problem(), problem.parameter_direction(), u, patient).converged()) continue;
-      double distance = 0.0, scale = 1.0;
-      for (int k = 0; k < n; ++k) {
-        const Vector& state = here[static_cast<std::size_t>(k)];
-        distance = std::max(distance, (u.segment(k * problem.states(), problem.states()) - state).lpNorm<Eigen::Infinity>());
-        scale = std::max(scale, 1.0 + state.lpNorm<Eigen::Infinity>());
-      }
-      // Next to a hard grazing Newton may end on the family with one impact more or less.
-      const int impacts = problem.orbit(u, {}).impacts;
-      if (distance < 1e-6 * scale && (impacts == a.impacts || impacts == b.impacts)) return true;
-    }
+    const double s = (value - a.value) / (b.value - a.value), duration = a.duration + s * (b.duration - a.duration);
+    if (!here) here = shape_of(system, at(value), states, duration);
+    const OrbitShape first = shape(a);
+    const std::optional<AlignedShape> second = aligned(shape(b), first);
+    if (!second) continue;
+    // Between two points the curve stays closer to its chord than half its length; Newton then decides.
+    constexpr double rounding = 1e-6;
+    const OrbitShape guess = between(first, second->shape, s);
+    const std::optional<AlignedShape> orbit = aligned(*here, guess);
+    if (!orbit || orbit->distance > 0.5 * second->distance + rounding) continue;
+    if (guess.sticks) return true;  // what follows from the ends of its sticking is settled
+    const std::optional<OrbitShape> found = corrected(system, at(value), parameter, guess, duration);
+    if (!found) continue;
+    const std::optional<AlignedShape> same = aligned(*found, orbit->shape);
+    if (same && same->distance < rounding) return true;
   }
   return false;
 }

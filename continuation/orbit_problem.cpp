@@ -136,7 +136,10 @@ PeriodicOrbit OrbitProblem::orbit(const Vector& u, NewtonReport report) {
 BranchPoint OrbitProblem::branch_point(const Vector& u, double arclength) {
   NewtonReport accepted;
   accepted.status = NewtonStatus::converged;
-  return to_branch_point(orbit(u, accepted), value(u), arclength);
+  const PeriodicOrbit here = orbit(u, accepted);
+  BranchPoint point = to_branch_point(here, value(u), arclength);
+  point.shape = shape_of(system(), here);
+  return point;
 }
 
 BranchPoint to_branch_point(const PeriodicOrbit& orbit, double value, double arclength) {

@@ -305,6 +305,9 @@ BranchPoint SignatureProblem::branch_point(const Vector& u, double arclength) {
   point.signature.mode = equations_.mode_at(u, 0.0);
   for (const auto& event : events) point.signature.events.push_back(event.second);
   point.impacts = point.isolated_impacts = impacts(system, point.signature);
+  point.shape.period = n;
+  for (int k = 0; k < m; ++k)
+    point.shape.nodes.push_back({equations_.sequence()[static_cast<std::size_t>(k)], equations_.time(u, k) / T, equations_.state(u, k)});
   Vector residual;
   if (equations_.evaluate(u, residual, nullptr))
     point.checks.residual = residual.lpNorm<Eigen::Infinity>() / (1.0 + u.lpNorm<Eigen::Infinity>());

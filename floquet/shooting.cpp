@@ -255,11 +255,4 @@ PeriodicOrbit shoot(const HybridSystem& system, const Vector& p, const std::vect
   return orbit;
 }
 
-bool same_orbit(const PeriodicOrbit& a, const PeriodicOrbit& b, double tolerance) {
-  if (a.period != b.period) return false;
-  const double scale = 1.0 + a.state.lpNorm<Eigen::Infinity>();
-  return std::any_of(b.states.begin(), b.states.end(),
-                     [&](const Vector& x) { return (x - a.state).lpNorm<Eigen::Infinity>() < tolerance * scale; });
-}
-
 }  // namespace graze

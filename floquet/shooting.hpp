@@ -2,6 +2,7 @@
 // Finding one periodic orbit by Newton's method on the shooting equations.
 #pragma once
 
+#include <graze/floquet/orbit_shape.hpp>
 #include <graze/floquet/periodic_orbit.hpp>
 #include <graze/floquet/shooting_equations.hpp>
 
@@ -36,9 +37,5 @@ PeriodicOrbit describe_orbit(ShootingEquations& equations, const Vector& u, Newt
 /// The finite-difference monodromy matrix against the variational one (Richardson, step kept inside the signature's domain).
 FiniteDifferenceCheck finite_difference_check(const HybridSystem& system, const PeriodicOrbit& orbit,
                                               const FlowOptions& options = {});
-
-/// True if a and b are the same orbit: same period, and a state of b at some forcing phase 0 equals a's within tolerance (1 +
-/// |x|).
-bool same_orbit(const PeriodicOrbit& a, const PeriodicOrbit& b, double tolerance = 1e-8);
 
 }  // namespace graze
