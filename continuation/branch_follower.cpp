@@ -371,7 +371,8 @@ std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const C
   } else if (why == TraceStop::monitor) {
     stop(BranchStop::reached_bound, fmt::format("the end of the range, {} = {:.12g}, was reached", branch.parameter, end.value));
   } else if (why == TraceStop::closed) {
-    stop(BranchStop::returned, "the branch is closed: it is back at its start");
+    stop(BranchStop::returned,
+         fmt::format("the branch is closed: at {} = {:.12g} it is back where it was before", branch.parameter, end.value));
   } else if (why == TraceStop::point_limit) {
     stop(BranchStop::point_limit, fmt::format("{} points were computed, the limit", branch.points.size()));
   } else {

@@ -25,15 +25,19 @@ std::string reason(const ZeroProblem& problem, NewtonStatus status) {
   return text;
 }
 
-/// True if the step from `last` to `next` passes through `first`, which `next` then becomes. Being near it is not enough: another
-/// turn of the curve may be.
-bool return_to_start(const ZeroProblem& problem, const Vector& weights, const CurvePoint& first, const CurvePoint& last,
-                     CurvePoint& next, const TraceOptions& options) {
+/// True if the step from `last` to `next` passes through `first` the way the curve went on from there, and `next` then becomes that
+/// point. Being near it is not enough: another turn of the curve may be.
+bool returns_to(const CurvePoint& first, const ZeroProblem& problem, const Vector& weights, const CurvePoint& last, CurvePoint& next,
+                const TraceOptions& options) {
+  // Most points of a long curve are far away in the last unknown alone.
+  const Eigen::Index end = first.u.size() - 1;
+  const double length = weighted_norm(weights, next.u - last.u), reach = length / std::sqrt(weights[end]);
+  if (std::abs(first.u[end] - last.u[end]) > 2.0 * reach) return false;
   const Vector normal = weights.cwiseProduct(first.tangent);
   const double before = normal.dot(last.u - first.u), after = normal.dot(next.u - first.u);
   if (!(before < 0.0 && after >= 0.0)) return false;
   Vector u = last.u + before / (before - after) * (next.u - last.u);
-  if (weighted_norm(weights, u - first.u) > weighted_norm(weights, next.u - last.u)) return false;
+  if (weighted_norm(weights, u - first.u) > length) return false;
   if (!correct(problem, first.tangent, u, options).converged()) return false;
   if (weighted_norm(weights, u - first.u) > 1e-8 * (1.0 + weighted_norm(weights, u))) return false;
   next.u = first.u;
@@ -131,9 +135,9 @@ Curve trace(const ZeroProblem& problem, const Vector& u0, const Vector& orientat
       // A jump to a neighbouring curve shows as a correction longer than the step, a kink as a large angle.
       const bool smooth = std::acos(std::clamp(cosine, -1.0, 1.0)) <= options.max_angle &&
                           weighted_norm(weights, next.u - predicted) <= 0.5 * step;
-      closes = smooth && std::any_of(origins.begin(), origins.end(), [&](const CurvePoint& origin) {
-                 return return_to_start(problem, weights, origin, last, next, options);
-               });
+      const auto comes_to = [&](const CurvePoint& point) { return returns_to(point, problem, weights, last, next, options); };
+      closes = smooth && (std::any_of(origins.begin(), origins.end(), comes_to) ||
+                          (curve.points.size() > 2 && std::any_of(curve.points.begin() + 1, curve.points.end() - 2, comes_to)));
       if (smooth || (step <= options.min_step && next.tangent.size() > 0))
         verdict = monitor ? monitor(last, next) : Verdict::go_on;
       if (!smooth && verdict == Verdict::reject) curve.failure = "the curve turns too sharply";

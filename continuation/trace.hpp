@@ -46,9 +46,10 @@ struct Curve {
 };
 
 /// Follows the curve through (near) u0 in the direction of `orientation` (a vector whose inner product with the tangent is to be
-/// positive; it need not be tangent). `monitor` may be empty. The curve is closed when it passes through one of its origins: its
-/// first point, or if `origins_of` is given what that makes of the first point (all that is the same by a symmetry of the
-/// problem, or where the curve began earlier). A regular curve that comes back to itself does so at its beginning first.
+/// positive; it need not be tangent). `monitor` may be empty. The curve is closed when it passes again through one of its points,
+/// or through one of its origins: its first point, or if `origins_of` is given what that makes of the first point (all that is
+/// the same by a symmetry of the problem, or where the curve began earlier). A regular curve that comes back to itself does so at
+/// its beginning first; one that has gone over to another one at a branch point does not.
 using OriginsOf = std::function<std::vector<CurvePoint>(const CurvePoint& first)>;
 Curve trace(const ZeroProblem& problem, const Vector& u0, const Vector& orientation, const TraceOptions& options = {},
             const Monitor& monitor = {}, const OriginsOf& origins_of = {});

@@ -118,6 +118,9 @@ TEST_CASE("a branch that comes back to a point of its own is closed, wherever it
   const Branch& branch = branches[0];
   CHECK(branch.stop == BranchStop::returned);
   CHECK(branch.message.find("the branch is closed") != std::string::npos);
+  const auto same_states = [](const BranchPoint& a, const BranchPoint& b) {
+    return (a.state() - b.state()).lpNorm<Eigen::Infinity>() < 1e-8 * (1.0 + a.state().lpNorm<Eigen::Infinity>());
+  };
   const BranchPoint& last = branch.points.back();
   const auto met = std::find_if(branch.points.begin(), branch.points.end() - 1,
                                 [&](const BranchPoint& point) { return same_states(point, last); });

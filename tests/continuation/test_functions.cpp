@@ -3,6 +3,7 @@
 // changes sign at its own bifurcation, exactly there, confirm() says yes there and no at the others', locate() finds the point to
 // the precision it states. A new test function fails the first test until a family with its bifurcation is added to families().
 #include <graze/continuation/continuation.hpp>
+#include <graze/continuation/orbit_problem.hpp>
 #include <graze/continuation/test_functions/test_function.hpp>
 
 #include "support/branches.hpp"
