@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "runner.hpp"
+
+#include <sys/wait.h>
+
+#include <chrono>
+#include <cstdio>
+#include <ostream>
+#include <set>
+#include <stdexcept>
+
+namespace graze::reference {
+
+std::string command(const Plan& plan, const Case& one) { return "graze continue " + plan.problem + arguments(one); }
+
+Answer answered(const Plan& plan, const Case& one) {
+  const std::string line = "timeout " + std::to_string(plan.patience) + " '" + plan.program + "' continue '" + plan.problem + "'" +
+                           arguments(one) + " --quiet --threads 1 --json - 2>&1 < /dev/null";
+  Answer out;
+  std::FILE* pipe = ::popen(line.c_str(), "r");
+  if (!pipe) {
+    out.failure = "the program cannot be started";
+    return out;
+  }
+  std::string text;
+  std::array<char, 65536> piece;
+  for (std::size_t size = 0; (size = std::fread(piece.data(), 1, piece.size(), pipe)) > 0;) text.append(piece.data(), size);
+  const int state = ::pclose(pipe), code = WIFEXITED(state) ? WEXITSTATUS(state) : -1;
+  if (code == 124) {
+    out.failure = "nothing within " + std::to_string(plan.patience) + " s";
+  } else if (code == 2) {
+    throw std::runtime_error("misuse: " + text);
+  } else {
+    // 1: a numerical stop; what there is is given all the same.
+    out = parse_answer(text);
+    if (!out.failure.empty()) {
+      // One line of it, its end.
+      std::string tail = text.substr(text.size() > 200 ? text.size() - 200 : 0);
+      for (char& c : tail)
+        if (c == '\n') c = ' ';
+      out.failure += ", exit code " + std::to_string(code) + ": " + tail;
+    }
+  }
+  return out;
+}
+
+Summary run(const Plan& plan, std::ostream& out) {
+  Summary summary;
+  const auto start = std::chrono::steady_clock::now();
+  for (std::uint64_t k = plan.first; k < plan.first + plan.cases; ++k) {
+    if (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > plan.time) break;
+    const Case one = random_case(plan.seed, k, plan.name);
+    const Verdict verdict = check(one, answered(plan, one));
+    ++summary.cases;
+    summary.families += static_cast<std::uint64_t>(verdict.families);
+    if (verdict.undecided) ++summary.undecided;
+    if (verdict.complaints.empty()) continue;
+    ++summary.failed;
+    std::set<std::string> kinds;
+    for (const Complaint& complaint : verdict.complaints) kinds.insert(complaint.kind);
+    out << "case " << plan.seed << ":" << k << " [";
+    for (const std::string& kind : kinds) {
+      out << (kind == *kinds.begin() ? "" : ", ") << kind;
+      ++summary.kinds[kind];
+    }
+    out << "]";
+    for (const Complaint& complaint : verdict.complaints) out << (&complaint == verdict.complaints.data() ? " " : "; ") << complaint.text;
+    out << " | " << command(plan, one) << std::endl;
+  }
+  return summary;
+}
+
+}  // namespace graze::reference
