@@ -59,7 +59,8 @@ AnswerBranch branch(const Json& object) {
   out.stop = text(object.at("stop"), "reason");
   out.stop_value = number(object.at("stop").at("at"));
   for (const Json& point : object.at("points"))
-    out.points.push_back({number(point.at("value")), states(point), point.at("impacts").get<int>()});
+    out.points.push_back({number(point.at("value")), states(point), point.at("impacts").get<int>(),
+                          point.contains("sticking") && point["sticking"] == true});
   for (const Json& point : object.at("special_points")) out.special_points.push_back(special(point));
   return out;
 }

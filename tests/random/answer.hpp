@@ -16,6 +16,7 @@ struct AnswerPoint {
   double value = 0.0;
   std::vector<State> states;  ///< at phase 0 after 0 ... n - 1 periods
   int impacts = 0;
+  bool sticking = false;
 };
 
 struct AnswerSpecial {

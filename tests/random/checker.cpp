@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "checker.hpp"
+#include "events.hpp"
 
 #include <cstdio>
 #include <limits>
@@ -20,6 +21,8 @@ constexpr double state_tolerance = 1e-6;
 constexpr double by_doubling = 0.6, near_doubling = 1e-2;
 /// Largest step between neighbouring points in the events' coordinates, with the weights of the family's arclength.
 constexpr double largest_gap = 0.6;
+/// Points of a branch among which one is sought whose events can be told from its states: next to a grazing they cannot.
+constexpr std::size_t first_points = 20;
 /// Finer steps with which the reference confirms its own verdict before it complains.
 constexpr double fine_step = 0.004;
 
@@ -132,7 +135,8 @@ void compare_point(const Family& family, const Located& expected, const AnswerSp
   }
   if (expected.kind == Kind::PD && expected.supercritical &&
       reported.criticality != (*expected.supercritical ? "supercritical" : "subcritical"))
-    out.push_back({"criticality", which + ": " + (reported.criticality.empty() ? "none given" : reported.criticality)});
+    out.push_back({reported.criticality.empty() ? "criticality not given" : "criticality",
+                   which + ": " + (reported.criticality.empty() ? "none given" : reported.criticality)});
   const std::size_t after = static_cast<std::size_t>(reported.after_point), last = placed.sigmas.size();
   const double slack = 1e-5 * (1.0 + family.samples.back().sigma);
   if (reported.after_point < 0 || after >= last ||
@@ -212,6 +216,13 @@ void check_alone(const Range& range, const Answer& answer, std::vector<Complaint
       if (special.type != "EP") last = &special;
     }
     if (branch.points.empty()) continue;
+    for (const AnswerBranch& parent : answer.branches)
+      if (parent.id == branch.parent)
+        for (const AnswerSpecial& special : parent.special_points)
+          if (special.label == branch.parent_label && special.type == "PD" &&
+              (branch.points.front().impacts != 2 * special.impacts || branch.period != 2 * special.period))
+            out.push_back({"doubled label", text("branch %d, doubled at %s (%d/%d), begins as %d/%d", branch.id, special.label.c_str(),
+                                                 special.impacts, special.period, branch.points.front().impacts, branch.period)});
     if (branch.stop == "reached_bound") {
       const double at = branch.points.back().value;
       if (std::min(std::fabs(at - range.low), std::fabs(at - range.high)) > rounding)
@@ -222,49 +233,123 @@ void check_alone(const Range& range, const Answer& answer, std::vector<Complaint
   }
 }
 
-/// Complaints about the branch, confirmed with finer steps of the reference.
-std::vector<Complaint> confirmed(const Family& family, const AnswerBranch& branch, const auto& finer) {
-  std::vector<Complaint> out = compare(family, branch);
-  if (out.empty()) return out;
-  const std::optional<Family> again = finer();
-  return again && again->end != End::broken ? compare(*again, branch) : out;
-}
+/// The check of one answer: every branch once, against the family that it should be.
+class Check {
+ public:
+  Check(const Case& one, const Answer& answer, int most_impacts) : one_(one), answer_(answer), most_impacts_(most_impacts) {}
 
-void compare_doubled(const Family& parent, const AnswerBranch& branch, const Answer& answer, Verdict& verdict) {
-  // A doubled family that ends at another doubling is followed once, from one of them.
-  std::set<double> reached;
-  for (const Located& doubling : parent.points) {
-    if (doubling.kind != Kind::PD || !doubling.side) continue;
-    const AnswerSpecial* reported = nullptr;
-    for (const AnswerSpecial& special : branch.special_points)
-      if (same_type(special, doubling) && std::fabs(special.value - static_cast<double>(doubling.value)) <
-                                              same_point * scale(parent, static_cast<double>(doubling.value)))
-        reported = &special;
-    if (!reported) continue;
-    const std::optional<Family> family = follow_doubled(parent, doubling);
-    const AnswerBranch* child = nullptr;
-    for (const AnswerBranch& other : answer.branches)
-      if (other.parent == branch.id && other.parent_label == reported->label) child = &other;
-    const std::string who = "doubled at " + reported->label + ": ";
-    if (!family) continue;
-    if (family->end == End::halved && child) reached.insert(family->end_value);
-    if (!child && reached.count(static_cast<double>(doubling.value)) > 0) continue;
-    if (!child) {
-      verdict.complaints.push_back({"child missing", who + "no branch; the family goes to " +
-                                                         text("%.17g (%s)", family->end_value, name(family->end))});
-      continue;
+  Verdict run() {
+    const auto family = [this](const FollowOptions& options) -> std::optional<Family> {
+      return follow(one_.frame, one_.start, one_.range(), one_.direction(), options);
+    };
+    if (family({})->end == End::broken) {
+      verdict_.undecided = true;
+      return verdict_;
     }
-    ++verdict.families;
-    if (child->points.empty() || child->points.front().impacts != family->frame.impacts || child->period != family->frame.periods) {
-      verdict.complaints.push_back({"child label", who + text("begins as %d/%d", child->points.empty() ? 0 : child->points.front().impacts,
-                                                             child->period)});
-      continue;
+    if (!answer_.failure.empty()) {
+      complain("", "no answer", answer_.failure);
+      return verdict_;
     }
-    const auto finer = [&]() { return follow_doubled(parent, doubling, {fine_step, 100000}); };
-    for (const Complaint& complaint : confirmed(*family, *child, finer))
-      verdict.complaints.push_back({"child: " + complaint.kind, who + complaint.text});
+    check_alone(one_.range(), answer_, verdict_.complaints);
+    compare_with(answer_.branches.front(), "", family);
+    for (const AnswerBranch& branch : answer_.branches)
+      if (done_.count(branch.id) == 0) check_other(branch);
+    return verdict_;
   }
-}
+
+ private:
+  void complain(const std::string& who, const std::string& kind, const std::string& what) {
+    verdict_.complaints.push_back({kind, (who.empty() ? "" : who + ": ") + what});
+  }
+
+  /// The branch, and those that are doubled on it, against `family`, which makes it with given options.
+  void compare_with(const AnswerBranch& branch, const std::string& who, const auto& family) {
+    done_.insert(branch.id);
+    std::optional<Family> found = family({});
+    if (!found || found->end == End::broken) return;
+    ++verdict_.families;
+    const std::string label = text("%d/%d", found->frame.impacts, found->frame.periods);
+    if (branch.points.empty() || branch.points.front().impacts != found->frame.impacts || branch.period != found->frame.periods) {
+      complain(who, "label", text("begins as %d/%d, not as %s", branch.points.empty() ? 0 : branch.points.front().impacts, branch.period,
+                                  label.c_str()));
+      return;
+    }
+    std::vector<Complaint> complaints = compare(*found, branch);
+    if (!complaints.empty()) {
+      // Confirmed with finer steps of the reference.
+      const std::optional<Family> finer = family({fine_step, 100000});
+      if (finer && finer->end != End::broken) {
+        found = finer;
+        complaints = compare(*found, branch);
+      }
+    }
+    for (const Complaint& complaint : complaints) complain(who, (who.empty() ? "" : "other: ") + complaint.kind, complaint.text);
+    compare_doubled(*found, branch);
+  }
+
+  void compare_doubled(const Family& parent, const AnswerBranch& branch) {
+    // A doubled family that ends at another doubling is followed once, from one of them.
+    std::set<double> reached;
+    for (const Located& doubling : parent.points) {
+      if (doubling.kind != Kind::PD || !doubling.side) continue;
+      const double value = static_cast<double>(doubling.value);
+      const AnswerSpecial* reported = nullptr;
+      for (const AnswerSpecial& special : branch.special_points)
+        if (same_type(special, doubling) && std::fabs(special.value - value) < same_point * scale(parent, value)) reported = &special;
+      if (!reported) continue;
+      const AnswerBranch* child = nullptr;
+      for (const AnswerBranch& other : answer_.branches)
+        if (other.parent == branch.id && other.parent_label == reported->label) child = &other;
+      const std::optional<Family> family = follow_doubled(parent, doubling);
+      if (!family) continue;
+      if (family->end == End::halved && child) reached.insert(family->end_value);
+      if (!child) {
+        // Of later generations none is asked for.
+        if (branch.id == answer_.branches.front().id && reached.count(value) == 0)
+          complain("", "child missing", text("no branch is doubled at %s; the family goes to %.17g (%s)", reported->label.c_str(),
+                                             family->end_value, name(family->end)));
+        continue;
+      }
+      compare_with(*child, text("branch %d, doubled at %s", child->id, reported->label.c_str()),
+                   [&](const FollowOptions& options) { return follow_doubled(parent, doubling, options); });
+    }
+  }
+
+  /// A branch of which nothing is known beforehand: its family is followed from one of its first points.
+  void check_other(const AnswerBranch& branch) {
+    done_.insert(branch.id);
+    if (branch.points.size() < 3 || branch.points.front().sticking) return;
+    Frame frame = one_.frame;
+    frame.impacts = branch.points.front().impacts;
+    frame.periods = branch.period;
+    if (frame.impacts < 1 || frame.impacts > most_impacts_) return;
+    const std::string who = text("branch %d (%d/%d)", branch.id, frame.impacts, frame.periods);
+    for (std::size_t i = 0; i < std::min<std::size_t>(first_points, branch.points.size() - 1); ++i) {
+      const AnswerPoint& point = branch.points[i];
+      if (point.impacts != frame.impacts) break;
+      double size = 1.0;
+      for (const State& state : point.states) size = std::max({size, std::fabs(state[0]), std::fabs(state[1])});
+      const std::optional<Values<double>> start = events_of(frame, point.value, point.states, state_tolerance * size);
+      if (!start) continue;
+      AnswerBranch rest = branch;
+      rest.points.erase(rest.points.begin(), rest.points.begin() + static_cast<std::ptrdiff_t>(i));
+      std::erase_if(rest.special_points, [&](const AnswerSpecial& special) { return special.after_point < static_cast<int>(i); });
+      for (AnswerSpecial& special : rest.special_points) special.after_point -= static_cast<int>(i);
+      const int direction = branch.points[i + 1].value > point.value ? 1 : -1;
+      compare_with(rest, who, [&](const FollowOptions& options) -> std::optional<Family> {
+        return follow(frame, *start, one_.range(), direction, options);
+      });
+      return;
+    }
+    ++verdict_.unresolved;
+  }
+
+  const Case& one_;
+  const Answer& answer_;
+  int most_impacts_;
+  Verdict verdict_;
+  std::set<int> done_;
+};
 
 }  // namespace
 
@@ -276,30 +361,7 @@ std::vector<Complaint> compare(const Family& family, const AnswerBranch& branch)
   return out;
 }
 
-Verdict check(const Case& one, const Answer& answer) {
-  Verdict out;
-  const Family family = follow(one.frame, one.start, one.range(), one.direction());
-  if (family.end == End::broken) {
-    out.undecided = true;
-    return out;
-  }
-  if (!answer.failure.empty()) {
-    out.complaints.push_back({"no answer", answer.failure});
-    return out;
-  }
-  ++out.families;
-  check_alone(one.range(), answer, out.complaints);
-  const AnswerBranch& branch = answer.branches.front();
-  if (branch.points.empty() || branch.points.front().impacts != one.frame.impacts || branch.period != one.frame.periods)
-    out.complaints.push_back({"label", text("begins as %d/%d", branch.points.empty() ? 0 : branch.points.front().impacts, branch.period)});
-  const auto finer = [&]() -> std::optional<Family> {
-    return follow(one.frame, one.start, one.range(), one.direction(), {fine_step, 100000});
-  };
-  const std::vector<Complaint> found = confirmed(family, branch, finer);
-  out.complaints.insert(out.complaints.end(), found.begin(), found.end());
-  compare_doubled(family, branch, answer, out);
-  return out;
-}
+Verdict check(const Case& one, const Answer& answer, int most_impacts) { return Check(one, answer, most_impacts).run(); }
 
 AnswerBranch answer_of(const Family& family, int id) {
   AnswerBranch out;
@@ -309,7 +371,7 @@ AnswerBranch answer_of(const Family& family, int id) {
   for (const Sample& sample : family.samples) {
     // The end of a family that grazes is its last special point.
     if (family.end == End::grazing && &sample == &family.samples.back()) break;
-    out.points.push_back({sample.y.back(), states_of(family.frame, sample.y), family.frame.impacts});
+    out.points.push_back({sample.y.back(), states_of(family.frame, sample.y), family.frame.impacts, false});
   }
   for (const Located& point : family.points) {
     AnswerSpecial special;

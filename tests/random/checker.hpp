@@ -26,10 +26,12 @@ struct Verdict {
   std::vector<Complaint> complaints;
   bool undecided = false;  ///< the reference has given up: the case says nothing
   int families = 0;        ///< compared
+  int unresolved = 0;      ///< branches whose family could not be told
 };
 
-/// The whole answer: the branch of the case's start, what is doubled on it, and what can be demanded of every branch alone.
-Verdict check(const Case& one, const Answer& answer);
+/// The whole answer: the branch of the case's start, what is doubled on it, every other branch against the family of its first
+/// points, and what can be demanded of each alone. Families with more impacts than `most_impacts` are left out.
+Verdict check(const Case& one, const Answer& answer, int most_impacts = 16);
 
 /// What a right answer about a family would be.
 AnswerBranch answer_of(const Family& family, int id);

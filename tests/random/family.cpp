@@ -230,9 +230,7 @@ std::optional<int> removed_side(const Frame& frame, const Values<Quad>& y) {
   rest.push_back(p);
   int found = 0;
   for (const int sign : {-1, 1}) {
-    Constraint<Quad> constraint{Values<Quad>(fewer.size() + 1, Quad(0)), p + Quad(sign) * h};
-    constraint.row.back() = Quad(1);
-    const std::optional<Values<Quad>> orbit = corrected(fewer, rest, constraint, 30);
+    const std::optional<Values<Quad>> orbit = corrected(fewer, rest, fixed_parameter(fewer, p + Quad(sign) * h), 30);
     if (!orbit) return std::nullopt;
     bool below = true;
     int kept = 0;
@@ -287,19 +285,15 @@ Values<double> rotated(const Frame& frame, const Values<double>& y, std::size_t 
   return out;
 }
 
-/// Where the parameter is p on the chord: between the ends, and the turn if there is one. A p that is beyond the turn by no more
-/// than rounding is the turn's.
-std::vector<double> places_on(const Chord& chord, double p) {
+/// Where the parameter is p on the chord, between whose `ends` (its own, and the folds on it) it is monotonic. A p that is beyond
+/// an end by no more than rounding is the end's.
+std::vector<double> places_on(const Chord& chord, double p, const std::vector<double>& ends) {
   const auto value = [&](double lambda) {
     const std::optional<Values<double>> y = chord.orbit(lambda);
     return y ? y->back() - p : std::numeric_limits<double>::quiet_NaN();
   };
-  std::vector<double> ends = {0.0, 1.0}, out;
-  const double first = value(0.0), middle = value(0.5), last = value(1.0);
-  const double curvature = first - 2.0 * middle + last;
   const double rounding = 1e-13 * (1.0 + std::fabs(p));
-  const double turn = 0.5 - 0.25 * (last - first) / curvature;
-  if (turn > 0.0 && turn < 1.0) ends = {0.0, turn, 1.0};
+  std::vector<double> out;
   for (std::size_t k = 0; k + 1 < ends.size(); ++k) {
     double low = ends[k], high = ends[k + 1], at_low = value(low), at_high = value(high);
     if (std::fabs(at_low) <= rounding) out.push_back(low);
@@ -619,12 +613,19 @@ std::vector<Place> places(const Family& family, double p, const std::vector<Stat
   const Frame& frame = family.frame;
   for (std::size_t i = 0; i + 1 < family.samples.size(); ++i) {
     const Sample &a = family.samples[i], &b = family.samples[i + 1];
-    const double size = b.sigma - a.sigma, low = std::min(a.y.back(), b.y.back()), high = std::max(a.y.back(), b.y.back());
-    // A fold lies a little beyond its neighbours.
-    const double margin = 0.5 * (high - low) + 1e-13 * (1.0 + std::fabs(p));
-    if (p < low - margin || p > high + margin) continue;
+    const double size = b.sigma - a.sigma, rounding = 1e-13 * (1.0 + std::fabs(p));
+    double low = std::min(a.y.back(), b.y.back()), high = std::max(a.y.back(), b.y.back());
+    std::vector<double> ends = {0.0};
+    for (const Located& point : family.points) {
+      if (point.kind != Kind::LP || point.sigma < a.sigma || point.sigma >= b.sigma) continue;
+      ends.push_back((point.sigma - a.sigma) / size);
+      low = std::min(low, static_cast<double>(point.value));
+      high = std::max(high, static_cast<double>(point.value));
+    }
+    ends.push_back(1.0);
+    if (p < low - rounding || p > high + rounding) continue;
     const Chord chord{frame, family.weights, a.y, b.y};
-    for (const double lambda : places_on(chord, p)) {
+    for (const double lambda : places_on(chord, p, ends)) {
       const std::optional<Values<double>> y = chord.orbit(lambda);
       if (!y) continue;
       const double distance = apart(states_of(frame, *y), states), sigma = a.sigma + lambda * size;

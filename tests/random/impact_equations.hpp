@@ -116,6 +116,14 @@ struct Constraint {
   Real value;
 };
 
+/// p = value
+template <class Real>
+Constraint<Real> fixed_parameter(const Frame& frame, Real value) {
+  Constraint<Real> out{Values<Real>(frame.size() + 1, Real(0)), value};
+  out.row[frame.size()] = Real(1);
+  return out;
+}
+
 /// The Jacobian by y, p included, with the constraint's row below.
 template <class Real>
 Table<Real> bordered(const Frame& frame, const Values<Real>& y, const Values<Real>& row) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Any number of random cases on request:
 //
-//     random_cases [--cases N] [--seed S] [--first K] [--param eta|xi|r|k_r|b] [--patience SECONDS] [--time SECONDS] [--program PATH]
+//     random_cases [--cases N] [--seed S] [--first K] [--param eta|xi|r|k_r|b] [--most-impacts M] [--patience SECONDS]
+//                  [--time SECONDS] [--program PATH]
 //
 // One line for each case that fails, with the command that shows it; then how often each kind of complaint appears. The exit code
 // is 0 only if none failed.
@@ -29,6 +30,8 @@ Plan plan_of(int argc, char** argv) {
       plan.seed = std::stoull(value);
     else if (name == "--first")
       plan.first = std::stoull(value);
+    else if (name == "--most-impacts")
+      plan.most_impacts = std::stoi(value);
     else if (name == "--patience")
       plan.patience = std::stod(value);
     else if (name == "--time")
@@ -51,7 +54,7 @@ int main(int argc, char** argv) {
   try {
     const Plan plan = plan_of(argc, argv);
     const Summary summary = run(plan, std::cout);
-    std::cout << summary.cases << " cases, " << summary.families << " families compared, " << summary.undecided << " undecided, "
+    std::cout << summary.cases << " cases, " << summary.families << " families compared, " << summary.unresolved << " not, " << summary.undecided << " undecided, "
               << summary.failed << " failed\n";
     for (const auto& [kind, count] : summary.kinds) std::cout << "  " << count << "  " << kind << "\n";
     return summary.failed == 0 ? 0 : 1;

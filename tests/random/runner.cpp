@@ -50,9 +50,10 @@ Summary run(const Plan& plan, std::ostream& out) {
   for (std::uint64_t k = plan.first; k < plan.first + plan.cases; ++k) {
     if (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > plan.time) break;
     const Case one = random_case(plan.seed, k, plan.name);
-    const Verdict verdict = check(one, answered(plan, one));
+    const Verdict verdict = check(one, answered(plan, one), plan.most_impacts);
     ++summary.cases;
     summary.families += static_cast<std::uint64_t>(verdict.families);
+    summary.unresolved += static_cast<std::uint64_t>(verdict.unresolved);
     if (verdict.undecided) ++summary.undecided;
     if (verdict.complaints.empty()) continue;
     ++summary.failed;

@@ -14,12 +14,13 @@ struct Plan {
   std::uint64_t first = 0, cases = 100;
   std::optional<std::size_t> name;  ///< of the parameter that changes; else any
   std::string program, problem;     ///< paths of graze and of newton-elastic.toml
+  int most_impacts = 16;              ///< of families that are compared: their equations take long in Quad
   double patience = 20.0;           ///< seconds for one command
   double time = 1e9;                ///< seconds for all: then the rest is not run
 };
 
 struct Summary {
-  std::uint64_t cases = 0, undecided = 0, failed = 0, families = 0;
+  std::uint64_t cases = 0, undecided = 0, failed = 0, families = 0, unresolved = 0;
   std::map<std::string, std::uint64_t> kinds;  ///< cases in which a kind of complaint appears
 };
 
