@@ -43,10 +43,13 @@ double from_origin(const Family& family, const std::vector<State>& states) {
   return far < near_doubling ? far : 0.0;
 }
 
-/// Nearer to the doubling than the doubled family's first sample, or about as near.
-bool before_first(const Family& family, const std::vector<State>& states) {
-  const double far = from_origin(family, states);
-  return far > 0.0 && far < 1.5 * from_origin(family, states_of(family.frame, family.samples.front().y));
+/// Nearer to the doubling than the doubled family's first sample, or about as near, or so near that p - p_0 is lost to rounding:
+/// it is known to rounding over the distance.
+bool before_first(const Family& family, const AnswerPoint& point) {
+  const double far = from_origin(family, point.states);
+  if (far == 0.0) return false;
+  return far < 1.5 * from_origin(family, states_of(family.frame, family.samples.front().y)) ||
+         std::fabs(point.value - family.origin.back()) * far < 1e-14 * scale(family, point.value);
 }
 
 /// Arclength of the branch's points; complains of those that do not lie on the family, or not in order.
@@ -79,7 +82,7 @@ Placed place_points(const Family& family, const AnswerBranch& branch, std::vecto
         backwards = true;
       } else if (!astray) {
         // Between a doubling and the first sample, and after the onset of sticking, the reference knows nothing.
-        if (family.end == End::sticking || (placed.last == 0.0 && before_first(family, point.states))) continue;
+        if (family.end == End::sticking || (placed.last == 0.0 && before_first(family, point))) continue;
         out.push_back({"astray", text("point %zu (%.17g) is no orbit of the family", i + 1, point.value)});
         astray = true;
       }
@@ -242,7 +245,8 @@ class Check {
     const auto family = [this](const FollowOptions& options) -> std::optional<Family> {
       return follow(one_.frame, one_.start, one_.range(), one_.direction(), options);
     };
-    if (family({})->end == End::broken) {
+    const std::optional<Family> own = family({});
+    if (own->end == End::broken) {
       verdict_.undecided = true;
       return verdict_;
     }

@@ -15,7 +15,7 @@ std::string command(const Plan& plan, const Case& one) { return "graze continue 
 
 Answer answered(const Plan& plan, const Case& one) {
   const std::string line = "timeout " + std::to_string(plan.patience) + " '" + plan.program + "' continue '" + plan.problem + "'" +
-                           arguments(one) + " --quiet --threads 1 --json - 2>&1 < /dev/null";
+                           arguments(one) + " --quiet --threads 1 --json - 2> /dev/null < /dev/null";
   Answer out;
   std::FILE* pipe = ::popen(line.c_str(), "r");
   if (!pipe) {
@@ -29,17 +29,11 @@ Answer answered(const Plan& plan, const Case& one) {
   if (code == 124) {
     out.failure = "nothing within " + std::to_string(plan.patience) + " s";
   } else if (code == 2) {
-    throw std::runtime_error("misuse: " + text);
+    throw std::runtime_error("misuse, exit code 2: " + line);
   } else {
     // 1: a numerical stop; what there is is given all the same.
     out = parse_answer(text);
-    if (!out.failure.empty()) {
-      // One line of it, its end.
-      std::string tail = text.substr(text.size() > 200 ? text.size() - 200 : 0);
-      for (char& c : tail)
-        if (c == '\n') c = ' ';
-      out.failure += ", exit code " + std::to_string(code) + ": " + tail;
-    }
+    if (!out.failure.empty()) out.failure += ", exit code " + std::to_string(code);
   }
   return out;
 }
@@ -58,14 +52,12 @@ Summary run(const Plan& plan, std::ostream& out) {
     if (verdict.complaints.empty()) continue;
     ++summary.failed;
     std::set<std::string> kinds;
-    for (const Complaint& complaint : verdict.complaints) kinds.insert(complaint.kind);
-    out << "case " << plan.seed << ":" << k << " [";
-    for (const std::string& kind : kinds) {
-      out << (kind == *kinds.begin() ? "" : ", ") << kind;
-      ++summary.kinds[kind];
+    out << "case " << plan.seed << ":" << k << " (" << parameter_names[one.frame.name] << ")";
+    for (const Complaint& complaint : verdict.complaints) {
+      out << (&complaint == verdict.complaints.data() ? " " : "; ") << complaint.kind << ": " << complaint.text;
+      kinds.insert(complaint.kind);
     }
-    out << "]";
-    for (const Complaint& complaint : verdict.complaints) out << (&complaint == verdict.complaints.data() ? " " : "; ") << complaint.text;
+    for (const std::string& kind : kinds) ++summary.kinds[kind];
     out << " | " << command(plan, one) << std::endl;
   }
   return summary;

@@ -30,7 +30,7 @@ std::string command(const Plan& plan, const Case& one);
 /// The program's answer, in a process of its own.
 Answer answered(const Plan& plan, const Case& one);
 
-/// Writes one line for each case that fails: number, kinds, what is wrong, command.
+/// Writes one line for each case that fails: number, what is wrong, command.
 Summary run(const Plan& plan, std::ostream& out);
 
 }  // namespace graze::reference
