@@ -73,6 +73,13 @@ double drawn(Random& random, std::size_t name) {
   }
 }
 
+std::string settings(const Frame& frame) {
+  std::string out;
+  for (std::size_t i = 0; i < parameter_names.size(); ++i)
+    out += " --set " + std::string(parameter_names[i]) + "=" + exact(frame.base[i]);
+  return out;
+}
+
 }  // namespace
 
 Case random_case(std::uint64_t seed, std::uint64_t index, std::optional<std::size_t> name) {
@@ -102,13 +109,60 @@ Case random_case(std::uint64_t seed, std::uint64_t index, std::optional<std::siz
 }
 
 std::string arguments(const Case& one) {
-  std::string out;
-  for (std::size_t i = 0; i < parameter_names.size(); ++i)
-    out += " --set " + std::string(parameter_names[i]) + "=" + exact(one.frame.base[i]);
+  std::string out = settings(one.frame);
   const State state = states_of(one.frame, one.start).front();
   out += " --param " + std::string(parameter_names[one.frame.name]) + " --from " + exact(one.start.back()) + " --to " +
          exact(one.to) + " --period " + std::to_string(one.frame.periods) + " --settle 0 --start " + exact(state[0]) + "," +
          exact(state[1]);
+  return out;
+}
+
+SkeletonCase random_skeleton(std::uint64_t seed, std::uint64_t index, std::optional<std::size_t> name) {
+  // Of the parameter's whole range: a picture of more takes long.
+  constexpr double least_part = 0.05, largest_part = 0.25;
+  Random random(seed ^ 0x5ca1ab1eu, index);
+  for (;;) {
+    SkeletonCase out;
+    constexpr std::array<std::size_t, 6> often = {ETA, ETA, ETA, R, XI, K_R};
+    const std::size_t pick = often[random.below(often.size())];
+    out.frame.name = name.value_or(pick);
+    for (std::size_t i = 0; i < parameter_names.size(); ++i) out.frame.base[i] = drawn(random, i);
+    const Range all = range_of(out.frame.name);
+    const double width = (all.high - all.low) * random.between(least_part, largest_part);
+    out.range.low = rounded(random.between(all.low, all.high - width), 3);
+    out.range.high = rounded(out.range.low + width, 3);
+    if (!one_impact_families(out.frame, out.range, out.most_periods).empty()) return out;
+  }
+}
+
+std::string arguments(const SkeletonCase& one) {
+  return " --skeleton" + settings(one.frame) + " --param " + std::string(parameter_names[one.frame.name]) + " --from " +
+         exact(one.range.low) + " --to " + exact(one.range.high) + " --max-period " + std::to_string(one.most_periods);
+}
+
+std::vector<Family> one_impact_families(const Frame& frame, const Range& range, int most_periods) {
+  // A family that is shorter than a hundredth of the range, and lies between two of the values, is not asked for.
+  constexpr int values = 101;
+  std::vector<Family> out;
+  for (int n = 1; n <= most_periods; ++n) {
+    Frame own = frame;
+    own.periods = n;
+    own.impacts = 1;
+    for (int k = 0; k < values; ++k) {
+      const double p = range.low + (range.high - range.low) * (k + 0.5) / values;
+      const OneImpactForm<double> form = one_impact(own.at(p), n);
+      for (const double speed : form.speeds()) {
+        const OneImpact<double> orbit = form.orbit(speed);
+        const Values<double> y = {orbit.phase, orbit.speed, p};
+        if (!admissible(own, y)) continue;
+        const std::vector<State> states = states_of(own, y);
+        const bool known = std::any_of(out.begin(), out.end(), [&](const Family& family) {
+          return family.frame.periods == n && !places(family, p, states, 1e-7 * (1.0 + speed)).empty();
+        });
+        if (!known) out.push_back(follow_both_ways(own, y, range));
+      }
+    }
+  }
   return out;
 }
 

@@ -24,4 +24,21 @@ Case random_case(std::uint64_t seed, std::uint64_t index, std::optional<std::siz
 /// Arguments of the program, all digits, after the problem's file: `continue` from the case's orbit.
 std::string arguments(const Case& one);
 
+/// A range of a parameter, of which every orbit is wanted.
+struct SkeletonCase {
+  Frame frame;  ///< its periods and impacts do not matter
+  Range range;
+  int most_periods = 3;
+};
+
+/// At least one family with one impact is in its range.
+SkeletonCase random_skeleton(std::uint64_t seed, std::uint64_t index, std::optional<std::size_t> name = std::nullopt);
+
+/// Arguments of the program, after the problem's file: `diagram --skeleton`.
+std::string arguments(const SkeletonCase& one);
+
+/// All families with one impact in 1 ... most_periods periods that meet one of many values in the range: followed both ways from
+/// there, each as one family from end to end.
+std::vector<Family> one_impact_families(const Frame& frame, const Range& range, int most_periods);
+
 }  // namespace graze::reference

@@ -21,6 +21,8 @@ constexpr double state_tolerance = 1e-6;
 constexpr double by_doubling = 0.6, near_doubling = 1e-2;
 /// Largest step between neighbouring points in the events' coordinates, with the weights of the family's arclength.
 constexpr double largest_gap = 0.6;
+/// Likewise from where a family begins (the given orbit, or the doubling) to the first point.
+constexpr double largest_start = 0.1;
 /// Points of a branch among which one is sought whose events can be told from its states: next to a grazing they cannot.
 constexpr std::size_t first_points = 20;
 /// Finer steps with which the reference confirms its own verdict before it complains.
@@ -88,9 +90,11 @@ Placed place_points(const Family& family, const AnswerBranch& branch, std::vecto
       }
       continue;
     }
-    if (best->sigma - placed.last > largest_gap && !gap && i > 0) {
-      out.push_back({"neighbours", text("points %zu and %zu (%.17g) are %.2g apart", i, i + 1, point.value,
-                                        best->sigma - placed.last)});
+    const double step = best->sigma - placed.last;
+    if (i == 0 && step > largest_start)
+      out.push_back({"start", text("point 1 (%.17g) is %.2g away from where the family begins", point.value, step)});
+    if (i > 0 && step > largest_gap && !gap) {
+      out.push_back({"neighbours", text("points %zu and %zu (%.17g) are %.2g apart", i, i + 1, point.value, step)});
       gap = true;
     }
     placed.last = std::max(placed.last, best->sigma);
@@ -239,25 +243,42 @@ void check_alone(const Range& range, const Answer& answer, std::vector<Complaint
 /// The check of one answer: every branch once, against the family that it should be.
 class Check {
  public:
-  Check(const Case& one, const Answer& answer, int most_impacts) : one_(one), answer_(answer), most_impacts_(most_impacts) {}
+  Check(const Frame& frame, const Range& range, const Answer& answer, int most_impacts)
+      : frame_(frame), range_(range), answer_(answer), most_impacts_(most_impacts) {}
 
-  Verdict run() {
-    const auto family = [this](const FollowOptions& options) -> std::optional<Family> {
-      return follow(one_.frame, one_.start, one_.range(), one_.direction(), options);
+  Verdict continued(const Case& one) {
+    const auto family = [&](const FollowOptions& options) -> std::optional<Family> {
+      return follow(one.frame, one.start, range_, one.direction(), options);
     };
     const std::optional<Family> own = family({});
-    if (own->end == End::broken) {
+    if (own->end == End::broken)
       verdict_.undecided = true;
-      return verdict_;
+    else if (!answer_.failure.empty())
+      complain("", "no answer", answer_.failure);
+    else {
+      check_alone(range_, answer_, verdict_.complaints);
+      compare_with(answer_.branches.front(), "", family);
+      check_beyond(answer_.branches.front());
+      check_others();
     }
+    return verdict_;
+  }
+
+  Verdict skeleton(int most_periods) {
     if (!answer_.failure.empty()) {
       complain("", "no answer", answer_.failure);
       return verdict_;
     }
-    check_alone(one_.range(), answer_, verdict_.complaints);
-    compare_with(answer_.branches.front(), "", family);
-    for (const AnswerBranch& branch : answer_.branches)
-      if (done_.count(branch.id) == 0) check_other(branch);
+    check_alone(range_, answer_, verdict_.complaints);
+    check_others();
+    for (const Family& family : one_impact_families(frame_, range_, most_periods)) {
+      if (family.end == End::broken) {
+        verdict_.undecided = true;
+        continue;
+      }
+      ++verdict_.families;
+      check_covered(family);
+    }
     return verdict_;
   }
 
@@ -319,11 +340,72 @@ class Check {
     }
   }
 
+  /// What begins at the grazing where the first branch ends is among the branches: as one that is born there, or that ends there.
+  void check_beyond(const AnswerBranch& branch) {
+    if (branch.stop != "grazing" || branch.special_points.empty()) return;
+    const AnswerSpecial& last = branch.special_points.back();
+    for (const AnswerBranch& other : answer_.branches) {
+      if (other.parent == branch.id && other.parent_label == last.label) return;
+      if (other.id == branch.id) continue;
+      for (const AnswerSpecial& special : other.special_points)
+        if (special.type == "GR" && std::fabs(special.value - last.value) < 1e-9 * (1.0 + std::fabs(last.value))) return;
+    }
+    complain("", "nothing beyond a grazing", last.label + " is followed by no branch");
+  }
+
+  void check_others() {
+    for (const AnswerBranch& branch : answer_.branches)
+      if (done_.count(branch.id) == 0) check_other(branch);
+  }
+
+  /// A family of a skeleton is among its branches, whole: from end to end no gap is larger than a step, no point is missing, and
+  /// it is there once.
+  void check_covered(const Family& family) {
+    const std::string who = text("%d/%d family from %.17g to %.17g", family.frame.impacts, family.frame.periods,
+                                 family.samples.front().y.back(), family.samples.back().y.back());
+    std::vector<std::pair<double, double>> pieces;
+    for (const AnswerBranch& branch : answer_.branches) {
+      if (branch.period != family.frame.periods || branch.points.empty() ||
+          branch.points.front().impacts != family.frame.impacts)
+        continue;
+      double first = 1e300, last = -1e300, size = 1.0;
+      for (const AnswerPoint& point : branch.points)
+        for (const State& state : point.states) size = std::max({size, std::fabs(state[0]), std::fabs(state[1])});
+      for (const AnswerPoint& point : branch.points)
+        for (const Place& place : places(family, point.value, point.states, state_tolerance * size)) {
+          first = std::min(first, place.sigma);
+          last = std::max(last, place.sigma);
+        }
+      if (first <= last) pieces.emplace_back(first, last);
+    }
+    std::sort(pieces.begin(), pieces.end());
+    double reached = 0.0;
+    const double total = family.samples.back().sigma;
+    if (pieces.empty()) return complain(who, "family missing", text("on no branch (arclength %.2g)", total));
+    for (const auto& [first, last] : pieces) {
+      if (first > reached + largest_gap) complain(who, "piece missing", text("from arclength %.3g to %.3g of %.3g", reached, first, total));
+      if (reached - first > largest_gap && last - first > largest_gap)
+        complain(who, "family twice", text("from arclength %.3g to %.3g of %.3g", first, reached, total));
+      reached = std::max(reached, last);
+    }
+    if (reached < total - largest_gap) complain(who, "piece missing", text("from arclength %.3g to %.3g", reached, total));
+    for (const Located& point : family.points) {
+      bool found = false;
+      for (const AnswerBranch& branch : answer_.branches)
+        for (const AnswerSpecial& special : branch.special_points)
+          // A grazing may be listed on the branch beyond it alone, from where the family was found.
+          found = found || (same_type(special, point) && (point.kind == Kind::GR || special.period == family.frame.periods) &&
+                            std::fabs(special.value - static_cast<double>(point.value)) <
+                                same_point * scale(family, static_cast<double>(point.value)));
+      if (!found) complain(who, std::string("skeleton: missing ") + name(point.kind), described(point) + " is missing");
+    }
+  }
+
   /// A branch of which nothing is known beforehand: its family is followed from one of its first points.
   void check_other(const AnswerBranch& branch) {
     done_.insert(branch.id);
     if (branch.points.size() < 3 || branch.points.front().sticking) return;
-    Frame frame = one_.frame;
+    Frame frame = frame_;
     frame.impacts = branch.points.front().impacts;
     frame.periods = branch.period;
     if (frame.impacts < 1 || frame.impacts > most_impacts_) return;
@@ -339,16 +421,20 @@ class Check {
       rest.points.erase(rest.points.begin(), rest.points.begin() + static_cast<std::ptrdiff_t>(i));
       std::erase_if(rest.special_points, [&](const AnswerSpecial& special) { return special.after_point < static_cast<int>(i); });
       for (AnswerSpecial& special : rest.special_points) special.after_point -= static_cast<int>(i);
-      const int direction = branch.points[i + 1].value > point.value ? 1 : -1;
+      // A fold may lie before the next point.
+      int direction = branch.points[i + 1].value > point.value ? 1 : -1;
+      const std::size_t ahead = compare(follow(frame, *start, range_, direction), rest).size();
+      if (ahead > 0 && compare(follow(frame, *start, range_, -direction), rest).size() < ahead) direction = -direction;
       compare_with(rest, who, [&](const FollowOptions& options) -> std::optional<Family> {
-        return follow(frame, *start, one_.range(), direction, options);
+        return follow(frame, *start, range_, direction, options);
       });
       return;
     }
     ++verdict_.unresolved;
   }
 
-  const Case& one_;
+  const Frame& frame_;
+  const Range range_;
   const Answer& answer_;
   int most_impacts_;
   Verdict verdict_;
@@ -365,13 +451,20 @@ std::vector<Complaint> compare(const Family& family, const AnswerBranch& branch)
   return out;
 }
 
-Verdict check(const Case& one, const Answer& answer, int most_impacts) { return Check(one, answer, most_impacts).run(); }
+Verdict check(const Case& one, const Answer& answer, int most_impacts) {
+  return Check(one.frame, one.range(), answer, most_impacts).continued(one);
+}
+
+Verdict check_skeleton(const SkeletonCase& one, const Answer& answer, int most_impacts) {
+  return Check(one.frame, one.range, answer, most_impacts).skeleton(one.most_periods);
+}
 
 AnswerBranch answer_of(const Family& family, int id) {
   AnswerBranch out;
   out.id = id;
   out.period = family.frame.periods;
-  int count = 0;
+  // Labels are not to appear twice in an answer of several branches.
+  int count = 1000 * id;
   for (const Sample& sample : family.samples) {
     // The end of a family that grazes is its last special point.
     if (family.end == End::grazing && &sample == &family.samples.back()) break;

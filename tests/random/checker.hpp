@@ -33,6 +33,10 @@ struct Verdict {
 /// points, and what can be demanded of each alone. Families with more impacts than `most_impacts` are left out.
 Verdict check(const Case& one, const Answer& answer, int most_impacts = 16);
 
+/// The answer of a whole skeleton: every branch as above, and every family with one impact in up to `most_periods` periods is
+/// among them, whole and once.
+Verdict check_skeleton(const SkeletonCase& one, const Answer& answer, int most_impacts = 16);
+
 /// What a right answer about a family would be.
 AnswerBranch answer_of(const Family& family, int id);
 

@@ -550,6 +550,28 @@ Family follow(const Frame& frame, const Values<double>& start, const Range& rang
   return Follower(frame, start, range, along, options).run();
 }
 
+Family follow_both_ways(const Frame& frame, const Values<double>& start, const Range& range, const FollowOptions& options) {
+  Family back = follow(frame, start, range, -1, options);
+  if (back.end == End::closed || back.end == End::broken) return back;
+  Family on = follow(frame, start, range, 1, options);
+  if (on.end == End::broken) return on;
+  // One after the other, with the weights that both have.
+  const double turn = back.samples.back().sigma;
+  Family out = on;
+  for (Sample& sample : out.samples) sample.sigma += turn;
+  for (Located& point : out.points) point.sigma += turn;
+  std::vector<Sample> samples;
+  for (std::size_t k = back.samples.size(); k-- > 1;) samples.push_back({turn - back.samples[k].sigma, back.samples[k].y});
+  out.samples.insert(out.samples.begin(), samples.begin(), samples.end());
+  for (Located& point : back.points) {
+    point.sigma = turn - point.sigma;
+    std::swap(point.before, point.after);
+  }
+  std::reverse(back.points.begin(), back.points.end());
+  out.points.insert(out.points.begin(), back.points.begin(), back.points.end());
+  return out;
+}
+
 std::optional<Family> follow_doubled(const Family& parent, const Located& doubling, const FollowOptions& options) {
   if (!doubling.side) return std::nullopt;
   Values<double> along = converted<double>(antiperiodic(parent.frame, doubling.orbit));

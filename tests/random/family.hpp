@@ -73,6 +73,9 @@ struct FollowOptions {
 Family follow(const Frame& frame, const Values<double>& start, const Range& range, int direction,
               const FollowOptions& options = {});
 
+/// The family from end to end through `start`: followed back first, and then on from that end. A closed one begins at `start`.
+Family follow_both_ways(const Frame& frame, const Values<double>& start, const Range& range, const FollowOptions& options = {});
+
 /// The doubled orbits that begin at a PD of a family; nothing if they are not found or do not begin within the range.
 std::optional<Family> follow_doubled(const Family& parent, const Located& doubling, const FollowOptions& options = {});
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Any number of random cases on request:
 //
-//     random_cases [--cases N] [--seed S] [--first K] [--param eta|xi|r|k_r|b] [--most-impacts M] [--patience SECONDS]
+//     random_cases [--command continue|diagram] [--cases N] [--seed S] [--first K] [--param eta|xi|r|k_r|b] [--most-impacts M] [--patience SECONDS]
 //                  [--time SECONDS] [--program PATH]
 //
 // One line for each case that fails, with the command that shows it; then how often each kind of complaint appears. The exit code
@@ -36,7 +36,10 @@ Plan plan_of(int argc, char** argv) {
       plan.patience = std::stod(value);
     else if (name == "--time")
       plan.time = std::stod(value);
-    else if (name == "--program")
+    else if (name == "--command") {
+      if (value != "continue" && value != "diagram") throw std::invalid_argument("--command: continue or diagram, not " + value);
+      plan.skeletons = value == "diagram";
+    } else if (name == "--program")
       plan.program = value;
     else if (name == "--param") {
       for (std::size_t k = 0; k < parameter_names.size(); ++k)

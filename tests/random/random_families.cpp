@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The random tester: its reference against the closed form, its checker against mutations of right answers, and the program
 // against both. More cases and other seeds: the program random_cases (main.cpp), or these variables of the environment for the
-// last test case: GRAZE_RANDOM_CASES, GRAZE_RANDOM_SEED.
+// last two test cases: GRAZE_RANDOM_CASES, GRAZE_RANDOM_SKELETONS, GRAZE_RANDOM_SEED.
 #include "one_impact.hpp"
 #include "runner.hpp"
 
@@ -212,6 +212,78 @@ TEST_CASE("the checker of the random tester finds nothing in right answers and e
   }
 }
 
+TEST_CASE("the checker of the random tester finds a doubled branch that is none") {
+  int doubled_families = 0;
+  for (std::uint64_t k = 0; k < 120 && doubled_families < 5; ++k) {
+    const Case one = random_case(13, k);
+    const Family family = followed(one);
+    Answer right;
+    right.branches.push_back(answer_of(family, 1));
+    for (std::size_t i = 0; i < family.points.size(); ++i) {
+      if (family.points[i].kind != Kind::PD) continue;
+      const std::optional<Family> doubled = follow_doubled(family, family.points[i]);
+      if (!doubled || doubled->end == End::halved || doubled->samples.size() < 50) continue;
+      AnswerBranch child = answer_of(*doubled, static_cast<int>(right.branches.size()) + 1);
+      child.parent = 1;
+      child.parent_label = right.branches[0].special_points[i].label;
+      right.branches.push_back(child);
+    }
+    if (right.branches.size() != 2 || family.end != End::bound) continue;
+    ++doubled_families;
+    INFO(arguments(one));
+    for (const Complaint& complaint : check(one, right).complaints) FAIL_CHECK(complaint.kind << ": " << complaint.text);
+    Answer wrong = right;
+    wrong.branches.pop_back();
+    CHECK_FALSE(check(one, wrong).complaints.empty());
+    wrong = right;
+    for (AnswerPoint& point : wrong.branches[1].points) point.impacts += 1;
+    CHECK_FALSE(check(one, wrong).complaints.empty());
+    // The parent's own orbits, as if doubled.
+    wrong = right;
+    wrong.branches[1].points.clear();
+    for (AnswerPoint point : right.branches[0].points) {
+      const std::vector<State> once = point.states;
+      point.states.insert(point.states.end(), once.begin(), once.end());
+      point.impacts *= 2;
+      wrong.branches[1].points.push_back(point);
+    }
+    CHECK_FALSE(check(one, wrong).complaints.empty());
+    // It begins far from its doubling.
+    wrong = right;
+    const std::ptrdiff_t half = static_cast<std::ptrdiff_t>(wrong.branches[1].points.size()) / 2;
+    wrong.branches[1].points.erase(wrong.branches[1].points.begin(), wrong.branches[1].points.begin() + half);
+    for (AnswerSpecial& special : wrong.branches[1].special_points)
+      special.after_point = std::max(0, special.after_point - static_cast<int>(half));
+    CHECK_FALSE(check(one, wrong).complaints.empty());
+  }
+  CHECK(doubled_families == 5);
+}
+
+TEST_CASE("the checker of the random tester finds what is missing in a skeleton, and what is there twice") {
+  for (std::uint64_t k = 0; k < 3; ++k) {
+    const SkeletonCase one = random_skeleton(17, k);
+    Answer right;
+    std::vector<std::size_t> first;
+    for (const Family& family : one_impact_families(one.frame, one.range, one.most_periods)) {
+      first.push_back(right.branches.size());
+      const Values<double>& start = family.samples[family.samples.size() / 2].y;
+      for (const int direction : {-1, 1}) {
+        const Family half = follow(family.frame, start, one.range, direction);
+        if (half.samples.size() > 3) right.branches.push_back(answer_of(half, static_cast<int>(right.branches.size()) + 1));
+        if (half.end == End::closed) break;
+      }
+    }
+    INFO(arguments(one));
+    for (const Complaint& complaint : check_skeleton(one, right).complaints)
+      if (complaint.kind != "family twice") FAIL_CHECK(complaint.kind << ": " << complaint.text);
+    for (const std::size_t i : first) {
+      Answer wrong = right;
+      wrong.branches.erase(wrong.branches.begin() + static_cast<std::ptrdiff_t>(i));
+      CHECK_FALSE(check_skeleton(one, wrong).complaints.empty());
+    }
+  }
+}
+
 TEST_CASE("continuation of random one-impact orbits agrees with the closed form") {
   Plan plan;
   plan.program = GRAZE_PROGRAM;
@@ -224,5 +296,21 @@ TEST_CASE("continuation of random one-impact orbits agrees with the closed form"
   INFO(lines.str());
   CHECK(summary.cases == plan.cases);
   CHECK(summary.undecided * 50 <= summary.cases);
+  CHECK(summary.failed == 0);
+}
+
+TEST_CASE("skeletons of random ranges contain every family of one-impact orbits") {
+  Plan plan;
+  plan.program = GRAZE_PROGRAM;
+  plan.problem = GRAZE_DATA_DIR "/problems/newton-elastic.toml";
+  plan.skeletons = true;
+  plan.cases = std::stoull(variable("GRAZE_RANDOM_SKELETONS", "6"));
+  plan.seed = std::stoull(variable("GRAZE_RANDOM_SEED", "1"));
+  plan.most_impacts = 6;
+  plan.patience = 300.0;
+  std::ostringstream lines;
+  const Summary summary = run(plan, lines);
+  INFO(lines.str());
+  CHECK(summary.cases == plan.cases);
   CHECK(summary.failed == 0);
 }

@@ -11,11 +11,9 @@
 
 namespace graze::reference {
 
-std::string command(const Plan& plan, const Case& one) { return "graze continue " + plan.problem + arguments(one); }
-
-Answer answered(const Plan& plan, const Case& one) {
-  const std::string line = "timeout " + std::to_string(plan.patience) + " '" + plan.program + "' continue '" + plan.problem + "'" +
-                           arguments(one) + " --quiet --threads 1 --json - 2> /dev/null < /dev/null";
+Answer answered(const Plan& plan, const std::string& command, const std::string& arguments) {
+  const std::string line = "timeout " + std::to_string(plan.patience) + " '" + plan.program + "' " + command + " '" + plan.problem + "'" +
+                           arguments + " --quiet --threads 1 --json - 2> /dev/null < /dev/null";
   Answer out;
   std::FILE* pipe = ::popen(line.c_str(), "r");
   if (!pipe) {
@@ -43,8 +41,21 @@ Summary run(const Plan& plan, std::ostream& out) {
   const auto start = std::chrono::steady_clock::now();
   for (std::uint64_t k = plan.first; k < plan.first + plan.cases; ++k) {
     if (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > plan.time) break;
-    const Case one = random_case(plan.seed, k, plan.name);
-    const Verdict verdict = check(one, answered(plan, one), plan.most_impacts);
+    std::string command = "continue", what;
+    std::size_t name = ETA;
+    Verdict verdict;
+    if (plan.skeletons) {
+      const SkeletonCase one = random_skeleton(plan.seed, k, plan.name);
+      command = "diagram";
+      what = arguments(one);
+      name = one.frame.name;
+      verdict = check_skeleton(one, answered(plan, command, what), plan.most_impacts);
+    } else {
+      const Case one = random_case(plan.seed, k, plan.name);
+      what = arguments(one);
+      name = one.frame.name;
+      verdict = check(one, answered(plan, command, what), plan.most_impacts);
+    }
     ++summary.cases;
     summary.families += static_cast<std::uint64_t>(verdict.families);
     summary.unresolved += static_cast<std::uint64_t>(verdict.unresolved);
@@ -52,13 +63,13 @@ Summary run(const Plan& plan, std::ostream& out) {
     if (verdict.complaints.empty()) continue;
     ++summary.failed;
     std::set<std::string> kinds;
-    out << "case " << plan.seed << ":" << k << " (" << parameter_names[one.frame.name] << ")";
+    out << "case " << plan.seed << ":" << k << " (" << parameter_names[name] << ")";
     for (const Complaint& complaint : verdict.complaints) {
       out << (&complaint == verdict.complaints.data() ? " " : "; ") << complaint.kind << ": " << complaint.text;
       kinds.insert(complaint.kind);
     }
     for (const std::string& kind : kinds) ++summary.kinds[kind];
-    out << " | " << command(plan, one) << std::endl;
+    out << " | graze " << command << " " << plan.problem << what << std::endl;
   }
   return summary;
 }

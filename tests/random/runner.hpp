@@ -12,6 +12,7 @@ namespace graze::reference {
 struct Plan {
   std::uint64_t seed = 1;
   std::uint64_t first = 0, cases = 100;
+  bool skeletons = false;          ///< of `diagram --skeleton`, not of `continue`
   std::optional<std::size_t> name;  ///< of the parameter that changes; else any
   std::string program, problem;     ///< paths of graze and of newton-elastic.toml
   int most_impacts = 16;              ///< of families that are compared: their equations take long in Quad
@@ -24,11 +25,8 @@ struct Summary {
   std::map<std::string, std::uint64_t> kinds;  ///< cases in which a kind of complaint appears
 };
 
-/// The command that shows a case, as it may be typed.
-std::string command(const Plan& plan, const Case& one);
-
-/// The program's answer, in a process of its own.
-Answer answered(const Plan& plan, const Case& one);
+/// The answer to a command and its arguments, in a process of its own.
+Answer answered(const Plan& plan, const std::string& command, const std::string& arguments);
 
 /// Writes one line for each case that fails: number, what is wrong, command.
 Summary run(const Plan& plan, std::ostream& out);
