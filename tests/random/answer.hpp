@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the program has answered, as plain data: the part of graze.branch/1 that is checked.
+#pragma once
+
+#include <array>
+#include <complex>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace graze::reference {
+
+using State = std::array<double, 2>;
+
+struct AnswerPoint {
+  double value = 0.0;
+  std::vector<State> states;  ///< at phase 0 after 0 ... n - 1 periods
+  int impacts = 0;
+  bool sticking = false;
+};
+
+struct AnswerSpecial {
+  std::string label, type, status;
+  double value = 0.0, precision = 0.0;
+  std::array<double, 2> interval{};
+  int after_point = 0, period = 0, impacts = 0;
+  std::vector<State> states;
+  std::vector<std::complex<double>> multipliers;
+  std::string kind, scenario, criticality;  ///< empty: not given
+  std::array<int, 2> change{};              ///< impacts before and after a grazing
+};
+
+struct AnswerBranch {
+  int id = 0, parent = 0;  ///< parent 0: none
+  std::string parent_label;
+  int period = 0;
+  std::string stop;
+  double stop_value = 0.0;
+  std::vector<AnswerPoint> points;
+  std::vector<AnswerSpecial> special_points;
+};
+
+struct Answer {
+  std::string failure;  ///< why there is none: empty if there is one
+  std::vector<AnswerBranch> branches;
+};
+
+/// From the program's JSON.
+Answer parse_answer(const std::string& json);
+
+}  // namespace graze::reference

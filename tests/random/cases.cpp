@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cases.hpp"
+#include "one_impact.hpp"
+
+#include <cstdio>
+
+namespace graze::reference {
+
+namespace {
+
+/// splitmix64
+class Random {
+ public:
+  Random(std::uint64_t seed, std::uint64_t index) : state_(seed * 0x9e3779b97f4a7c15u ^ (index + 1) * 0xd1342543de82ef95u) {}
+  double between(double low, double high) { return low + (high - low) * static_cast<double>(next() >> 11) * 0x1p-53; }
+  std::size_t below(std::size_t end) { return static_cast<std::size_t>(next() % end); }
+
+ private:
+  std::uint64_t next() {
+    std::uint64_t z = state_ += 0x9e3779b97f4a7c15u;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return z ^ (z >> 31);
+  }
+  std::uint64_t state_;
+};
+
+/// Short decimals make short commands.
+double rounded(double value, int digits) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.*f", digits, value);
+  return std::strtod(text, nullptr);
+}
+
+std::string exact(double value) {
+  char text[40];
+  for (const int digits : {4, 15, 16, 17}) {
+    std::snprintf(text, sizeof text, "%.*g", digits, value);
+    if (std::strtod(text, nullptr) == value) break;
+  }
+  return text;
+}
+
+/// In which each parameter is drawn and followed.
+Range range_of(std::size_t name) {
+  switch (name) {
+  case B:
+    return {0.005, 0.35};
+  case XI:
+    return {0.2, 4.0};
+  case ETA:
+    return {0.35, 4.0};
+  case R:
+    return {-1.5, 2.5};
+  default:
+    return {0.0, 1.0};
+  }
+}
+
+double drawn(Random& random, std::size_t name) {
+  const Range range = range_of(name);
+  switch (name) {
+  case B:
+    return rounded(range.low * std::pow(range.high / range.low, random.between(0.0, 1.0)), 4);
+  case XI:
+    return random.below(3) == 0 ? rounded(random.between(range.low, range.high), 3) : 1.0;
+  case K_R: {
+    const double edge = random.between(0.0, 1.0);
+    return edge < 0.04 ? 0.0 : edge > 0.9 ? 1.0 : rounded(random.between(range.low, range.high), 3);
+  }
+  default:
+    return rounded(random.between(range.low, range.high), 3);
+  }
+}
+
+std::string settings(const Frame& frame) {
+  std::string out;
+  for (std::size_t i = 0; i < parameter_names.size(); ++i)
+    out += " --set " + std::string(parameter_names[i]) + "=" + exact(frame.base[i]);
+  return out;
+}
+
+}  // namespace
+
+Case random_case(std::uint64_t seed, std::uint64_t index, std::optional<std::size_t> name) {
+  // Starts closer to a grazing than this are none that a state at phase 0 tells in double.
+  constexpr double least_speed = 1e-3, least_gap = 1e-5, largest_trace = 1e4;
+  Random random(seed, index);
+  for (;;) {
+    Case out;
+    constexpr std::array<std::size_t, 10> often = {ETA, ETA, ETA, ETA, R, R, XI, XI, K_R, B};
+    const std::size_t pick = often[random.below(often.size())];
+    out.frame.name = name.value_or(pick);
+    out.frame.periods = 1 + static_cast<int>(random.below(4));
+    for (std::size_t i = 0; i < parameter_names.size(); ++i) out.frame.base[i] = drawn(random, i);
+    const Range range = range_of(out.frame.name);
+    out.to = rounded(random.between(range.low, range.high), 3);
+    const std::size_t which = random.below(2);
+    if (std::fabs(out.to - out.frame.base[out.frame.name]) < 0.05 * (range.high - range.low)) continue;
+    const OneImpactForm<double> form = one_impact(out.frame.base, out.frame.periods);
+    const Values<double> speeds = form.speeds();
+    if (speeds.empty()) continue;
+    const OneImpact<double> orbit = form.orbit(speeds[which % speeds.size()]);
+    out.start = {orbit.phase, orbit.speed, out.frame.base[out.frame.name]};
+    if (orbit.speed < least_speed || !admissible(out.frame, out.start) || gap(out.frame, out.start) > -least_gap) continue;
+    if (std::fabs(form.trace(orbit.speed)) > largest_trace) continue;
+    return out;
+  }
+}
+
+std::string arguments(const Case& one) {
+  std::string out = settings(one.frame);
+  const State state = states_of(one.frame, one.start).front();
+  out += " --param " + std::string(parameter_names[one.frame.name]) + " --from " + exact(one.start.back()) + " --to " +
+         exact(one.to) + " --period " + std::to_string(one.frame.periods) + " --settle 0 --start " + exact(state[0]) + "," +
+         exact(state[1]);
+  return out;
+}
+
+SkeletonCase random_skeleton(std::uint64_t seed, std::uint64_t index, std::optional<std::size_t> name) {
+  // Of the parameter's whole range: a picture of more takes long.
+  constexpr double least_part = 0.05, largest_part = 0.25;
+  Random random(seed ^ 0x5ca1ab1eu, index);
+  for (;;) {
+    SkeletonCase out;
+    constexpr std::array<std::size_t, 6> often = {ETA, ETA, ETA, R, XI, K_R};
+    const std::size_t pick = often[random.below(often.size())];
+    out.frame.name = name.value_or(pick);
+    for (std::size_t i = 0; i < parameter_names.size(); ++i) out.frame.base[i] = drawn(random, i);
+    const Range all = range_of(out.frame.name);
+    const double width = (all.high - all.low) * random.between(least_part, largest_part);
+    out.range.low = rounded(random.between(all.low, all.high - width), 3);
+    out.range.high = rounded(out.range.low + width, 3);
+    if (!one_impact_families(out.frame, out.range, out.most_periods).empty()) return out;
+  }
+}
+
+std::string arguments(const SkeletonCase& one) {
+  return " --skeleton" + settings(one.frame) + " --param " + std::string(parameter_names[one.frame.name]) + " --from " +
+         exact(one.range.low) + " --to " + exact(one.range.high) + " --max-period " + std::to_string(one.most_periods);
+}
+
+std::vector<Family> one_impact_families(const Frame& frame, const Range& range, int most_periods) {
+  // A family that is shorter than a hundredth of the range, and lies between two of the values, is not asked for.
+  constexpr int values = 101;
+  std::vector<Family> out;
+  for (int n = 1; n <= most_periods; ++n) {
+    Frame own = frame;
+    own.periods = n;
+    own.impacts = 1;
+    for (int k = 0; k < values; ++k) {
+      const double p = range.low + (range.high - range.low) * (k + 0.5) / values;
+      const OneImpactForm<double> form = one_impact(own.at(p), n);
+      for (const double speed : form.speeds()) {
+        const OneImpact<double> orbit = form.orbit(speed);
+        const Values<double> y = {orbit.phase, orbit.speed, p};
+        if (!admissible(own, y)) continue;
+        const std::vector<State> states = states_of(own, y);
+        const bool known = std::any_of(out.begin(), out.end(), [&](const Family& family) {
+          return family.frame.periods == n && !places(family, p, states, 1e-7 * (1.0 + speed)).empty();
+        });
+        if (!known) out.push_back(follow_both_ways(own, y, range));
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace graze::reference

@@ -1,0 +1,499 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "checker.hpp"
+#include "events.hpp"
+
+#include <cstdio>
+#include <limits>
+#include <set>
+
+namespace graze::reference {
+
+namespace {
+
+/// What a located value may be off, relative to its own size or to a hundredth of the range.
+constexpr double value_tolerance = 3e-12;
+/// Nearer than this, relative, a reported point is taken for the one that is asked for, and its value is judged.
+constexpr double same_point = 1e-6;
+/// Of the states of a branch's points. The program's own residuals are at rounding, near folds and grazings its states are not.
+constexpr double state_tolerance = 1e-6;
+/// Next to a doubling the equations of doubled orbits are nearly singular: a point there need only tend to it, which is that its
+/// distance from the doubling is right within this share.
+constexpr double by_doubling = 0.6, near_doubling = 1e-2;
+/// Largest step between neighbouring points in the events' coordinates, with the weights of the family's arclength.
+constexpr double largest_gap = 0.6;
+/// Likewise from where a family begins (the given orbit, or the doubling) to the first point.
+constexpr double largest_start = 0.1;
+/// Points of a branch among which one is sought whose events can be told from its states: next to a grazing they cannot.
+constexpr std::size_t first_points = 20;
+/// Finer steps with which the reference confirms its own verdict before it complains.
+constexpr double fine_step = 0.004;
+
+std::string text(const char* format, auto... values) {
+  char out[400];
+  std::snprintf(out, sizeof out, format, values...);
+  return out;
+}
+
+double scale(const Family& family, double value) {
+  return std::max(std::fabs(value), 0.01 * (family.range.high - family.range.low));
+}
+
+/// How far a doubled orbit is from its doubling, if it is near; else 0.
+double from_origin(const Family& family, const std::vector<State>& states) {
+  if (family.origin.empty()) return 0.0;
+  const double far = apart(states, states_of(family.frame, family.origin));
+  return far < near_doubling ? far : 0.0;
+}
+
+/// Nearer to the doubling than the doubled family's first sample, or about as near, or so near that p - p_0 is lost to rounding:
+/// it is known to rounding over the distance.
+bool before_first(const Family& family, const AnswerPoint& point) {
+  const double far = from_origin(family, point.states);
+  if (far == 0.0) return false;
+  return far < 1.5 * from_origin(family, states_of(family.frame, family.samples.front().y)) ||
+         std::fabs(point.value - family.origin.back()) * far < 1e-14 * scale(family, point.value);
+}
+
+/// Arclength of the branch's points; complains of those that do not lie on the family, or not in order.
+struct Placed {
+  std::vector<double> sigmas;  ///< NaN: nowhere
+  double last = 0.0;           ///< of the last that lies on it
+};
+
+Placed place_points(const Family& family, const AnswerBranch& branch, std::vector<Complaint>& out) {
+  Placed placed;
+  double size = 1.0;
+  for (const AnswerPoint& point : branch.points)
+    for (const State& state : point.states) size = std::max({size, std::fabs(state[0]), std::fabs(state[1])});
+  const double total = family.samples.back().sigma;
+  // A point on a fold is known to half the digits, and so is its arclength.
+  const double slack = 1e-5 * (1.0 + total);
+  bool astray = false, backwards = false, gap = false;
+  for (std::size_t i = 0; i < branch.points.size(); ++i) {
+    const AnswerPoint& point = branch.points[i];
+    const std::vector<Place> found =
+        places(family, point.value, point.states, std::max(state_tolerance * size, by_doubling * from_origin(family, point.states)));
+    const Place* best = nullptr;
+    for (const Place& place : found)
+      if (place.sigma >= placed.last - slack && (!best || place.distance < best->distance)) best = &place;
+    placed.sigmas.push_back(best ? best->sigma : std::numeric_limits<double>::quiet_NaN());
+    if (!best) {
+      if (!found.empty()) {
+        if (!backwards)
+          out.push_back({"order", text("point %zu (%.17g) lies behind the point before", i + 1, point.value)});
+        backwards = true;
+      } else if (!astray) {
+        // Between a doubling and the first sample, and after the onset of sticking, the reference knows nothing.
+        if (family.end == End::sticking || (placed.last == 0.0 && before_first(family, point))) continue;
+        out.push_back({"astray", text("point %zu (%.17g) is no orbit of the family", i + 1, point.value)});
+        astray = true;
+      }
+      continue;
+    }
+    const double step = best->sigma - placed.last;
+    if (i == 0 && step > largest_start)
+      out.push_back({"start", text("point 1 (%.17g) is %.2g away from where the family begins", point.value, step)});
+    if (i > 0 && step > largest_gap && !gap) {
+      out.push_back({"neighbours", text("points %zu and %zu (%.17g) are %.2g apart", i, i + 1, point.value, step)});
+      gap = true;
+    }
+    placed.last = std::max(placed.last, best->sigma);
+  }
+  return placed;
+}
+
+bool same_type(const AnswerSpecial& reported, const Located& expected) { return reported.type == name(expected.kind); }
+
+std::string described(const Located& expected) {
+  std::string out = text("%s %.17g", name(expected.kind), static_cast<double>(expected.value));
+  if (expected.kind == Kind::GR)
+    out += text(" (%d to %d, %s%s)", expected.before, expected.after, expected.gained ? "gained" : "lost",
+                !expected.persistence ? "" : *expected.persistence ? ", persistence" : ", nonsmooth-fold");
+  if (expected.kind == Kind::PD && expected.supercritical) out += *expected.supercritical ? " (super)" : " (sub)";
+  return out;
+}
+
+void compare_point(const Family& family, const Located& expected, const AnswerSpecial& reported, const Placed& placed,
+                   std::vector<Complaint>& out) {
+  const double value = static_cast<double>(expected.value);
+  const double off = static_cast<double>(magnitude(Quad(reported.value) - expected.value));
+  // A value is printed to the next double.
+  const double rounding = 0.5 * (std::nextafter(std::fabs(value), 1e300) - std::fabs(value));
+  const std::string which = reported.label + " of " + described(expected);
+  if (off > value_tolerance * scale(family, value)) out.push_back({"value", text("%s: off by %.2g", which.c_str(), off)});
+  const Quad low = Quad(reported.interval[0]) - Quad(rounding), high = Quad(reported.interval[1]) + Quad(rounding);
+  if (off > reported.precision + rounding || expected.value < low || expected.value > high)
+    out.push_back({"error bar", text("%s: off by %.2g, bar %.2g", which.c_str(), off, reported.precision)});
+  if (reported.status != "converged") out.push_back({"status", which + ": " + reported.status});
+  if (reported.impacts != family.frame.impacts || reported.period != family.frame.periods)
+    out.push_back({"label", text("%s: label %d/%d", which.c_str(), reported.impacts, reported.period)});
+  if (expected.kind == Kind::GR) {
+    if ((reported.kind == "gained") != expected.gained || (reported.kind == "lost") == expected.gained)
+      out.push_back({"lost or gained", which + ": " + reported.kind});
+    if (reported.change[0] != expected.before || reported.change[1] != expected.after)
+      out.push_back({"impacts at a grazing", text("%s: %d to %d", which.c_str(), reported.change[0], reported.change[1])});
+    if (expected.persistence && reported.scenario != (*expected.persistence ? "persistence" : "nonsmooth-fold"))
+      out.push_back({"scenario", which + ": " + (reported.scenario.empty() ? "none given" : reported.scenario)});
+  } else {
+    const double sign = expected.kind == Kind::LP ? 1.0 : -1.0;
+    double nearest = 1e300;
+    for (const std::complex<double>& mu : reported.multipliers) nearest = std::min(nearest, std::abs(mu - sign));
+    if (!(nearest < 1e-4)) out.push_back({"multiplier", text("%s: %.2g away from its multiplier", which.c_str(), nearest)});
+  }
+  if (expected.kind == Kind::PD && expected.supercritical &&
+      reported.criticality != (*expected.supercritical ? "supercritical" : "subcritical"))
+    out.push_back({reported.criticality.empty() ? "criticality not given" : "criticality",
+                   which + ": " + (reported.criticality.empty() ? "none given" : reported.criticality)});
+  const std::size_t after = static_cast<std::size_t>(reported.after_point), last = placed.sigmas.size();
+  const double slack = 1e-5 * (1.0 + family.samples.back().sigma);
+  if (reported.after_point < 0 || after >= last ||
+      placed.sigmas[after] > expected.sigma + slack || (after + 1 < last && placed.sigmas[after + 1] < expected.sigma - slack))
+    out.push_back({"place of a point", text("%s: not behind point %d", which.c_str(), reported.after_point + 1)});
+}
+
+void compare_points(const Family& family, const AnswerBranch& branch, const Placed& placed, std::vector<Complaint>& out) {
+  std::vector<bool> used(branch.special_points.size(), false);
+  for (const Located& expected : family.points) {
+    const double value = static_cast<double>(expected.value);
+    std::size_t best = used.size();
+    double least = same_point * scale(family, value);
+    for (std::size_t k = 0; k < used.size(); ++k) {
+      const double off = std::fabs(branch.special_points[k].value - value);
+      if (used[k] || !same_type(branch.special_points[k], expected) || off > least) continue;
+      least = off;
+      best = k;
+    }
+    if (best == used.size()) {
+      out.push_back({std::string("missing ") + name(expected.kind), described(expected) + " is missing"});
+      continue;
+    }
+    used[best] = true;
+    compare_point(family, expected, branch.special_points[best], placed, out);
+  }
+  for (std::size_t k = 0; k < used.size(); ++k) {
+    const AnswerSpecial& special = branch.special_points[k];
+    if (used[k] || special.type == "EP" || special.type == "UZ") continue;
+    if (family.end == End::sticking && std::fabs(special.value - family.end_value) < 1e-6) continue;
+    if (family.end == End::sticking && static_cast<std::size_t>(special.after_point) < placed.sigmas.size() &&
+        std::isnan(placed.sigmas[static_cast<std::size_t>(special.after_point)]))
+      continue;
+    out.push_back({"unconfirmed " + special.type, text("%s %.17g is none", special.label.c_str(), special.value)});
+  }
+}
+
+void compare_end(const Family& family, const AnswerBranch& branch, const Placed& placed, std::vector<Complaint>& out) {
+  const char* expected = family.end == End::bound     ? "reached_bound"
+                         : family.end == End::grazing ? "grazing"
+                                                      : "returned";
+  if (family.end == End::sticking) return;
+  if (branch.stop != expected) {
+    out.push_back({"stop " + branch.stop, text("stops at %.17g (%s); the family goes on to %.17g (%s)", branch.stop_value,
+                                               branch.stop.c_str(), family.end_value, name(family.end))});
+    return;
+  }
+  // The last point is the end, or a step from the grazing at most.
+  const double total = family.samples.back().sigma, left = total - placed.last;
+  const double most = family.end == End::bound ? 1e-5 * (1.0 + total) : largest_gap;
+  // "Returned" to its parent is said at the last point before.
+  const double off = family.end == End::halved ? 0.0 : std::fabs(branch.stop_value - family.end_value);
+  if (left > most || off > 1e-6 * scale(family, family.end_value))
+    out.push_back({"end", text("ends at %.17g (%s), %.2g before the end of the family at %.17g", branch.stop_value,
+                               branch.stop.c_str(), left, family.end_value)});
+}
+
+/// What can be demanded of every branch without knowing its family.
+void check_alone(const Range& range, const Answer& answer, std::vector<Complaint>& out) {
+  std::set<std::string> labels;
+  const double rounding = 1e-13 * (1.0 + std::fabs(range.low) + std::fabs(range.high));
+  for (const AnswerBranch& branch : answer.branches) {
+    const auto outside = [&](double value) { return !(value >= range.low - rounding && value <= range.high + rounding); };
+    for (std::size_t i = 0; i < branch.points.size(); ++i)
+      if (outside(branch.points[i].value)) {
+        out.push_back({"range", text("branch %d leaves the range: point %zu at %.17g", branch.id, i + 1, branch.points[i].value)});
+        break;
+      }
+    const AnswerSpecial* last = nullptr;
+    for (const AnswerSpecial& special : branch.special_points) {
+      if (outside(special.value))
+        out.push_back({"range", text("%s of branch %d outside the range: %.17g", special.label.c_str(), branch.id, special.value)});
+      if (special.label.rfind(special.type, 0) != 0 || !labels.insert(special.label).second)
+        out.push_back({"label", text("%s of branch %d is a %s or appears twice", special.label.c_str(), branch.id,
+                                     special.type.c_str())});
+      if (special.type == "NS") out.push_back({"unconfirmed NS", special.label + " is none: det M < 1"});
+      if (special.type != "EP") last = &special;
+    }
+    if (branch.points.empty()) continue;
+    for (const AnswerBranch& parent : answer.branches)
+      if (parent.id == branch.parent)
+        for (const AnswerSpecial& special : parent.special_points)
+          if (special.label == branch.parent_label && special.type == "PD" &&
+              (branch.points.front().impacts != 2 * special.impacts || branch.period != 2 * special.period))
+            out.push_back({"doubled label", text("branch %d, doubled at %s (%d/%d), begins as %d/%d", branch.id, special.label.c_str(),
+                                                 special.impacts, special.period, branch.points.front().impacts, branch.period)});
+    if (branch.stop == "reached_bound") {
+      const double at = branch.points.back().value;
+      if (std::min(std::fabs(at - range.low), std::fabs(at - range.high)) > rounding)
+        out.push_back({"end", text("branch %d reached_bound at %.17g", branch.id, at)});
+    }
+    if (branch.stop == "grazing" && (!last || last->type != "GR" || last->value != branch.stop_value))
+      out.push_back({"end", text("branch %d ends at a grazing that is not its last point", branch.id)});
+  }
+}
+
+/// The check of one answer: every branch once, against the family that it should be.
+class Check {
+ public:
+  Check(const Frame& frame, const Range& range, const Answer& answer, int most_impacts)
+      : frame_(frame), range_(range), answer_(answer), most_impacts_(most_impacts) {}
+
+  Verdict continued(const Case& one) {
+    const auto family = [&](const FollowOptions& options) -> std::optional<Family> {
+      return follow(one.frame, one.start, range_, one.direction(), options);
+    };
+    const std::optional<Family> own = family({});
+    if (own->end == End::broken)
+      verdict_.undecided = true;
+    else if (!answer_.failure.empty())
+      complain("", "no answer", answer_.failure);
+    else {
+      check_alone(range_, answer_, verdict_.complaints);
+      compare_with(answer_.branches.front(), "", family);
+      check_beyond(answer_.branches.front());
+      check_others();
+    }
+    return verdict_;
+  }
+
+  Verdict skeleton(int most_periods) {
+    if (!answer_.failure.empty()) {
+      complain("", "no answer", answer_.failure);
+      return verdict_;
+    }
+    check_alone(range_, answer_, verdict_.complaints);
+    check_others();
+    for (const Family& family : one_impact_families(frame_, range_, most_periods)) {
+      if (family.end == End::broken) {
+        verdict_.undecided = true;
+        continue;
+      }
+      ++verdict_.families;
+      check_covered(family);
+    }
+    return verdict_;
+  }
+
+ private:
+  void complain(const std::string& who, const std::string& kind, const std::string& what) {
+    verdict_.complaints.push_back({kind, (who.empty() ? "" : who + ": ") + what});
+  }
+
+  /// The branch, and those that are doubled on it, against `family`, which makes it with given options.
+  void compare_with(const AnswerBranch& branch, const std::string& who, const auto& family) {
+    done_.insert(branch.id);
+    std::optional<Family> found = family({});
+    if (!found || found->end == End::broken) return;
+    ++verdict_.families;
+    const std::string label = text("%d/%d", found->frame.impacts, found->frame.periods);
+    if (branch.points.empty() || branch.points.front().impacts != found->frame.impacts || branch.period != found->frame.periods) {
+      complain(who, "label", text("begins as %d/%d, not as %s", branch.points.empty() ? 0 : branch.points.front().impacts, branch.period,
+                                  label.c_str()));
+      return;
+    }
+    std::vector<Complaint> complaints = compare(*found, branch);
+    if (!complaints.empty()) {
+      // Confirmed with finer steps of the reference.
+      const std::optional<Family> finer = family({fine_step, 100000});
+      if (finer && finer->end != End::broken) {
+        found = finer;
+        complaints = compare(*found, branch);
+      }
+    }
+    for (const Complaint& complaint : complaints) complain(who, (who.empty() ? "" : "other: ") + complaint.kind, complaint.text);
+    compare_doubled(*found, branch);
+  }
+
+  void compare_doubled(const Family& parent, const AnswerBranch& branch) {
+    // A doubled family that ends at another doubling is followed once, from one of them.
+    std::set<double> reached;
+    for (const Located& doubling : parent.points) {
+      if (doubling.kind != Kind::PD || !doubling.side) continue;
+      const double value = static_cast<double>(doubling.value);
+      const AnswerSpecial* reported = nullptr;
+      for (const AnswerSpecial& special : branch.special_points)
+        if (same_type(special, doubling) && std::fabs(special.value - value) < same_point * scale(parent, value)) reported = &special;
+      if (!reported) continue;
+      const AnswerBranch* child = nullptr;
+      for (const AnswerBranch& other : answer_.branches)
+        if (other.parent == branch.id && other.parent_label == reported->label) child = &other;
+      const std::optional<Family> family = follow_doubled(parent, doubling);
+      if (!family) continue;
+      if (family->end == End::halved && child) reached.insert(family->end_value);
+      if (!child) {
+        // Of later generations none is asked for.
+        if (branch.id == answer_.branches.front().id && reached.count(value) == 0)
+          complain("", "child missing", text("no branch is doubled at %s; the family goes to %.17g (%s)", reported->label.c_str(),
+                                             family->end_value, name(family->end)));
+        continue;
+      }
+      compare_with(*child, text("branch %d, doubled at %s", child->id, reported->label.c_str()),
+                   [&](const FollowOptions& options) { return follow_doubled(parent, doubling, options); });
+    }
+  }
+
+  /// What begins at the grazing where the first branch ends is among the branches: as one that is born there, or that ends there.
+  void check_beyond(const AnswerBranch& branch) {
+    if (branch.stop != "grazing" || branch.special_points.empty()) return;
+    const AnswerSpecial& last = branch.special_points.back();
+    for (const AnswerBranch& other : answer_.branches) {
+      if (other.parent == branch.id && other.parent_label == last.label) return;
+      if (other.id == branch.id) continue;
+      for (const AnswerSpecial& special : other.special_points)
+        if (special.type == "GR" && std::fabs(special.value - last.value) < 1e-9 * (1.0 + std::fabs(last.value))) return;
+    }
+    complain("", "nothing beyond a grazing", last.label + " is followed by no branch");
+  }
+
+  void check_others() {
+    for (const AnswerBranch& branch : answer_.branches)
+      if (done_.count(branch.id) == 0) check_other(branch);
+  }
+
+  /// A family of a skeleton is among its branches, whole: from end to end no gap is larger than a step, no point is missing, and
+  /// it is there once.
+  void check_covered(const Family& family) {
+    const std::string who = text("%d/%d family from %.17g to %.17g", family.frame.impacts, family.frame.periods,
+                                 family.samples.front().y.back(), family.samples.back().y.back());
+    std::vector<std::pair<double, double>> pieces;
+    for (const AnswerBranch& branch : answer_.branches) {
+      if (branch.period != family.frame.periods || branch.points.empty() ||
+          branch.points.front().impacts != family.frame.impacts)
+        continue;
+      double first = 1e300, last = -1e300, size = 1.0;
+      for (const AnswerPoint& point : branch.points)
+        for (const State& state : point.states) size = std::max({size, std::fabs(state[0]), std::fabs(state[1])});
+      for (const AnswerPoint& point : branch.points)
+        for (const Place& place : places(family, point.value, point.states, state_tolerance * size)) {
+          first = std::min(first, place.sigma);
+          last = std::max(last, place.sigma);
+        }
+      if (first <= last) pieces.emplace_back(first, last);
+    }
+    std::sort(pieces.begin(), pieces.end());
+    double reached = 0.0;
+    const double total = family.samples.back().sigma;
+    if (pieces.empty()) return complain(who, "family missing", text("on no branch (arclength %.2g)", total));
+    for (const auto& [first, last] : pieces) {
+      if (first > reached + largest_gap) complain(who, "piece missing", text("from arclength %.3g to %.3g of %.3g", reached, first, total));
+      if (reached - first > largest_gap && last - first > largest_gap)
+        complain(who, "family twice", text("from arclength %.3g to %.3g of %.3g", first, reached, total));
+      reached = std::max(reached, last);
+    }
+    if (reached < total - largest_gap) complain(who, "piece missing", text("from arclength %.3g to %.3g", reached, total));
+    for (const Located& point : family.points) {
+      bool found = false;
+      for (const AnswerBranch& branch : answer_.branches)
+        for (const AnswerSpecial& special : branch.special_points)
+          // A grazing may be listed on the branch beyond it alone, from where the family was found.
+          found = found || (same_type(special, point) && (point.kind == Kind::GR || special.period == family.frame.periods) &&
+                            std::fabs(special.value - static_cast<double>(point.value)) <
+                                same_point * scale(family, static_cast<double>(point.value)));
+      if (!found) complain(who, std::string("skeleton: missing ") + name(point.kind), described(point) + " is missing");
+    }
+  }
+
+  /// A branch of which nothing is known beforehand: its family is followed from one of its first points.
+  void check_other(const AnswerBranch& branch) {
+    done_.insert(branch.id);
+    if (branch.points.size() < 3 || branch.points.front().sticking) return;
+    Frame frame = frame_;
+    frame.impacts = branch.points.front().impacts;
+    frame.periods = branch.period;
+    if (frame.impacts < 1 || frame.impacts > most_impacts_) return;
+    const std::string who = text("branch %d (%d/%d)", branch.id, frame.impacts, frame.periods);
+    for (std::size_t i = 0; i < std::min<std::size_t>(first_points, branch.points.size() - 1); ++i) {
+      const AnswerPoint& point = branch.points[i];
+      if (point.impacts != frame.impacts) break;
+      double size = 1.0;
+      for (const State& state : point.states) size = std::max({size, std::fabs(state[0]), std::fabs(state[1])});
+      const std::optional<Values<double>> start = events_of(frame, point.value, point.states, state_tolerance * size);
+      if (!start) continue;
+      AnswerBranch rest = branch;
+      rest.points.erase(rest.points.begin(), rest.points.begin() + static_cast<std::ptrdiff_t>(i));
+      std::erase_if(rest.special_points, [&](const AnswerSpecial& special) { return special.after_point < static_cast<int>(i); });
+      for (AnswerSpecial& special : rest.special_points) special.after_point -= static_cast<int>(i);
+      // A fold may lie before the next point.
+      int direction = branch.points[i + 1].value > point.value ? 1 : -1;
+      const std::size_t ahead = compare(follow(frame, *start, range_, direction), rest).size();
+      if (ahead > 0 && compare(follow(frame, *start, range_, -direction), rest).size() < ahead) direction = -direction;
+      compare_with(rest, who, [&](const FollowOptions& options) -> std::optional<Family> {
+        return follow(frame, *start, range_, direction, options);
+      });
+      return;
+    }
+    ++verdict_.unresolved;
+  }
+
+  const Frame& frame_;
+  const Range range_;
+  const Answer& answer_;
+  int most_impacts_;
+  Verdict verdict_;
+  std::set<int> done_;
+};
+
+}  // namespace
+
+std::vector<Complaint> compare(const Family& family, const AnswerBranch& branch) {
+  std::vector<Complaint> out;
+  const Placed placed = place_points(family, branch, out);
+  compare_points(family, branch, placed, out);
+  compare_end(family, branch, placed, out);
+  return out;
+}
+
+Verdict check(const Case& one, const Answer& answer, int most_impacts) {
+  return Check(one.frame, one.range(), answer, most_impacts).continued(one);
+}
+
+Verdict check_skeleton(const SkeletonCase& one, const Answer& answer, int most_impacts) {
+  return Check(one.frame, one.range, answer, most_impacts).skeleton(one.most_periods);
+}
+
+AnswerBranch answer_of(const Family& family, int id) {
+  AnswerBranch out;
+  out.id = id;
+  out.period = family.frame.periods;
+  // Labels are not to appear twice in an answer of several branches.
+  int count = 1000 * id;
+  for (const Sample& sample : family.samples) {
+    // The end of a family that grazes is its last special point.
+    if (family.end == End::grazing && &sample == &family.samples.back()) break;
+    out.points.push_back({sample.y.back(), states_of(family.frame, sample.y), family.frame.impacts, false});
+  }
+  for (const Located& point : family.points) {
+    AnswerSpecial special;
+    special.type = name(point.kind);
+    special.label = special.type + std::to_string(++count);
+    special.status = "converged";
+    special.value = static_cast<double>(point.value);
+    special.precision = 1e-15 * (1.0 + std::fabs(special.value));
+    special.interval = {special.value - special.precision, special.value + special.precision};
+    std::size_t i = 0;
+    while (i + 1 < out.points.size() && family.samples[i + 1].sigma <= point.sigma) ++i;
+    special.after_point = static_cast<int>(i);
+    special.period = family.frame.periods;
+    special.impacts = family.frame.impacts;
+    special.states = states_of(family.frame, converted<double>(point.orbit));
+    special.multipliers = {point.kind == Kind::PD ? -1.0 : 1.0};
+    special.kind = point.kind != Kind::GR ? "" : point.gained ? "gained" : "lost";
+    if (point.persistence) special.scenario = *point.persistence ? "persistence" : "nonsmooth-fold";
+    if (point.supercritical) special.criticality = *point.supercritical ? "supercritical" : "subcritical";
+    special.change = {point.before, point.after};
+    out.special_points.push_back(special);
+  }
+  out.stop = family.end == End::bound ? "reached_bound" : family.end == End::grazing ? "grazing" : "returned";
+  out.stop_value = family.end_value;
+  return out;
+}
+
+}  // namespace graze::reference

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "events.hpp"
+#include "family.hpp"
+
+namespace graze::reference {
+
+namespace {
+
+/// First passage of the barrier within `most` of a flight from `at` (just after an impact, or at phase 0); nothing if none.
+/// A passage between two samples shows itself by a maximum beyond the barrier.
+std::optional<double> passage(const Parameters<double>& q, double phase, const Motion<double>& at, double most) {
+  const double h = summit_sampling / std::max(1.0, q[ETA]);
+  Motion<double> last = at;
+  for (double s = 0.0; s < most;) {
+    const double next = std::min(most, s + h);
+    const Motion<double> now = flight(q, phase, at, next);
+    double high = next, height = now.x - q[R];
+    if (last.v > 0.0 && now.v <= 0.0) {
+      double low = s, up = next;
+      for (int k = 0; k < 60; ++k) {
+        const double middle = 0.5 * (low + up);
+        (flight(q, phase, at, middle).v > 0.0 ? low : up) = middle;
+      }
+      const double top = flight(q, phase, at, low).x - q[R];
+      if (top > height) {
+        high = low;
+        height = top;
+      }
+    }
+    if (height > 0.0) {
+      double low = s, up = high;
+      for (int k = 0; k < 60; ++k) {
+        const double middle = 0.5 * (low + up);
+        (flight(q, phase, at, middle).x < q[R] ? low : up) = middle;
+      }
+      return up;
+    }
+    last = now;
+    s = next;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<Values<double>> events_of(const Frame& frame, double p, const std::vector<State>& states, double tolerance) {
+  const Parameters<double> q = frame.at(p);
+  const double period = 2.0 * pi<double>() / q[ETA];
+  if (static_cast<int>(states.size()) != frame.periods) return std::nullopt;
+  Values<double> y;
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    Motion<double> at{states[k][0], states[k][1]};
+    double phase = 2.0 * pi<double>() * static_cast<double>(k), left = period;
+    while (const std::optional<double> s = passage(q, phase, at, left)) {
+      const Motion<double> hit = flight(q, phase, at, *s);
+      if (!(hit.v > 0.0) || y.size() == frame.size()) return std::nullopt;
+      phase += q[ETA] * *s;
+      left -= *s;
+      at = {q[R], -q[K_R] * hit.v};
+      y.insert(y.end(), {phase, hit.v});
+    }
+  }
+  if (y.size() != frame.size()) return std::nullopt;
+  y.push_back(p);
+  const std::optional<Values<double>> orbit = corrected(frame, y, fixed_parameter(frame, p));
+  if (!orbit || !admissible(frame, *orbit) || apart(states_of(frame, *orbit), states) > tolerance) return std::nullopt;
+  return orbit;
+}
+
+}  // namespace graze::reference

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The events of an orbit that is given by its states at phase 0: each period is flown from its own state in closed form, sampled
+// for passages of the barrier, and the impacts' phases and speeds are polished by Newton's method on the orbit's equations.
+#pragma once
+
+#include "answer.hpp"
+#include "summits.hpp"
+
+namespace graze::reference {
+
+/// y of the orbit at the frame's parameter p; nothing if the flights do not have `frame.impacts` impacts, or if what they have is
+/// further than `tolerance` from an orbit.
+std::optional<Values<double>> events_of(const Frame& frame, double p, const std::vector<State>& states, double tolerance);
+
+}  // namespace graze::reference

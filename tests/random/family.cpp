@@ -1,0 +1,684 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "family.hpp"
+
+#include <limits>
+
+namespace graze::reference {
+
+namespace {
+
+/// Tangents of neighbouring samples enclose less than this angle.
+constexpr double least_cosine = 0.995;
+constexpr double smallest_step = 1e-9;
+/// Where a doubled family begins: the largest change of an event's coordinate from the doubling. The larger ones are for families
+/// whose parameter hardly changes at first: in double their equations are too close to singular there.
+constexpr std::array<double, 3> first_amplitudes = {1e-4, 1e-3, 1e-2};
+/// Of Newton's method for orbits an amplitude 1e-6 away from a doubling: their equations are that close to singular.
+const Quad beside_singular = Quad(1e-20);
+
+Values<double> difference(const Values<double>& a, const Values<double>& b) {
+  Values<double> out = a;
+  for (std::size_t k = 0; k < a.size(); ++k) out[k] -= b[k];
+  return out;
+}
+
+double product(const Values<double>& a, const Values<double>& b, const Values<double>& weights) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < a.size(); ++k) sum += weights[k] * weights[k] * a[k] * b[k];
+  return sum;
+}
+
+double length(const Values<double>& a, const Values<double>& weights) { return std::sqrt(product(a, a, weights)); }
+
+/// Orbits between two samples by a coordinate from 0 to 1 along their chord.
+struct Chord {
+  const Frame& frame;
+  Values<double> weights, a, b;
+
+  template <class Real>
+  Constraint<Real> at(Real lambda) const {
+    Constraint<Real> out{{}, Real(0)};
+    for (std::size_t k = 0; k < a.size(); ++k) {
+      out.row.push_back(Real(weights[k] * weights[k] * (b[k] - a[k])));
+      out.value += out.row[k] * (Real(a[k]) + lambda * Real(b[k] - a[k]));
+    }
+    return out;
+  }
+  template <class Real>
+  Values<Real> guess(Real lambda) const {
+    Values<Real> out;
+    for (std::size_t k = 0; k < a.size(); ++k) out.push_back(Real(a[k]) + lambda * Real(b[k] - a[k]));
+    return out;
+  }
+  std::optional<Values<double>> orbit(double lambda) const { return corrected(frame, guess(lambda), at(lambda)); }
+};
+
+/// Where `condition` (of an orbit in double) changes sign between 0 and `last`, by bisection.
+template <class Condition>
+std::optional<double> bisected(const Chord& chord, const Condition& condition, double last = 1.0) {
+  double low = 0.0, high = last;
+  const std::optional<Values<double>> first = chord.orbit(low), other = chord.orbit(high);
+  if (!first || !other) return std::nullopt;
+  const bool sign = condition(*first) > 0.0;
+  if ((condition(*other) > 0.0) == sign) return std::nullopt;
+  for (int k = 0; k < 44; ++k) {
+    const double middle = 0.5 * (low + high);
+    const std::optional<Values<double>> y = chord.orbit(middle);
+    if (!y) return std::nullopt;
+    ((condition(*y) > 0.0) == sign ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+struct Root {
+  Quad lambda{};
+  double error = 0.0;  ///< of lambda
+  Values<Quad> y;
+};
+
+/// Secants in Quad from a place known in double.
+template <class Condition>
+std::optional<Root> refined(const Chord& chord, double lambda, const Condition& condition) {
+  Quad a = lambda, b = Quad(lambda) + Quad(1e-8);
+  std::optional<Values<Quad>> y = corrected(chord.frame, chord.guess(a), chord.at(a), 20);
+  if (!y) return std::nullopt;
+  Quad value_a = condition(*y);
+  double change = 1.0;
+  for (int k = 0; k < 12; ++k) {
+    y = corrected(chord.frame, *y, chord.at(b), 20);
+    if (!y) return std::nullopt;
+    const Quad value_b = condition(*y);
+    if (value_b == value_a || value_b == Quad(0)) break;
+    const Quad next = b - value_b * (b - a) / (value_b - value_a);
+    change = static_cast<double>(magnitude(next - b));
+    a = b;
+    value_a = value_b;
+    b = next;
+    if (change < 1e-26) break;
+  }
+  y = corrected(chord.frame, *y, chord.at(b), 20);
+  if (!y || magnitude(b - Quad(lambda)) > Quad(1e-5)) return std::nullopt;
+  return Root{b, change, *y};
+}
+
+/// z with J(-1) z = 0: by inverse iteration.
+Values<Quad> antiperiodic(const Frame& frame, const Values<Quad>& y) {
+  const Table<Quad> J = jacobian(frame, y, Quad(-1));
+  Values<Quad> z;
+  for (std::size_t k = 0; k < frame.size(); ++k) z.push_back(Quad(1) / Quad(static_cast<double>(k) + 1.5));
+  for (int k = 0; k < 3; ++k) {
+    if (solve(J, z) == Quad(0)) break;
+    Quad largest(0);
+    for (const Quad& entry : z) largest = std::max(largest, magnitude(entry));
+    for (Quad& entry : z) entry /= largest;
+  }
+  return z;
+}
+
+int sign_of(Quad value) { return value > Quad(0) ? 1 : value < Quad(0) ? -1 : 0; }
+
+Frame doubled_frame(Frame frame) {
+  frame.impacts *= 2;
+  frame.periods *= 2;
+  return frame;
+}
+
+/// The orbit as one of twice the period.
+Values<Quad> twice(const Frame& frame, const Values<Quad>& y) {
+  Values<Quad> out(y.begin(), y.end() - 1);
+  for (std::size_t k = 0; k < frame.size(); ++k)
+    out.push_back(y[k] + (k % 2 == 0 ? Quad(2 * frame.periods) * pi<Quad>() : Quad(0)));
+  out.push_back(y.back());
+  return out;
+}
+
+/// The doubled orbit of amplitude e beside the doubling y.
+std::optional<Values<Quad>> doubled_orbit(const Frame& frame, const Values<Quad>& y, Quad e) {
+  const std::size_t n = frame.size();
+  const Values<Quad> z = antiperiodic(frame, y);
+  Constraint<Quad> constraint{Values<Quad>(2 * n + 1, Quad(0)), Quad(0)};
+  const Values<Quad> same = twice(frame, y);
+  Values<Quad> guess = same;
+  for (std::size_t k = 0; k < n; ++k) {
+    constraint.row[k] = z[k];
+    constraint.row[k + n] = -z[k];
+    constraint.value += z[k] * (same[k] - same[k + n]) + e * Quad(2) * z[k] * z[k];
+    guess[k] += e * z[k];
+    guess[k + n] -= e * z[k];
+  }
+  return corrected(doubled_frame(frame), guess, constraint, 30, beside_singular);
+}
+
+/// Sign of c in p = p_0 + c e^2 of the doubled orbits; nothing if two amplitudes disagree.
+std::optional<int> doubled_side(const Frame& frame, const Values<Quad>& y) {
+  std::optional<Quad> curvature;
+  for (const double amplitude : {1e-5, 1e-6}) {
+    const std::optional<Values<Quad>> orbit = doubled_orbit(frame, y, Quad(amplitude));
+    if (!orbit) return std::nullopt;
+    const Quad now = (orbit->back() - y.back()) / (Quad(amplitude) * Quad(amplitude));
+    if (curvature && magnitude(now - *curvature) > Quad(0.05) * magnitude(now)) return std::nullopt;
+    curvature = now;
+  }
+  return sign_of(*curvature);
+}
+
+/// The orbit at p beside the root, on the chord: delta in lambda.
+std::optional<Values<Quad>> beside(const Chord& chord, const Root& root, double delta) {
+  return corrected(chord.frame, root.y, chord.at(root.lambda + Quad(delta)), 20);
+}
+
+void judge_doubling(const Chord& chord, const Root& root, Located& point) {
+  point.side = doubled_side(chord.frame, root.y);
+  if (!point.side || *point.side == 0) return;
+  // Side of p where det(M + I) < 0.
+  std::optional<int> unstable;
+  for (const double delta : {1e-6, -1e-6}) {
+    const std::optional<Values<Quad>> y = beside(chord, root, delta);
+    if (!y) return;
+    const Invariants<Quad> M = monodromy(chord.frame, *y);
+    if (Quad(1) + M.trace + M.determinant < Quad(0)) unstable = sign_of(y->back() - root.y.back());
+  }
+  if (unstable) point.supercritical = *unstable == *point.side;
+}
+
+/// Sign of c in p = p_0 + c w of the orbits with one impact more, of speed w.
+std::optional<int> added_side(const Frame& frame, const Values<Quad>& y, const Summit<Quad>& summit) {
+  Frame more = frame;
+  more.impacts += 1;
+  const std::size_t k = 2 * static_cast<std::size_t>(summit.leg) + 2;
+  const Quad phase = y[k - 2] + frame.at(y.back())[ETA] * summit.time;
+  std::optional<int> side;
+  for (const double speed : {1e-6, 1e-7}) {
+    Values<Quad> guess = y;
+    guess.insert(guess.begin() + static_cast<std::ptrdiff_t>(k), {phase, Quad(speed)});
+    Constraint<Quad> constraint{Values<Quad>(more.size() + 1, Quad(0)), Quad(speed)};
+    constraint.row[k + 1] = Quad(1);
+    const std::optional<Values<Quad>> orbit = corrected(more, guess, constraint, 30);
+    if (!orbit) return std::nullopt;
+    const int now = sign_of(orbit->back() - y.back());
+    if (side && now != *side) return std::nullopt;
+    side = now;
+  }
+  return side;
+}
+
+/// At a lost grazing: whether impact i is lost. Where the orbit becomes one of a lower period, several are lost at once.
+bool is_lost(const Values<Quad>& y, std::size_t i) { return magnitude(y[2 * i + 1]) < Quad(1e-15); }
+
+int count_lost(const Frame& frame, const Values<Quad>& y) {
+  int count = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(frame.impacts); ++i) count += is_lost(y, i) ? 1 : 0;
+  return count;
+}
+
+/// Sign of p - p_0 where the orbit without the impacts that are lost (v_i = 0) stays below the barrier.
+std::optional<int> removed_side(const Frame& frame, const Values<Quad>& y) {
+  const Quad p = y.back(), h = Quad(1e-8) * (Quad(1e-3) + magnitude(p)), turn = Quad(2 * frame.periods) * pi<Quad>();
+  std::optional<int> side;
+  Frame fewer = frame;
+  fewer.impacts -= count_lost(frame, y);
+  if (fewer.impacts == 0) {
+    for (const int sign : {-1, 1}) {
+      const Parameters<Quad> q = frame.at(p + Quad(sign) * h);
+      if (impactless_amplitude(q) < q[R]) side = sign;
+    }
+    return side;
+  }
+  Values<Quad> rest;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(frame.impacts); ++i)
+    if (!is_lost(y, i)) rest.insert(rest.end(), {y[2 * i], y[2 * i + 1]});
+  rest.push_back(p);
+  int found = 0;
+  for (const int sign : {-1, 1}) {
+    const std::optional<Values<Quad>> orbit = corrected(fewer, rest, fixed_parameter(fewer, p + Quad(sign) * h), 30);
+    if (!orbit) return std::nullopt;
+    bool below = true;
+    int kept = 0;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(frame.impacts); ++i) {
+      if (!is_lost(y, i)) {
+        ++kept;
+        continue;
+      }
+      // On the flight of the impact kept before it, which may be the last one of the periods before.
+      const int before = (kept + fewer.impacts - 1) % fewer.impacts;
+      const Quad from = rest[2 * static_cast<std::size_t>(before)] - (kept == 0 ? turn : Quad(0));
+      below = below && polished_summit(fewer, *orbit, before, (y[2 * i] - from) / fewer.at(p)[ETA]).height < Quad(0);
+    }
+    if (!below) continue;
+    side = sign;
+    ++found;
+  }
+  return found == 1 ? side : std::nullopt;
+}
+
+/// Sign of p - p_0 just before the root.
+std::optional<int> family_side(const Chord& chord, const Root& root) {
+  const std::optional<Values<Quad>> y = beside(chord, root, -1e-6);
+  if (!y) return std::nullopt;
+  return sign_of(y->back() - root.y.back());
+}
+
+std::optional<Values<double>> tangent_at(const Frame& frame, const Values<double>& y, const Values<double>& along,
+                                         const Values<double>& weights) {
+  Values<double> row, t(frame.size(), 0.0);
+  for (std::size_t k = 0; k < along.size(); ++k) row.push_back(weights[k] * weights[k] * along[k]);
+  t.push_back(1.0);
+  if (solve(bordered(frame, y, row), t) == 0.0) return std::nullopt;
+  const double size = length(t, weights);
+  if (!(size > 0.0) || !std::isfinite(size)) return std::nullopt;
+  for (double& entry : t) entry /= size;
+  return t;
+}
+
+/// y with its impacts renumbered from j on, and moved by whole periods as near as can be to `near`.
+Values<double> rotated(const Frame& frame, const Values<double>& y, std::size_t j, const Values<double>& near) {
+  const std::size_t m = static_cast<std::size_t>(frame.impacts);
+  Values<double> out;
+  for (std::size_t i = 0; i < m; ++i) {
+    const std::size_t from = (i + j) % m;
+    out.push_back(y[2 * from] + (i + j >= m ? 2.0 * pi<double>() * frame.periods : 0.0));
+    out.push_back(y[2 * from + 1]);
+  }
+  out.push_back(y.back());
+  const double shift = 2.0 * pi<double>() * std::round((near[0] - out[0]) / (2.0 * pi<double>()));
+  for (std::size_t i = 0; i < m; ++i) out[2 * i] += shift;
+  return out;
+}
+
+/// Where the parameter is p on the chord, between whose `ends` (its own, and the folds on it) it is monotonic. A p that is beyond
+/// an end by no more than rounding is the end's.
+std::vector<double> places_on(const Chord& chord, double p, const std::vector<double>& ends) {
+  const auto value = [&](double lambda) {
+    const std::optional<Values<double>> y = chord.orbit(lambda);
+    return y ? y->back() - p : std::numeric_limits<double>::quiet_NaN();
+  };
+  const double rounding = 1e-13 * (1.0 + std::fabs(p));
+  std::vector<double> out;
+  for (std::size_t k = 0; k + 1 < ends.size(); ++k) {
+    double low = ends[k], high = ends[k + 1], at_low = value(low), at_high = value(high);
+    if (std::fabs(at_low) <= rounding) out.push_back(low);
+    if ((at_low > 0.0) != (at_high > 0.0)) {
+      for (int step = 0; step < 60 && high - low > 1e-13; ++step) {
+        // Regula falsi, bisection now and then.
+        const double next = step % 3 == 2 ? 0.5 * (low + high) : low + (high - low) * at_low / (at_low - at_high);
+        const double here = value(next);
+        if (here == 0.0) {
+          low = high = next;
+        } else if ((here > 0.0) == (at_low > 0.0)) {
+          low = next;
+          at_low = here;
+        } else {
+          high = next;
+          at_high = here;
+        }
+      }
+      out.push_back(0.5 * (low + high));
+    }
+    if (std::fabs(at_high) <= rounding) out.push_back(high);
+  }
+  return out;
+}
+
+class Follower {
+ public:
+  Follower(const Frame& frame, const Values<double>& start, const Range& range, const Values<double>& along,
+           const FollowOptions& options)
+      : options_(options) {
+    family_.frame = frame;
+    family_.range = range;
+    double speed = 0.1 * std::max(std::fabs(frame.at(start.back())[R]), std::fabs(frame.at(start.back())[XI]));
+    for (std::size_t k = 1; k < frame.size(); k += 2) speed = std::max(speed, start[k]);
+    for (std::size_t k = 0; k < frame.size(); ++k) family_.weights.push_back(k % 2 == 0 ? 1.0 : 1.0 / speed);
+    family_.weights.push_back(2.0 / (range.high - range.low));
+    family_.samples.push_back({0.0, start});
+    const std::optional<Values<double>> first = tangent_at(frame, start, along, family_.weights);
+    if (first) first_ = tangent_ = *first;
+  }
+
+  Family run() {
+    double h = 1e-4;
+    while (!tangent_.empty() && static_cast<int>(family_.samples.size()) < options_.most && h > smallest_step) {
+      const std::optional<Values<double>> next = step(h);
+      if (!next) {
+        h *= 0.5;
+        continue;
+      }
+      if (take(*next)) return family_;
+      h = std::min(options_.step, 1.3 * h);
+    }
+    family_.end = End::broken;
+    family_.end_value = family_.samples.back().y.back();
+    return family_;
+  }
+
+ private:
+  std::optional<Values<double>> step(double h) {
+    const Values<double>& here = family_.samples.back().y;
+    Values<double> guess = here;
+    Constraint<double> constraint{{}, 0.0};
+    for (std::size_t k = 0; k < here.size(); ++k) {
+      guess[k] += h * tangent_[k];
+      constraint.row.push_back(family_.weights[k] * family_.weights[k] * tangent_[k]);
+      constraint.value += constraint.row[k] * guess[k];
+    }
+    const std::optional<Values<double>> y = corrected(family_.frame, guess, constraint, 6);
+    if (!y || length(difference(*y, guess), family_.weights) > 0.2 * h) return std::nullopt;
+    const std::optional<Values<double>> t = tangent_at(family_.frame, *y, tangent_, family_.weights);
+    if (!t || product(*t, tangent_, family_.weights) < least_cosine) return std::nullopt;
+    next_tangent_ = *t;
+    return y;
+  }
+
+  /// The step to `next`: its points, and whether the family ends in it.
+  bool take(const Values<double>& next) {
+    const Frame& frame = family_.frame;
+    const Sample last = family_.samples.back();
+    const Chord chord{frame, family_.weights, last.y, next};
+    const double size = length(difference(next, last.y), family_.weights);
+    double limit = 1.0;
+    std::optional<End> end;
+    std::optional<Located> grazing;
+    const auto end_at = [&](End what, double lambda) {
+      if (lambda >= limit) return;
+      limit = lambda;
+      end = what;
+      grazing.reset();
+    };
+    for (const double bound : {family_.range.low, family_.range.high}) {
+      const double side = bound == family_.range.low ? 1.0 : -1.0;
+      if (side * (next.back() - bound) < 0.0) {
+        // From a start on the bound itself the place is not bracketed; it left inwards.
+        const auto inside = [&](const Values<double>& y) { return side * (y.back() - bound); };
+        const std::optional<double> lambda = bisected(chord, inside);
+        if (!lambda) return broken();
+        end_at(End::bound, *lambda);
+        bound_ = bound;
+      }
+    }
+    for (std::size_t i = 0; i < static_cast<std::size_t>(frame.impacts); ++i)
+      if (next[2 * i + 1] <= 0.0) {
+        const std::optional<double> lambda = bisected(chord, [i](const Values<double>& y) { return y[2 * i + 1]; });
+        if (!lambda) return broken();
+        if (*lambda >= limit) continue;
+        const std::optional<Root> root = refined(chord, *lambda, [i](const Values<Quad>& y) { return y[2 * i + 1]; });
+        if (!root) return broken();
+        end_at(End::grazing, *lambda);
+        Located point = located(Kind::GR, chord, *root, last.sigma, size);
+        point.which = i;
+        point.before = frame.impacts;
+        point.after = frame.impacts - count_lost(frame, root->y);
+        const std::optional<int> own = family_side(chord, *root), other = removed_side(frame, root->y);
+        if (own && other) point.persistence = *own != *other;
+        grazing = point;
+      }
+    // The other maxima of an orbit that loses its only impact reach the barrier with it: they count only if they come first.
+    const double before = end == End::grazing ? limit * (1.0 - 1e-7) : limit;
+    const std::optional<Values<double>> last_orbit = chord.orbit(before);
+    if (!last_orbit) return broken();
+    if (gap(frame, *last_orbit) > 0.0 && before > 1e-9) {
+      const std::optional<double> lambda = bisected(chord, [&](const Values<double>& y) { return gap(frame, y); }, before);
+      if (!lambda) return broken();
+      const std::optional<Values<double>> touching = chord.orbit(*lambda);
+      if (!touching) return broken();
+      const std::vector<Summit<double>> all = summits(frame, *touching);
+      if (all.empty()) return broken();
+      const Summit<double> top = all.front();
+      const auto height = [&](const Values<Quad>& y) { return polished_summit(frame, y, top.leg, Quad(top.time)).height; };
+      const std::optional<Root> root = refined(chord, *lambda, height);
+      if (!root) return broken();
+      end_at(End::grazing, *lambda);
+      Located point = located(Kind::GR, chord, *root, last.sigma, size);
+      point.gained = true;
+      point.which = static_cast<std::size_t>(top.leg);
+      point.before = frame.impacts;
+      point.after = frame.impacts + 1;
+      const std::optional<int> own = family_side(chord, *root);
+      const std::optional<int> other =
+          added_side(frame, root->y, polished_summit(frame, root->y, top.leg, Quad(top.time)));
+      if (own && other) point.persistence = *own != *other;
+      grazing = point;
+    }
+    if (frame.at(next.back())[K_R] == 0.0 && pressing(frame, next) >= 0.0) {
+      const std::optional<double> lambda = bisected(chord, [&](const Values<double>& y) { return pressing(frame, y); });
+      if (!lambda) return broken();
+      end_at(End::sticking, *lambda);
+    }
+    if (const std::optional<double> lambda = closes(chord, size)) end_at(End::closed, *lambda);
+
+    if (halves(chord)) {
+      family_.end = End::halved;
+      family_.end_value = last.y.back();
+      return true;
+    }
+
+    std::vector<Located> found;
+    for (const int kappa : {1, -1}) {
+      const double a = condition(frame, last.y, kappa), b = condition(frame, next, kappa);
+      if ((a > 0.0) == (b > 0.0)) continue;
+      const std::optional<double> lambda = bisected(chord, [&](const Values<double>& y) { return condition(frame, y, kappa); });
+      if (!lambda) return broken();
+      if (*lambda >= limit) continue;
+      const std::optional<Root> root =
+          refined(chord, *lambda, [&](const Values<Quad>& y) { return condition(frame, y, kappa); });
+      if (!root) return broken();
+      Located point = located(kappa == 1 ? Kind::LP : Kind::PD, chord, *root, last.sigma, size);
+      if (kappa == -1) judge_doubling(chord, *root, point);
+      found.push_back(point);
+    }
+    std::sort(found.begin(), found.end(), [](const Located& one, const Located& other) { return one.sigma < other.sigma; });
+    family_.points.insert(family_.points.end(), found.begin(), found.end());
+    if (end) {
+      const std::optional<Values<double>> y = chord.orbit(limit);
+      if (!y) return broken();
+      family_.samples.push_back({last.sigma + limit * size, *y});
+      if (grazing) family_.points.push_back(*grazing);
+      family_.end = *end;
+      family_.end_value = *end == End::bound ? bound_ : *end == End::grazing ? static_cast<double>(grazing->value) : y->back();
+      return true;
+    }
+    family_.samples.push_back({last.sigma + size, next});
+    tangent_ = next_tangent_;
+    return false;
+  }
+
+  bool broken() {
+    family_.end = End::broken;
+    family_.end_value = family_.samples.back().y.back();
+    return true;
+  }
+
+  Located located(Kind kind, const Chord& chord, const Root& root, double sigma, double size) const {
+    Located out;
+    out.kind = kind;
+    out.value = root.y.back();
+    out.error = root.error * std::fabs(chord.b.back() - chord.a.back());
+    out.sigma = sigma + static_cast<double>(root.lambda) * size;
+    out.orbit = root.y;
+    return out;
+  }
+
+  /// Where the step passes the start again, in the same direction.
+  std::optional<double> closes(const Chord& chord, double size) const {
+    const Values<double>& start = family_.samples.front().y;
+    if (family_.samples.size() < 3) return std::nullopt;
+    for (std::size_t j = 0; j < static_cast<std::size_t>(family_.frame.impacts); ++j) {
+      const Values<double> a = rotated(family_.frame, chord.a, j, start), b = rotated(family_.frame, chord.b, j, start);
+      const Values<double> step = difference(b, a);
+      const double lambda = product(difference(start, a), step, family_.weights) / (size * size);
+      if (!(lambda > 0.0 && lambda <= 1.0) || product(step, first_, family_.weights) < 0.9 * size) continue;
+      const std::optional<Values<double>> y = chord.orbit(lambda);
+      if (!y) continue;
+      if (length(difference(rotated(family_.frame, *y, j, start), start), family_.weights) < 1e-7) return lambda;
+    }
+    return std::nullopt;
+  }
+
+  /// Whether both halves of the orbit become the same on the chord. The family of the undoubled orbits passes there too, and the
+  /// step may have gone over to it.
+  bool halves(const Chord& chord) const {
+    constexpr double same = 1e-7;
+    const std::size_t n = family_.frame.size() / 2;
+    if (family_.frame.impacts % 2 != 0 || family_.frame.periods % 2 != 0) return false;
+    const auto unlike = [&](const Values<double>& y) {
+      Values<double> out;
+      for (std::size_t k = 0; k < n; ++k) {
+        const double shift = k % 2 == 0 ? pi<double>() * family_.frame.periods : 0.0;
+        out.push_back(family_.weights[k] * (y[k + n] - y[k] - shift));
+      }
+      return out;
+    };
+    const Values<double> a = unlike(chord.a), b = unlike(chord.b);
+    double sum = 0.0, size = 0.0;
+    for (std::size_t k = 0; k < n; ++k) {
+      sum += a[k] * b[k];
+      size += b[k] * b[k];
+    }
+    return sum < 0.0 || size < same * same;
+  }
+
+  FollowOptions options_;
+  Family family_;
+  Values<double> first_, tangent_, next_tangent_;
+  double bound_ = 0.0;
+};
+
+}  // namespace
+
+Family follow(const Frame& frame, const Values<double>& start, const Range& range, int direction, const FollowOptions& options) {
+  Values<double> along(start.size(), 0.0);
+  along.back() = direction;
+  return Follower(frame, start, range, along, options).run();
+}
+
+Family follow_both_ways(const Frame& frame, const Values<double>& start, const Range& range, const FollowOptions& options) {
+  Family back = follow(frame, start, range, -1, options);
+  if (back.end == End::closed || back.end == End::broken) return back;
+  Family on = follow(frame, start, range, 1, options);
+  if (on.end == End::broken) return on;
+  // One after the other, with the weights that both have.
+  const double turn = back.samples.back().sigma;
+  Family out = on;
+  for (Sample& sample : out.samples) sample.sigma += turn;
+  for (Located& point : out.points) point.sigma += turn;
+  std::vector<Sample> samples;
+  for (std::size_t k = back.samples.size(); k-- > 1;) samples.push_back({turn - back.samples[k].sigma, back.samples[k].y});
+  out.samples.insert(out.samples.begin(), samples.begin(), samples.end());
+  for (Located& point : back.points) {
+    point.sigma = turn - point.sigma;
+    std::swap(point.before, point.after);
+  }
+  std::reverse(back.points.begin(), back.points.end());
+  out.points.insert(out.points.begin(), back.points.begin(), back.points.end());
+  return out;
+}
+
+std::optional<Family> follow_doubled(const Family& parent, const Located& doubling, const FollowOptions& options) {
+  if (!doubling.side) return std::nullopt;
+  Values<double> along = converted<double>(antiperiodic(parent.frame, doubling.orbit));
+  for (std::size_t k = 0; k < parent.frame.size(); ++k) along.push_back(-along[k]);
+  along.push_back(0.0);
+  for (const double amplitude : first_amplitudes) {
+    const std::optional<Values<Quad>> orbit = doubled_orbit(parent.frame, doubling.orbit, Quad(amplitude));
+    if (!orbit) return std::nullopt;
+    const Values<double> start = converted<double>(*orbit);
+    if (start.back() < parent.range.low || start.back() > parent.range.high) return std::nullopt;
+    Family found = Follower(doubled_frame(parent.frame), start, parent.range, along, options).run();
+    if (found.end == End::broken) continue;
+    found.origin = converted<double>(twice(parent.frame, doubling.orbit));
+    if (found.end == End::halved) {
+      // At the nearest other doubling of the parent.
+      double least = 1e300;
+      for (const Located& other : parent.points) {
+        if (other.kind != Kind::PD || &other == &doubling) continue;
+        const double far = apart(states_of(found.frame, converted<double>(twice(parent.frame, other.orbit))),
+                                 states_of(found.frame, found.samples.back().y));
+        if (far < least) found.end_value = static_cast<double>(other.value);
+        least = std::min(least, far);
+      }
+    }
+    return found;
+  }
+  return std::nullopt;
+}
+
+std::vector<State> states_of(const Frame& frame, const Values<double>& y) {
+  const Parameters<double> q = frame.at(y.back());
+  const double turn = 2.0 * pi<double>();
+  std::vector<State> out;
+  double next = turn * std::ceil(y[0] / turn);
+  for (int i = 0; i < frame.impacts; ++i) {
+    const Leg<double> here = leg(frame, y, i);
+    const double end = here.phase + q[ETA] * here.duration;
+    for (; next < end && static_cast<int>(out.size()) < frame.periods; next += turn) {
+      const Motion<double> at = flight(q, here.phase, here.start, (next - here.phase) / q[ETA]);
+      out.push_back({at.x, at.v});
+    }
+  }
+  return out;
+}
+
+double apart(const std::vector<State>& one, const std::vector<State>& other) {
+  const std::size_t n = one.size();
+  double best = 1e300;
+  if (n != other.size()) return best;
+  for (std::size_t j = 0; j < n; ++j) {
+    double far = 0.0;
+    for (std::size_t k = 0; k < n; ++k)
+      for (std::size_t c = 0; c < 2; ++c) far = std::max(far, std::fabs(one[(k + j) % n][c] - other[k][c]));
+    best = std::min(best, far);
+  }
+  return best;
+}
+
+std::vector<Place> places(const Family& family, double p, const std::vector<State>& states, double tolerance) {
+  std::vector<Place> out;
+  const Frame& frame = family.frame;
+  for (std::size_t i = 0; i + 1 < family.samples.size(); ++i) {
+    const Sample &a = family.samples[i], &b = family.samples[i + 1];
+    const double size = b.sigma - a.sigma, rounding = 1e-13 * (1.0 + std::fabs(p));
+    double low = std::min(a.y.back(), b.y.back()), high = std::max(a.y.back(), b.y.back());
+    std::vector<double> ends = {0.0};
+    for (const Located& point : family.points) {
+      if (point.kind != Kind::LP || point.sigma < a.sigma || point.sigma >= b.sigma) continue;
+      ends.push_back((point.sigma - a.sigma) / size);
+      low = std::min(low, static_cast<double>(point.value));
+      high = std::max(high, static_cast<double>(point.value));
+    }
+    ends.push_back(1.0);
+    if (p < low - rounding || p > high + rounding) continue;
+    const Chord chord{frame, family.weights, a.y, b.y};
+    for (const double lambda : places_on(chord, p, ends)) {
+      const std::optional<Values<double>> y = chord.orbit(lambda);
+      if (!y) continue;
+      const double distance = apart(states_of(frame, *y), states), sigma = a.sigma + lambda * size;
+      if (distance > tolerance) continue;
+      if (out.empty() || sigma - out.back().sigma > 1e-9 * size)
+        out.push_back({sigma, distance, *y});
+      else if (distance < out.back().distance)
+        out.back() = {sigma, distance, *y};
+    }
+  }
+  return out;
+}
+
+const char* name(Kind kind) { return kind == Kind::LP ? "LP" : kind == Kind::PD ? "PD" : "GR"; }
+
+const char* name(End end) {
+  switch (end) {
+  case End::bound:
+    return "bound";
+  case End::grazing:
+    return "grazing";
+  case End::closed:
+    return "closed";
+  case End::sticking:
+    return "sticking";
+  case End::halved:
+    return "halved";
+  case End::broken:
+    break;
+  }
+  return "broken";
+}
+
+}  // namespace graze::reference

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Any number of random cases on request:
+//
+//     random_cases [--command continue|diagram] [--cases N] [--seed S] [--first K] [--param eta|xi|r|k_r|b] [--most-impacts M] [--patience SECONDS]
+//                  [--time SECONDS] [--program PATH]
+//
+// One line for each case that fails, with the command that shows it; then how often each kind of complaint appears. The exit code
+// is 0 only if none failed.
+#include "runner.hpp"
+
+#include <cstdlib>
+#include <iostream>
+#include <stdexcept>
+
+using namespace graze::reference;
+
+namespace {
+
+Plan plan_of(int argc, char** argv) {
+  Plan plan;
+  plan.program = GRAZE_PROGRAM;
+  plan.problem = GRAZE_DATA_DIR "/problems/newton-elastic.toml";
+  for (int i = 1; i < argc; i += 2) {
+    const std::string name = argv[i];
+    if (i + 1 == argc) throw std::invalid_argument(name + ": a value is missing");
+    const std::string value = argv[i + 1];
+    if (name == "--cases")
+      plan.cases = std::stoull(value);
+    else if (name == "--seed")
+      plan.seed = std::stoull(value);
+    else if (name == "--first")
+      plan.first = std::stoull(value);
+    else if (name == "--most-impacts")
+      plan.most_impacts = std::stoi(value);
+    else if (name == "--patience")
+      plan.patience = std::stod(value);
+    else if (name == "--time")
+      plan.time = std::stod(value);
+    else if (name == "--command") {
+      if (value != "continue" && value != "diagram") throw std::invalid_argument("--command: continue or diagram, not " + value);
+      plan.skeletons = value == "diagram";
+    } else if (name == "--program")
+      plan.program = value;
+    else if (name == "--param") {
+      for (std::size_t k = 0; k < parameter_names.size(); ++k)
+        if (parameter_names[k] == value) plan.name = k;
+      if (!plan.name) throw std::invalid_argument("--param: no parameter " + value);
+    } else
+      throw std::invalid_argument("unknown option " + name);
+  }
+  return plan;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    const Plan plan = plan_of(argc, argv);
+    const Summary summary = run(plan, std::cout);
+    std::cout << summary.cases << " cases, " << summary.families << " families compared, " << summary.unresolved << " not, " << summary.undecided << " undecided, "
+              << summary.failed << " failed\n";
+    for (const auto& [kind, count] : summary.kinds) std::cout << "  " << count << "  " << kind << "\n";
+    return summary.failed == 0 ? 0 : 1;
+  } catch (const std::exception& error) {
+    std::cerr << error.what() << "\n";
+    return 2;
+  }
+}

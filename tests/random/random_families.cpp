@@ -1,0 +1,316 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The random tester: its reference against the closed form, its checker against mutations of right answers, and the program
+// against both. More cases and other seeds: the program random_cases (main.cpp), or these variables of the environment for the
+// last two test cases: GRAZE_RANDOM_CASES, GRAZE_RANDOM_SKELETONS, GRAZE_RANDOM_SEED.
+#include "one_impact.hpp"
+#include "runner.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <cstdlib>
+#include <functional>
+#include <sstream>
+
+using namespace graze::reference;
+
+namespace {
+
+Family followed(const Case& one) { return follow(one.frame, one.start, one.range(), one.direction()); }
+
+/// The family's own answer, with what a mutation has done to it.
+std::vector<Complaint> mutated(const Family& family, const std::function<bool(AnswerBranch&)>& mutate, bool& applied) {
+  AnswerBranch branch = answer_of(family, 1);
+  applied = mutate(branch);
+  return compare(family, branch);
+}
+
+AnswerSpecial* first_of(AnswerBranch& branch, const std::string& type) {
+  for (AnswerSpecial& special : branch.special_points)
+    if (special.type == type) return &special;
+  return nullptr;
+}
+
+/// Twelfth decimal of the value, and its error bar with it.
+bool moved(AnswerBranch& branch, double by) {
+  if (branch.special_points.empty()) return false;
+  AnswerSpecial& special = branch.special_points.front();
+  const double step = by * std::max(1.0, std::fabs(special.value));
+  special.value += step;
+  special.interval = {special.interval[0] + step, special.interval[1] + step};
+  return true;
+}
+
+std::string variable(const char* name, const std::string& otherwise) {
+  const char* value = std::getenv(name);
+  return value ? value : otherwise;
+}
+
+}  // namespace
+
+TEST_CASE("the reference of the random tester agrees with the closed form of one-impact orbits") {
+  int points = 0;
+  for (std::uint64_t k = 0; k < 60; ++k) {
+    const Case one = random_case(7, k);
+    const Family family = followed(one);
+    INFO(arguments(one));
+    REQUIRE(family.end != End::broken);
+    for (const Sample& sample : family.samples) {
+      const OneImpactForm<double> form = one_impact(one.frame.at(sample.y.back()), one.frame.periods);
+      const double v = sample.y[1], amplitude = impactless_amplitude(form.q);
+      // What a relative error of the parameter and the speed makes of the three terms.
+      const double size = form.a() * v * v + std::fabs(form.h() * v) + form.q[R] * form.q[R] + amplitude * amplitude;
+      CHECK(std::fabs(form.mismatch(v)) < 1e-9 * size);
+    }
+    for (const Located& point : family.points) {
+      const Quad v = point.orbit[1];
+      const OneImpactForm<Quad> form = one_impact(one.frame.at(point.value), one.frame.periods);
+      const Quad expected = point.kind == Kind::LP   ? form.fold_speed()
+                            : point.kind == Kind::PD ? form.flip_speed()
+                            : point.gained           ? v
+                                                     : Quad(0);
+      CHECK(static_cast<double>(magnitude(v - expected)) < 1e-18 * (1.0 + static_cast<double>(magnitude(expected))));
+      CHECK(static_cast<double>(magnitude(form.mismatch(v))) < 1e-20);
+      CHECK(point.error < 1e-20);
+      ++points;
+    }
+  }
+  CHECK(points > 40);
+}
+
+TEST_CASE("the checker of the random tester finds nothing in right answers and every mutation of them") {
+  const std::vector<std::pair<std::string, std::function<bool(AnswerBranch&)>>> mutations = {
+      {"a point is removed",
+       [](AnswerBranch& branch) {
+         if (branch.special_points.empty()) return false;
+         branch.special_points.erase(branch.special_points.begin());
+         return true;
+       }},
+      {"a point is given twice",
+       [](AnswerBranch& branch) {
+         if (branch.special_points.empty()) return false;
+         branch.special_points.push_back(branch.special_points.front());
+         return true;
+       }},
+      {"a value is moved up by 3e-12", [](AnswerBranch& branch) { return moved(branch, 3.1e-12); }},
+      {"a value is moved down by 3e-12", [](AnswerBranch& branch) { return moved(branch, -3.1e-12); }},
+      {"an error bar is too small",
+       [](AnswerBranch& branch) {
+         if (branch.special_points.empty()) return false;
+         AnswerSpecial& special = branch.special_points.front();
+         special.value += 4e-15 * (1.0 + std::fabs(special.value));
+         return true;
+       }},
+      {"a fold is called a doubling",
+       [](AnswerBranch& branch) {
+         AnswerSpecial* special = first_of(branch, "LP");
+         if (special) special->type = "PD";
+         return special != nullptr;
+       }},
+      {"a doubling is called a fold",
+       [](AnswerBranch& branch) {
+         AnswerSpecial* special = first_of(branch, "PD");
+         if (special) special->type = "LP";
+         return special != nullptr;
+       }},
+      {"the label has another number of impacts",
+       [](AnswerBranch& branch) {
+         if (branch.special_points.empty()) return false;
+         ++branch.special_points.front().impacts;
+         return true;
+       }},
+      {"lost and gained are exchanged",
+       [](AnswerBranch& branch) {
+         AnswerSpecial* special = first_of(branch, "GR");
+         if (special) special->kind = special->kind == "lost" ? "gained" : "lost";
+         return special != nullptr;
+       }},
+      {"impacts before and after a grazing are exchanged",
+       [](AnswerBranch& branch) {
+         AnswerSpecial* special = first_of(branch, "GR");
+         if (special) std::swap(special->change[0], special->change[1]);
+         return special != nullptr;
+       }},
+      {"the scenario is exchanged",
+       [](AnswerBranch& branch) {
+         AnswerSpecial* special = first_of(branch, "GR");
+         if (!special || special->scenario.empty()) return false;
+         special->scenario = special->scenario == "persistence" ? "nonsmooth-fold" : "persistence";
+         return true;
+       }},
+      {"the criticality is exchanged",
+       [](AnswerBranch& branch) {
+         AnswerSpecial* special = first_of(branch, "PD");
+         if (!special || special->criticality.empty()) return false;
+         special->criticality = special->criticality == "supercritical" ? "subcritical" : "supercritical";
+         return true;
+       }},
+      {"the branch is cut off, its reason kept",
+       [](AnswerBranch& branch) {
+         branch.points.resize(branch.points.size() / 3);
+         return true;
+       }},
+      {"the branch is called closed halfway",
+       [](AnswerBranch& branch) {
+         if (branch.stop == "returned") return false;
+         branch.points.resize(branch.points.size() / 2);
+         branch.stop = "returned";
+         branch.stop_value = branch.points.back().value;
+         return true;
+       }},
+      {"a piece in the middle is missing",
+       [](AnswerBranch& branch) {
+         const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(branch.points.size());
+         if (count < 100) return false;
+         branch.points.erase(branch.points.begin() + count / 4, branch.points.begin() + 3 * count / 4);
+         return true;
+       }},
+      {"two points are exchanged",
+       [](AnswerBranch& branch) {
+         const std::size_t count = branch.points.size();
+         std::swap(branch.points[count / 3], branch.points[2 * count / 3]);
+         return true;
+       }},
+      {"a point lies on another orbit",
+       [](AnswerBranch& branch) {
+         branch.points[branch.points.size() / 2].states.front()[1] += 1e-4 * 10.0;
+         return true;
+       }},
+      {"a grazing at the end is overrun",
+       [](AnswerBranch& branch) {
+         if (branch.stop != "grazing") return false;
+         branch.special_points.pop_back();
+         branch.stop = "reached_bound";
+         return true;
+       }},
+  };
+  std::vector<int> counts(mutations.size(), 0);
+  for (std::uint64_t k = 0; k < 40; ++k) {
+    const Case one = random_case(11, k);
+    std::vector<Family> families = {followed(one)};
+    REQUIRE(families[0].end != End::broken);
+    for (const Located& point : families[0].points)
+      if (point.kind == Kind::PD)
+        if (const std::optional<Family> doubled = follow_doubled(families[0], point)) families.push_back(*doubled);
+    for (const Family& family : families) {
+      // What ends at the onset of sticking or at its other doubling is followed by more than the reference says.
+      if (family.end == End::sticking || family.end == End::halved) continue;
+      INFO(arguments(one) << " " << family.frame.impacts << "/" << family.frame.periods);
+      for (const Complaint& complaint : compare(family, answer_of(family, 1))) FAIL_CHECK(complaint.text);
+      for (std::size_t m = 0; m < mutations.size(); ++m) {
+        INFO(mutations[m].first);
+        bool applied = false;
+        const std::vector<Complaint> complaints = mutated(family, mutations[m].second, applied);
+        if (!applied) continue;
+        ++counts[m];
+        CHECK_FALSE(complaints.empty());
+      }
+    }
+  }
+  for (std::size_t m = 0; m < mutations.size(); ++m) {
+    INFO(mutations[m].first);
+    CHECK(counts[m] > 0);
+  }
+}
+
+TEST_CASE("the checker of the random tester finds a doubled branch that is none") {
+  int doubled_families = 0;
+  for (std::uint64_t k = 0; k < 120 && doubled_families < 5; ++k) {
+    const Case one = random_case(13, k);
+    const Family family = followed(one);
+    Answer right;
+    right.branches.push_back(answer_of(family, 1));
+    for (std::size_t i = 0; i < family.points.size(); ++i) {
+      if (family.points[i].kind != Kind::PD) continue;
+      const std::optional<Family> doubled = follow_doubled(family, family.points[i]);
+      if (!doubled || doubled->end == End::halved || doubled->samples.size() < 50) continue;
+      AnswerBranch child = answer_of(*doubled, static_cast<int>(right.branches.size()) + 1);
+      child.parent = 1;
+      child.parent_label = right.branches[0].special_points[i].label;
+      right.branches.push_back(child);
+    }
+    if (right.branches.size() != 2 || family.end != End::bound) continue;
+    ++doubled_families;
+    INFO(arguments(one));
+    for (const Complaint& complaint : check(one, right).complaints) FAIL_CHECK(complaint.kind << ": " << complaint.text);
+    Answer wrong = right;
+    wrong.branches.pop_back();
+    CHECK_FALSE(check(one, wrong).complaints.empty());
+    wrong = right;
+    for (AnswerPoint& point : wrong.branches[1].points) point.impacts += 1;
+    CHECK_FALSE(check(one, wrong).complaints.empty());
+    // The parent's own orbits, as if doubled.
+    wrong = right;
+    wrong.branches[1].points.clear();
+    for (AnswerPoint point : right.branches[0].points) {
+      const std::vector<State> once = point.states;
+      point.states.insert(point.states.end(), once.begin(), once.end());
+      point.impacts *= 2;
+      wrong.branches[1].points.push_back(point);
+    }
+    CHECK_FALSE(check(one, wrong).complaints.empty());
+    // It begins far from its doubling.
+    wrong = right;
+    const std::ptrdiff_t half = static_cast<std::ptrdiff_t>(wrong.branches[1].points.size()) / 2;
+    wrong.branches[1].points.erase(wrong.branches[1].points.begin(), wrong.branches[1].points.begin() + half);
+    for (AnswerSpecial& special : wrong.branches[1].special_points)
+      special.after_point = std::max(0, special.after_point - static_cast<int>(half));
+    CHECK_FALSE(check(one, wrong).complaints.empty());
+  }
+  CHECK(doubled_families == 5);
+}
+
+TEST_CASE("the checker of the random tester finds what is missing in a skeleton, and what is there twice") {
+  for (std::uint64_t k = 0; k < 3; ++k) {
+    const SkeletonCase one = random_skeleton(17, k);
+    Answer right;
+    std::vector<std::size_t> first;
+    for (const Family& family : one_impact_families(one.frame, one.range, one.most_periods)) {
+      first.push_back(right.branches.size());
+      const Values<double>& start = family.samples[family.samples.size() / 2].y;
+      for (const int direction : {-1, 1}) {
+        const Family half = follow(family.frame, start, one.range, direction);
+        if (half.samples.size() > 3) right.branches.push_back(answer_of(half, static_cast<int>(right.branches.size()) + 1));
+        if (half.end == End::closed) break;
+      }
+    }
+    INFO(arguments(one));
+    for (const Complaint& complaint : check_skeleton(one, right).complaints)
+      if (complaint.kind != "family twice") FAIL_CHECK(complaint.kind << ": " << complaint.text);
+    for (const std::size_t i : first) {
+      Answer wrong = right;
+      wrong.branches.erase(wrong.branches.begin() + static_cast<std::ptrdiff_t>(i));
+      CHECK_FALSE(check_skeleton(one, wrong).complaints.empty());
+    }
+  }
+}
+
+TEST_CASE("continuation of random one-impact orbits agrees with the closed form") {
+  Plan plan;
+  plan.program = GRAZE_PROGRAM;
+  plan.problem = GRAZE_DATA_DIR "/problems/newton-elastic.toml";
+  plan.cases = std::stoull(variable("GRAZE_RANDOM_CASES", "400"));
+  plan.seed = std::stoull(variable("GRAZE_RANDOM_SEED", "1"));
+  plan.most_impacts = 6;
+  std::ostringstream lines;
+  const Summary summary = run(plan, lines);
+  INFO(lines.str());
+  CHECK(summary.cases == plan.cases);
+  CHECK(summary.undecided * 50 <= summary.cases);
+  CHECK(summary.failed == 0);
+}
+
+TEST_CASE("skeletons of random ranges contain every family of one-impact orbits") {
+  Plan plan;
+  plan.program = GRAZE_PROGRAM;
+  plan.problem = GRAZE_DATA_DIR "/problems/newton-elastic.toml";
+  plan.skeletons = true;
+  plan.cases = std::stoull(variable("GRAZE_RANDOM_SKELETONS", "6"));
+  plan.seed = std::stoull(variable("GRAZE_RANDOM_SEED", "1"));
+  plan.most_impacts = 6;
+  plan.patience = 300.0;
+  std::ostringstream lines;
+  const Summary summary = run(plan, lines);
+  INFO(lines.str());
+  CHECK(summary.cases == plan.cases);
+  CHECK(summary.failed == 0);
+}
