@@ -36,7 +36,15 @@ std::optional<PeriodicOrbit> half_of(const HybridSystem& system, const Branch& b
   // Its nodes keep clear of hard impacts, across which the two halves may differ by a jump.
   const std::size_t half = last.nodes.size() / 2;
   std::vector<Vector> guess;
-  for (std::size_t k = 0; k < half; ++k) guess.push_back(0.5 * (last.nodes[k] + last.nodes[k + half]));
+  double apart = 0.0, scale = 1.0;
+  for (std::size_t k = 0; k < half; ++k) {
+    guess.push_back(0.5 * (last.nodes[k] + last.nodes[k + half]));
+    apart = std::max(apart, (last.nodes[k] - last.nodes[k + half]).lpNorm<Eigen::Infinity>());
+    scale = std::max(scale, 1.0 + guess.back().lpNorm<Eigen::Infinity>());
+  }
+  // Farther apart than a few of the longest steps they have not met: the branch is closed in itself.
+  constexpr double met = 0.2;
+  if (half == 0 || apart > met * scale) return std::nullopt;
   OrbitProblem problem(system, parameters_at(system, branch, last.value), branch.period / 2, static_cast<int>(half),
                        parameter_index(system.parameters, branch.parameter), 1.0, options.shooting.flow, last.section_phase);
   Vector u = problem.pack(guess, 0.5 * last.duration, last.value);
@@ -45,7 +53,9 @@ std::optional<PeriodicOrbit> half_of(const HybridSystem& system, const Branch& b
   const NewtonReport report = correct(problem.zero_problem(), problem.parameter_direction(), u, patient);
   if (!report.converged()) return std::nullopt;
   PeriodicOrbit orbit = problem.orbit(u, report);
-  if (orbit.admissible != Admissibility::admissible) return std::nullopt;
+  double moved = 0.0;
+  for (std::size_t k = 0; k < half; ++k) moved = std::max(moved, (orbit.nodes[k] - guess[k]).lpNorm<Eigen::Infinity>());
+  if (moved > apart || orbit.admissible != Admissibility::admissible) return std::nullopt;
   return orbit;
 }
 

@@ -71,7 +71,9 @@ bool lies_on(const HybridSystem& system, const Branch& branch, const std::vector
   for (std::size_t i = 0; i + 1 < branch.points.size(); ++i) {
     const BranchPoint &a = branch.points[i], &b = branch.points[i + 1];
     if (a.value == b.value || value < std::min(a.value, b.value) || value > std::max(a.value, b.value)) continue;
-    const double s = (value - a.value) / (b.value - a.value), duration = a.duration + s * (b.duration - a.duration);
+    const double s = (value - a.value) / (b.value - a.value);
+    const double duration = system.forcing_frequency ? branch.period * forcing_period(system, at(value))
+                                                     : a.duration + s * (b.duration - a.duration);
     if (!here) here = shape_of(system, at(value), states, duration);
     const OrbitShape first = shape(a);
     const std::optional<AlignedShape> second = aligned(shape(b), first);
