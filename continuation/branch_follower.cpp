@@ -11,6 +11,14 @@ namespace graze {
 
 namespace {
 
+/// Next to its birth a doubled branch has a multiplier that cannot be told from 1, and a parameter from its parent's: no fold.
+bool begins_doubled(const BranchProblem& problem, const TestPoint& a, const TestPoint& b) {
+  constexpr double beside_parent = 0.05, rounding = 1e-8;
+  const Vector apart = problem.half_difference(a.curve.u);
+  return apart.size() > 0 && apart.lpNorm<Eigen::Infinity>() < beside_parent * problem.state_scale(a.curve.u) &&
+         nearest_multiplier(a.branch, 1.0) < rounding && nearest_multiplier(b.branch, 1.0) < rounding;
+}
+
 /// A point of a branch as every orbit that is the same one: a branch that comes back to any of them is closed.
 std::vector<CurvePoint> images_of(const BranchProblem& problem, const CurvePoint& point) {
   std::vector<CurvePoint> list;
@@ -72,9 +80,11 @@ bool BranchFollower::take(BranchProblem& problem, const CurvePoint& before, cons
   const auto doubtful = [&](const MetPoint& special) { return special.point.status != PointStatus::converged && long_step; };
   if (std::any_of(met.begin(), met.end(), doubtful)) return false;
   const TestPoint a{before, branch.points.back()}, b{after, point};
+  const bool at_birth = begins_doubled(problem, a, b);
   for (const TestFunction& test : test_functions()) {
     const double f_a = test.value(a), f_b = test.value(b);
     if (!std::isfinite(f_a) || !std::isfinite(f_b) || (f_a < 0.0) == (f_b < 0.0) || !test.confirm(a, b)) continue;
+    if (at_birth && (test.type == PointType::LP || test.type == PointType::BP)) continue;
     std::optional<MetPoint> special = locate(problem, test, a, b, branch);
     if (!special) {
       if (long_step) return false;
@@ -101,6 +111,26 @@ bool BranchFollower::take(BranchProblem& problem, const CurvePoint& before, cons
   return true;
 }
 
+/// The branch ends just before the orbit of half its period: what lies on the way there is located.
+Verdict BranchFollower::end_at_half(BranchProblem& problem, const CurvePoint& before, double part, CurvePoint& after,
+                                    Branch& branch) {
+  constexpr double just_before = 0.98;
+  const Vector chord = after.u - before.u;
+  CurvePoint last;
+  last.u = before.u + just_before * part * chord;
+  last.arclength = before.arclength + just_before * part * (after.arclength - before.arclength);
+  if (!correct(problem.zero_problem(), chord, last.u, options_.trace).converged()) return Verdict::reject;
+  last.tangent = tangent_at(problem.zero_problem(), last.u, before.tangent);
+  BranchPoint point = problem.branch_point(last.u, branch.points.back().arclength + last.arclength - before.arclength);
+  auto* events = dynamic_cast<SignatureProblem*>(&problem);
+  if (last.tangent.size() == 0 || !point.multipliers.valid || (events && events->violation(last.u))) return Verdict::reject;
+  if (point.isolated_impacts != branch.points.back().isolated_impacts) return Verdict::reject;
+  if (!take(problem, before, last, std::move(point), {}, branch)) return Verdict::reject;
+  after = std::move(last);
+  returned_ = true;
+  return Verdict::stop;
+}
+
 Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch) {
   if (interrupted_now()) return Verdict::stop;
   const std::optional<Verdict> end = end_of_range(problem, before, after);
@@ -115,8 +145,7 @@ Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& 
   if (change == 1 && hard_contacts_) return Verdict::reject;
   const bool close = after.arclength - before.arclength <= 1e-7;
   if (change > 1 && hard_contacts_ && !close) return Verdict::reject;
-  returned_ = goes_through_half(problem, before.u, after.u);
-  if (returned_) return Verdict::stop;
+  if (const auto part = goes_through_half(problem, before.u, after.u)) return end_at_half(problem, before, *part, after, branch);
   std::vector<MetPoint> met;
   if (change == 1 || (change > 1 && !hard_contacts_)) met.push_back(locate_impact_change(problem, before, after, point, branch));
   if (change > 1 && !close && met.back().point.status != PointStatus::converged) return Verdict::reject;
@@ -168,8 +197,7 @@ Verdict BranchFollower::monitor_signature(SignatureProblem& problem, const Curve
   if (refused_) return reaches_grazing(problem, before, after, branch) ? Verdict::stop : Verdict::reject;
   BranchPoint point = problem.branch_point(after.u, branch.points.back().arclength + after.arclength - before.arclength);
   if (!point.multipliers.valid || leaves_branch(system_, branch, point)) return Verdict::reject;
-  returned_ = goes_through_half(problem, before.u, after.u);
-  if (returned_) return Verdict::stop;
+  if (const auto part = goes_through_half(problem, before.u, after.u)) return end_at_half(problem, before, *part, after, branch);
   if (!take(problem, before, after, std::move(point), {}, branch)) return Verdict::reject;
   return end.value_or(Verdict::go_on);
 }

@@ -67,14 +67,15 @@ bool leaves_branch(const HybridSystem& system, const Branch& branch, const Branc
   return skips_something(branch.points.back(), next) || changes_symmetry(system, branch, next);
 }
 
-bool goes_through_half(const BranchProblem& problem, const Vector& before, const Vector& after) {
+std::optional<double> goes_through_half(const BranchProblem& problem, const Vector& before, const Vector& after) {
   // A curve that turns by 0.3 at most within the step bends away from its chord by less than this part of it.
   constexpr double bend = 0.1;
   const Vector a = problem.half_difference(before), b = problem.half_difference(after);
-  if (a.size() == 0 || !(a.dot(b) < 0.0)) return false;
+  if (a.size() == 0 || !(a.dot(b) < 0.0)) return std::nullopt;
   const Vector chord = b - a;
   const double part = -a.dot(chord) / chord.squaredNorm();
-  return (a + part * chord).norm() < bend * chord.norm();
+  if (!((a + part * chord).norm() < bend * chord.norm())) return std::nullopt;
+  return part;
 }
 
 }  // namespace graze

@@ -16,8 +16,8 @@ namespace graze {
 ///   be the same on both. (Where contacts begin or end in between, this says nothing.)
 bool leaves_branch(const HybridSystem& system, const Branch& branch, const BranchPoint& next);
 
-/// A doubled branch goes through the orbit of half its period between the unknowns `before` and `after`: the difference of the
-/// orbit's halves, which is continuous in the branch's own coordinates, passes zero.
-bool goes_through_half(const BranchProblem& problem, const Vector& before, const Vector& after);
+/// Where a doubled branch goes through the orbit of half its period, as a part of the way from the unknowns `before` to `after`:
+/// the difference of the orbit's halves, which is continuous in the branch's own coordinates, passes zero. Empty if it does not.
+std::optional<double> goes_through_half(const BranchProblem& problem, const Vector& before, const Vector& after);
 
 }  // namespace graze
