@@ -11,12 +11,17 @@ namespace graze {
 
 namespace {
 
-/// Next to its birth a doubled branch has a multiplier that cannot be told from 1, and a parameter from its parent's: no fold.
-bool begins_doubled(const BranchProblem& problem, const TestPoint& a, const TestPoint& b) {
-  constexpr double beside_parent = 0.05, rounding = 1e-8;
-  const Vector apart = problem.half_difference(a.curve.u);
-  return apart.size() > 0 && apart.lpNorm<Eigen::Infinity>() < beside_parent * problem.state_scale(a.curve.u) &&
-         nearest_multiplier(a.branch, 1.0) < rounding && nearest_multiplier(b.branch, 1.0) < rounding;
+/// Multipliers that cannot be told from those of the bifurcation all along a step pass it in rounding alone: where a doubled branch
+/// begins, and along orbits of a conservative resonance, which all have the same. Two that coincide are known to the root of
+/// rounding only.
+bool in_rounding(const TestFunction& test, const TestPoint& a, const TestPoint& b) {
+  constexpr double rounding = 1e-8, root = 1e-5;
+  const double farthest = std::max(test.distance(a.branch), test.distance(b.branch));
+  const auto coincide = [](const BranchPoint& point) {
+    const auto values = nontrivial(point.multipliers);
+    return values.size() > 1 && std::abs(values[0] - values[1]) < 4.0 * root;
+  };
+  return farthest < (coincide(a.branch) && coincide(b.branch) ? root : rounding);
 }
 
 /// A point of a branch as every orbit that is the same one: a branch that comes back to any of them is closed.
@@ -80,11 +85,10 @@ bool BranchFollower::take(BranchProblem& problem, const CurvePoint& before, cons
   const auto doubtful = [&](const MetPoint& special) { return special.point.status != PointStatus::converged && long_step; };
   if (std::any_of(met.begin(), met.end(), doubtful)) return false;
   const TestPoint a{before, branch.points.back()}, b{after, point};
-  const bool at_birth = begins_doubled(problem, a, b);
   for (const TestFunction& test : test_functions()) {
     const double f_a = test.value(a), f_b = test.value(b);
     if (!std::isfinite(f_a) || !std::isfinite(f_b) || (f_a < 0.0) == (f_b < 0.0) || !test.confirm(a, b)) continue;
-    if (at_birth && (test.type == PointType::LP || test.type == PointType::BP)) continue;
+    if (in_rounding(test, a, b)) continue;
     std::optional<MetPoint> special = locate(problem, test, a, b, branch);
     if (!special) {
       if (long_step) return false;
@@ -114,7 +118,7 @@ bool BranchFollower::take(BranchProblem& problem, const CurvePoint& before, cons
 /// The branch ends just before the orbit of half its period: what lies on the way there is located.
 Verdict BranchFollower::end_at_half(BranchProblem& problem, const CurvePoint& before, double part, CurvePoint& after,
                                     Branch& branch) {
-  constexpr double just_before = 0.98;
+  constexpr double just_before = 0.9;
   const Vector chord = after.u - before.u;
   CurvePoint last;
   last.u = before.u + just_before * part * chord;
@@ -345,9 +349,11 @@ std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const Br
   if (by_events) {
     SignatureProblem signature(system_, branch.parameters, problem.period(), *by_events->sequence, problem.parameter(),
                                problem.scale(), problem.equations().options());
+    signature.measure_by(by_events->u);
     const Curve curve = follow_signature(signature, *by_events, branch);
     if (!branch.points.empty() || start.sequence) return finish(signature, curve, branch, start.on_grazing);
   }
+  problem.measure_by(start.u);
   const Curve curve = follow_states(problem, start, branch);
   return finish(problem, curve, branch, false);
 }

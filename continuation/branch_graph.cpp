@@ -182,7 +182,18 @@ class Graph {
 
   // What follows up to accept() is run side by side, and only looks at what is there.
 
+  /// What cannot be started is no reason to lose what there is.
   Outcome follow(const Task& task, int provisional_id) const {
+    try {
+      return follow_origin(task, provisional_id);
+    } catch (const std::invalid_argument& refused) {
+      Outcome out;
+      out.nothing = fmt::format("the branch could not be started ({})", refused.what());
+      return out;
+    }
+  }
+
+  Outcome follow_origin(const Task& task, int provisional_id) const {
     switch (task.origin) {
     case Origin::seed:
       return follow_seed(task, provisional_id);

@@ -6,6 +6,7 @@
 #include <graze/continuation/branch.hpp>
 #include <graze/continuation/zero_problem.hpp>
 
+#include <algorithm>
 #include <complex>
 #include <memory>
 #include <vector>
@@ -50,12 +51,19 @@ class BranchProblem {
   /// Second half of an orbit minus the first, in its unknowns: zero where it has half the period. Empty where it cannot have.
   virtual Vector half_difference(const Vector& u) const = 0;
 
+  /// Lengths and tolerances are those of states of order one: states much larger than that, as those of the orbit at u, are
+  /// measured in fiftieths of their size. To be set before the branch through u is followed.
+  void measure_by(const Vector& u) { size_ = std::max(1.0, 0.02 * state_scale(u)); }
+
   /// Dimensionless time carried so far: the measure of cost.
   virtual double time_carried() const = 0;
 
   double value(const Vector& u) const { return u[u.size() - 1]; }
   /// Direction in which only the parameter changes.
   Vector parameter_direction() const { return Vector::Unit(unknowns(), unknowns() - 1); }
+
+ protected:
+  double size_ = 1.0;  ///< see measure_by
 };
 
 /// A value that the corrector's rounding has carried just beyond the range of a parameter is put back onto its end.

@@ -107,7 +107,7 @@ std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGra
   const bool sticks = nodes.sequence.size() != grazing.orbit.events.size();
   if (!sticks && !problem.equations().autonomous() && (!lost || !nodes.sequence.empty())) {
     // The grazing itself is the orbit without that impact, and the one with it at speed zero; the speed grows from there.
-    nodes.shorten(grazing.orbit.duration * problem.period() / grazing.orbit.period);
+    nodes.shorten(grazing.orbit.period / problem.period());
     std::vector<std::size_t> added;
     if (!lost) added.push_back(nodes.insert(grazing.event, grazing.t, grazing.touch));
     const double value = problem.value(grazing.u);
@@ -152,7 +152,7 @@ std::optional<BranchStart> multiple_start(OrbitProblem& problem, const LocatedGr
   const bool sticks = nodes.sequence.size() != grazing.orbit.events.size();
   if (sticks || contact.to != contact.from || problem.equations().autonomous()) return std::nullopt;
   const double turn = grazing.orbit.duration / grazing.orbit.period * problem.period() / pattern.turns;
-  nodes.shorten(turn);
+  nodes.shorten(grazing.orbit.period * pattern.turns / problem.period());
   nodes.repeat(pattern.turns, turn);
   std::vector<std::size_t> added;
   for (int k = 0; k < pattern.struck; ++k)

@@ -22,7 +22,9 @@ OrbitProblem::OrbitProblem(const HybridSystem& system, const Vector& p, int peri
     : equations_(system, p, period, nodes, parameter, options, section_phase), p_(p), parameter_(parameter), scale_(scale) {}
 
 OrbitProblem OrbitProblem::with_section(double section_phase) const {
-  return {system(), p_, period(), nodes(), parameter_, scale_, equations_.options(), section_phase};
+  OrbitProblem other(system(), p_, period(), nodes(), parameter_, scale_, equations_.options(), section_phase);
+  other.size_ = size_;
+  return other;
 }
 
 std::optional<Vector> OrbitProblem::to_section(OrbitProblem& other, const Vector& u) {
@@ -50,7 +52,10 @@ std::optional<Vector> OrbitProblem::to_section(OrbitProblem& other, const Vector
 }
 
 OrbitProblem OrbitProblem::with_nodes(int times) const {
-  return {system(), p_, period(), times * nodes(), parameter_, scale_, equations_.options(), equations_.section_phase()};
+  OrbitProblem finer(system(),  p_,     period(),           times * nodes(),
+                     parameter_, scale_, equations_.options(), equations_.section_phase());
+  finer.size_ = size_;
+  return finer;
 }
 
 std::optional<Vector> OrbitProblem::to_nodes(OrbitProblem& finer, const Vector& u) {
@@ -121,7 +126,8 @@ ZeroProblem OrbitProblem::zero_problem() {
   problem.evaluate = [this](const Vector& u, Vector& r, Matrix* J) { return residual(u, r, J); };
   problem.failure = [this] { return failure(); };
   // Mean over the nodes, so that arclength does not grow with their number.
-  problem.weights = Vector::Constant(unknowns(), 1.0 / nodes());
+  problem.weights = Vector::Constant(unknowns(), 1.0 / (nodes() * size_ * size_));
+  problem.size = size_;
   problem.weights[unknowns() - 1] = 1.0 / (scale_ * scale_);
   return problem;
 }
@@ -191,6 +197,7 @@ BranchProblem::Doubled OrbitProblem::doubled(const Vector& u) const {
   const Eigen::Index size = states() * nodes();
   auto problem = std::make_unique<OrbitProblem>(system(), p_, 2 * period(), 2 * nodes(), parameter_, scale_, equations_.options(),
                                                 equations_.section_phase());
+  problem->size_ = size_;
   Vector twice(2 * size + 1);
   twice << u.head(size), u.head(size), value(u);
   return {std::move(problem), std::move(twice)};

@@ -17,12 +17,11 @@ std::size_t EventNodes::insert(std::size_t event, double t, const Vector& x) {
   return static_cast<std::size_t>(place);
 }
 
-void EventNodes::shorten(double duration) {
-  while (!times.empty() && times.back() >= duration * (1.0 - 1e-12)) {
-    sequence.pop_back();
-    times.pop_back();
-    states.pop_back();
-  }
+void EventNodes::shorten(int turns) {
+  const std::size_t kept = times.size() / static_cast<std::size_t>(turns);
+  sequence.resize(kept);
+  times.resize(kept);
+  states.resize(kept);
 }
 
 void EventNodes::repeat(int turns, double duration) {
@@ -91,7 +90,10 @@ ZeroProblem SignatureProblem::zero_problem() {
     return equations_.evaluate(u, residual, jacobian);
   };
   problem.failure = [this] { return failure_; };
-  problem.weights = Vector::Constant(unknowns(), 1.0 / equations_.events());
+  const int size = equations_.states() + 1;
+  problem.weights = Vector::Constant(unknowns(), 1.0 / (equations_.events() * size_ * size_));
+  for (int k = 0; k < equations_.events(); ++k) problem.weights[k * size] = 1.0 / equations_.events();
+  problem.size = size_;
   problem.weights[unknowns() - 1] = 1.0 / (scale_ * scale_);
   return problem;
 }
@@ -155,6 +157,7 @@ OrbitProblem SignatureProblem::in_states(const Vector& u, int per_period, double
   std::vector<double> times(static_cast<std::size_t>(nodes));
   for (int j = 0; j < nodes; ++j) times[static_cast<std::size_t>(j)] = (section + static_cast<double>(j) / per_period) * T;
   out = problem.pack(states_at(u, times), equations_.duration(), value(u));
+  problem.measure_by(out);
   return problem;
 }
 
@@ -255,6 +258,7 @@ BranchProblem::Doubled SignatureProblem::doubled(const Vector& u) const {
   twice.repeat(2, equations_.period() * forcing_period(equations_.system(), p));
   auto problem = std::make_unique<SignatureProblem>(equations_.system(), p, 2 * equations_.period(), twice.sequence, parameter_,
                                                     scale_, options_);
+  problem->size_ = size_;
   Vector start = problem->pack(twice, value(u));
   return {std::move(problem), std::move(start)};
 }

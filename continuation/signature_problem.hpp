@@ -18,7 +18,8 @@ struct EventNodes {
   std::vector<double> times;
   std::vector<Vector> states;
   std::size_t insert(std::size_t event, double t, const Vector& x);  ///< in its place in time, which is returned
-  void shorten(double duration);                                     ///< to those before
+  /// To those of one turn, of an orbit run through so often: by their number, for an impact at phase 0 may stand at either end.
+  void shorten(int turns);
   void repeat(int turns, double duration);                           ///< that many times, each as long
 };
 

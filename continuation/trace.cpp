@@ -51,6 +51,7 @@ bool returns_to(const CurvePoint& first, const ZeroProblem& problem, const Vecto
 NewtonReport correct(const ZeroProblem& problem, const Vector& direction, Vector& u, const TraceOptions& options) {
   NewtonReport report;
   const Vector weighted = weights_of(problem).cwiseProduct(direction);
+  const double tolerance = options.tolerance * problem.size, acceptance = options.acceptance * problem.size;
   Vector residual;
   Matrix jacobian;
   if (!problem.evaluate(u, residual, &jacobian)) {
@@ -74,7 +75,7 @@ NewtonReport correct(const ZeroProblem& problem, const Vector& direction, Vector
     }
     const double last = report.residual(), now = residual.lpNorm<Eigen::Infinity>();
     report.residual_history.push_back(now);
-    if (now <= options.tolerance || (now <= options.acceptance && now >= 0.5 * last)) {
+    if (now <= tolerance || (now <= acceptance && now >= 0.5 * last)) {
       report.status = NewtonStatus::converged;
       return report;
     }
@@ -83,7 +84,7 @@ NewtonReport correct(const ZeroProblem& problem, const Vector& direction, Vector
       return report;
     }
   }
-  report.status = report.residual() <= options.acceptance ? NewtonStatus::converged : NewtonStatus::iteration_limit;
+  report.status = report.residual() <= acceptance ? NewtonStatus::converged : NewtonStatus::iteration_limit;
   return report;
 }
 

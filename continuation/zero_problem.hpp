@@ -16,6 +16,8 @@ struct ZeroProblem {
   std::function<bool(const Vector& u, Vector& residual, Matrix* jacobian)> evaluate;
   /// Weights of the arclength norm |u|^2 = sum w_i u_i^2; empty: all 1.
   Vector weights;
+  /// Tolerances of the residual are relative to this: the size of what it is the difference of.
+  double size = 1.0;
   /// Why the last evaluation failed, for people; may be empty.
   std::function<std::string()> failure;
 };
