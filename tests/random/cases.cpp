@@ -85,6 +85,8 @@ std::string settings(const Frame& frame) {
 Case random_case(std::uint64_t seed, std::uint64_t index, std::optional<std::size_t> name) {
   // Starts closer to a grazing than this are none that a state at phase 0 tells in double.
   constexpr double least_speed = 1e-3, least_gap = 1e-5, largest_trace = 1e4;
+  // Of eight cases, one each starts next to a fold, to a doubling and to a grazing.
+  constexpr std::size_t near_places = 3;
   Random random(seed, index);
   for (;;) {
     Case out;
@@ -97,8 +99,21 @@ Case random_case(std::uint64_t seed, std::uint64_t index, std::optional<std::siz
     out.to = rounded(random.between(range.low, range.high), 3);
     const std::size_t which = random.below(2);
     if (std::fabs(out.to - out.frame.base[out.frame.name]) < 0.05 * (range.high - range.low)) continue;
-    const OneImpactForm<double> form = one_impact(out.frame.base, out.frame.periods);
-    const Values<double> speeds = form.speeds();
+    const std::size_t place = random.below(8);
+    const double closeness = std::pow(10.0, -random.between(1.5, 5.0));
+    OneImpactForm<double> form = one_impact(out.frame.base, out.frame.periods);
+    Values<double> speeds = form.speeds();
+    if (place < near_places) {
+      // Next to a point: the amplitude is what makes the orbit one of that speed.
+      const double at = place == 0 ? form.fold_speed() : form.flip_speed();
+      const double speed = place == 2 ? 100.0 * closeness : at * (1.0 + (which == 0 ? closeness : -closeness));
+      const double xi = form.amplitude_of(speed) / impactless_amplitude(form.q) * form.q[XI];
+      if (!(speed > 0.0 && xi > 0.1 && xi < 10.0)) continue;
+      out.frame.base[XI] = xi;
+      form = one_impact(out.frame.base, out.frame.periods);
+      speeds = {speed};
+      if (out.frame.name == XI && std::fabs(out.to - xi) < 0.05 * (range.high - range.low)) continue;
+    }
     if (speeds.empty()) continue;
     const OneImpact<double> orbit = form.orbit(speeds[which % speeds.size()]);
     out.start = {orbit.phase, orbit.speed, out.frame.base[out.frame.name]};

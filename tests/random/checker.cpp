@@ -10,7 +10,7 @@ namespace graze::reference {
 
 namespace {
 
-/// What a located value may be off, relative to its own size or to a hundredth of the range.
+/// What a located value may be off, relative to its own size or to a tenth of the range.
 constexpr double value_tolerance = 3e-12;
 /// Nearer than this, relative, a reported point is taken for the one that is asked for, and its value is judged.
 constexpr double same_point = 1e-6;
@@ -35,7 +35,7 @@ std::string text(const char* format, auto... values) {
 }
 
 double scale(const Family& family, double value) {
-  return std::max(std::fabs(value), 0.01 * (family.range.high - family.range.low));
+  return std::max(std::fabs(value), 0.1 * (family.range.high - family.range.low));
 }
 
 /// How far a doubled orbit is from its doubling, if it is near; else 0.
@@ -380,15 +380,15 @@ class Check {
     }
     std::sort(pieces.begin(), pieces.end());
     double reached = 0.0;
-    const double total = family.samples.back().sigma;
+    const double total = family.samples.back().sigma, gap = std::min(largest_gap, 0.05 + 0.3 * total);
     if (pieces.empty()) return complain(who, "family missing", text("on no branch (arclength %.2g)", total));
     for (const auto& [first, last] : pieces) {
-      if (first > reached + largest_gap) complain(who, "piece missing", text("from arclength %.3g to %.3g of %.3g", reached, first, total));
-      if (reached - first > largest_gap && last - first > largest_gap)
+      if (first > reached + gap) complain(who, "piece missing", text("from arclength %.3g to %.3g of %.3g", reached, first, total));
+      if (reached - first > gap && last - first > gap)
         complain(who, "family twice", text("from arclength %.3g to %.3g of %.3g", first, reached, total));
       reached = std::max(reached, last);
     }
-    if (reached < total - largest_gap) complain(who, "piece missing", text("from arclength %.3g to %.3g", reached, total));
+    if (reached < total - gap) complain(who, "piece missing", text("from arclength %.3g to %.3g", reached, total));
     for (const Located& point : family.points) {
       bool found = false;
       for (const AnswerBranch& branch : answer_.branches)

@@ -10,6 +10,10 @@ namespace {
 /// Tangents of neighbouring samples enclose less than this angle.
 constexpr double least_cosine = 0.995;
 constexpr double smallest_step = 1e-9;
+/// A fold this close to the start is still between two samples.
+constexpr double first_step = 1e-6;
+/// Of the parameter of an orbit in double, relative: with large motions next to resonance it is worse than that of one number.
+constexpr double parameter_rounding = 1e-11;
 /// Where a doubled family begins: the largest change of an event's coordinate from the doubling. The larger ones are for families
 /// whose parameter hardly changes at first: in double their equations are too close to singular there.
 constexpr std::array<double, 3> first_amplitudes = {1e-4, 1e-3, 1e-2};
@@ -292,7 +296,7 @@ std::vector<double> places_on(const Chord& chord, double p, const std::vector<do
     const std::optional<Values<double>> y = chord.orbit(lambda);
     return y ? y->back() - p : std::numeric_limits<double>::quiet_NaN();
   };
-  const double rounding = 1e-13 * (1.0 + std::fabs(p));
+  const double rounding = parameter_rounding * (1.0 + std::fabs(p));
   std::vector<double> out;
   for (std::size_t k = 0; k + 1 < ends.size(); ++k) {
     double low = ends[k], high = ends[k + 1], at_low = value(low), at_high = value(high);
@@ -336,7 +340,7 @@ class Follower {
   }
 
   Family run() {
-    double h = 1e-4;
+    double h = first_step;
     while (!tangent_.empty() && static_cast<int>(family_.samples.size()) < options_.most && h > smallest_step) {
       const std::optional<Values<double>> next = step(h);
       if (!next) {
@@ -384,16 +388,25 @@ class Follower {
       end = what;
       grazing.reset();
     };
-    for (const double bound : {family_.range.low, family_.range.high}) {
-      const double side = bound == family_.range.low ? 1.0 : -1.0;
-      if (side * (next.back() - bound) < 0.0) {
-        // From a start on the bound itself the place is not bracketed; it left inwards.
+    // Between two samples the parameter is furthest at a fold, if there is one.
+    std::optional<double> fold;
+    if ((condition(frame, last.y, 1) > 0.0) != (condition(frame, next, 1) > 0.0)) {
+      fold = bisected(chord, [&](const Values<double>& y) { return condition(frame, y, 1); });
+      if (!fold) return broken();
+    }
+    for (const double furthest : {fold.value_or(1.0), 1.0}) {
+      const std::optional<Values<double>> far = chord.orbit(furthest);
+      if (!far) return broken();
+      for (const double bound : {family_.range.low, family_.range.high}) {
+        const double side = bound == family_.range.low ? 1.0 : -1.0;
+        if (side * (far->back() - bound) >= 0.0) continue;
         const auto inside = [&](const Values<double>& y) { return side * (y.back() - bound); };
-        const std::optional<double> lambda = bisected(chord, inside);
+        const std::optional<double> lambda = bisected(chord, inside, furthest);
         if (!lambda) return broken();
+        if (*lambda < limit) bound_ = bound;
         end_at(End::bound, *lambda);
-        bound_ = bound;
       }
+      if (end) break;
     }
     for (std::size_t i = 0; i < static_cast<std::size_t>(frame.impacts); ++i)
       if (next[2 * i + 1] <= 0.0) {
@@ -453,10 +466,13 @@ class Follower {
 
     std::vector<Located> found;
     for (const int kappa : {1, -1}) {
-      const double a = condition(frame, last.y, kappa), b = condition(frame, next, kappa);
-      if ((a > 0.0) == (b > 0.0)) continue;
-      const std::optional<double> lambda = bisected(chord, [&](const Values<double>& y) { return condition(frame, y, kappa); });
-      if (!lambda) return broken();
+      std::optional<double> lambda = fold;
+      if (kappa == -1) {
+        if ((condition(frame, last.y, -1) > 0.0) == (condition(frame, next, -1) > 0.0)) continue;
+        lambda = bisected(chord, [&](const Values<double>& y) { return condition(frame, y, -1); });
+        if (!lambda) return broken();
+      }
+      if (!lambda) continue;
       if (*lambda >= limit) continue;
       const std::optional<Root> root =
           refined(chord, *lambda, [&](const Values<Quad>& y) { return condition(frame, y, kappa); });
@@ -635,7 +651,7 @@ std::vector<Place> places(const Family& family, double p, const std::vector<Stat
   const Frame& frame = family.frame;
   for (std::size_t i = 0; i + 1 < family.samples.size(); ++i) {
     const Sample &a = family.samples[i], &b = family.samples[i + 1];
-    const double size = b.sigma - a.sigma, rounding = 1e-13 * (1.0 + std::fabs(p));
+    const double size = b.sigma - a.sigma, rounding = parameter_rounding * (1.0 + std::fabs(p));
     double low = std::min(a.y.back(), b.y.back()), high = std::max(a.y.back(), b.y.back());
     std::vector<double> ends = {0.0};
     for (const Located& point : family.points) {

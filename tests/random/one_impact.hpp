@@ -50,6 +50,8 @@ struct OneImpactForm {
     while (phase >= Real(2) * pi<Real>()) phase -= Real(2) * pi<Real>();
     return {phase, v};
   }
+  /// Of the impactless motion, with which an orbit has speed v.
+  Real amplitude_of(Real v) const { return root((q[R] - alpha * v) * (q[R] - alpha * v) + slope * v * slope * v); }
   /// Those with v > 0, the slower one first. Nothing is said about what they do between two impacts.
   Values<Real> speeds() const {
     Values<Real> out;
