@@ -85,6 +85,9 @@ Placed place_points(const Family& family, const AnswerBranch& branch, std::vecto
       } else if (!astray) {
         // Between a doubling and the first sample, and after the onset of sticking, the reference knows nothing.
         if (family.end == End::sticking || (placed.last == 0.0 && before_first(family, point))) continue;
+        // Nor between the last sample and another doubling.
+        if (family.end == End::halved && apart(point.states, states_of(family.frame, family.samples.back().y)) < near_doubling)
+          continue;
         out.push_back({"astray", text("point %zu (%.17g) is no orbit of the family", i + 1, point.value)});
         astray = true;
       }

@@ -11,7 +11,7 @@ namespace {
 constexpr double least_cosine = 0.995;
 constexpr double smallest_step = 1e-9;
 /// A fold this close to the start is still between two samples.
-constexpr double first_step = 1e-6;
+constexpr double first_step = 1e-6, halving_step = 2e-4;
 /// Of the parameter of an orbit in double, relative: with large motions next to resonance it is worse than that of one number.
 constexpr double parameter_rounding = 1e-11;
 /// Where a doubled family begins: the largest change of an event's coordinate from the doubling. The larger ones are for families
@@ -343,7 +343,9 @@ class Follower {
     double h = first_step;
     while (!tangent_.empty() && static_cast<int>(family_.samples.size()) < options_.most && h > smallest_step) {
       const std::optional<Values<double>> next = step(h);
-      if (!next) {
+      // Where the halves of a doubled orbit become the same the last sample is to lie close before.
+      const Chord chord{family_.frame, family_.weights, family_.samples.back().y, next.value_or(family_.samples.back().y)};
+      if (!next || (h > halving_step && halves(chord))) {
         h *= 0.5;
         continue;
       }
