@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "checker.hpp"
 #include "events.hpp"
+#include "one_impact.hpp"
 
 #include <cstdio>
 #include <limits>
@@ -343,6 +344,51 @@ class Check {
     }
   }
 
+  /// A branch without impacts follows the impactless motion to the bound, or to where its amplitude is r.
+  void check_impactless(const AnswerBranch& branch) {
+    const std::string who = text("branch %d (0/1)", branch.id);
+    const double start = branch.points.front().value, next = branch.points[1].value;
+    for (const AnswerPoint& point : branch.points) {
+      const Motion<double> motion = impactless(frame_.at(point.value), 0.0);
+      const State expected = {motion.x, motion.v};
+      if (point.states.size() != 1 || apart({expected}, point.states) > state_tolerance * (1.0 + std::fabs(motion.x) + std::fabs(motion.v)))
+        return complain(who, "other: astray", text("%.17g is not the impactless motion", point.value));
+    }
+    const double bound = next > start ? range_.high : range_.low;
+    const std::optional<Quad> value = touching(frame_.base, frame_.name, start, bound);
+    if (branch.stop != (value ? "grazing" : "reached_bound"))
+      complain(who, "other: stop " + branch.stop, text("stops at %.17g; the amplitude reaches the barrier at %.17g", branch.stop_value,
+                                                       value ? static_cast<double>(*value) : bound));
+    int grazings = 0;
+    for (const AnswerSpecial& special : branch.special_points) {
+      if (special.type == "EP") continue;
+      if (!value || special.type != "GR" || ++grazings > 1) {
+        complain(who, "other: unconfirmed " + special.type, text("%s %.17g is none", special.label.c_str(), special.value));
+        continue;
+      }
+      Family family;
+      family.frame = frame_;
+      family.frame.impacts = 0;
+      family.frame.periods = 1;
+      family.range = range_;
+      family.samples.resize(1);
+      Located expected;
+      expected.kind = Kind::GR;
+      expected.value = *value;
+      expected.gained = true;
+      expected.after = 1;
+      // The 1/1 orbits of small speed v have amplitude^2 = r^2 - 2 r alpha v.
+      const double alpha = one_impact(frame_.at(static_cast<double>(*value)), 1).alpha;
+      expected.persistence = frame_.at(static_cast<double>(*value))[R] * alpha < 0.0;
+      Placed placed;
+      placed.sigmas.assign(branch.points.size(), 0.0);
+      std::vector<Complaint> found;
+      compare_point(family, expected, special, placed, found);
+      for (const Complaint& complaint : found) complain(who, "other: " + complaint.kind, complaint.text);
+    }
+    ++verdict_.families;
+  }
+
   /// What begins at the grazing where the first branch ends is among the branches: as one that is born there, or that ends there.
   void check_beyond(const AnswerBranch& branch) {
     if (branch.stop != "grazing" || branch.special_points.empty()) return;
@@ -411,6 +457,7 @@ class Check {
     Frame frame = frame_;
     frame.impacts = branch.points.front().impacts;
     frame.periods = branch.period;
+    if (frame.impacts == 0 && frame.periods == 1) check_impactless(branch);
     if (frame.impacts < 1 || frame.impacts > most_impacts_) return;
     const std::string who = text("branch %d (%d/%d)", branch.id, frame.impacts, frame.periods);
     for (std::size_t i = 0; i < std::min<std::size_t>(first_points, branch.points.size() - 1); ++i) {

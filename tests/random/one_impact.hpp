@@ -74,4 +74,28 @@ OneImpactForm<Real> one_impact(const Parameters<Real>& q, int n) {
   return {q, over, alpha, (q[K_R] + beta) / q[ETA], q[K_R] * q[K_R] * exponential(-Real(2) * q[B] * nT)};
 }
 
+/// First value of a parameter, from `from` on to `to`, at which the impactless motion touches the barrier: amplitude = r.
+inline std::optional<Quad> touching(const Parameters<double>& base, std::size_t name, double from, double to) {
+  constexpr int steps = 4000;
+  const auto below = [&](Quad p) {
+    Parameters<Quad> q = converted<Quad>(base);
+    q[name] = p;
+    return q[R] - impactless_amplitude(q);
+  };
+  Quad low = from;
+  for (int k = 1; k <= steps; ++k) {
+    Quad high = Quad(from) + (Quad(to) - Quad(from)) * Quad(k) / Quad(steps);
+    if (below(high) > Quad(0)) {
+      low = high;
+      continue;
+    }
+    for (int i = 0; i < 110; ++i) {
+      const Quad middle = (low + high) / Quad(2);
+      (below(middle) > Quad(0) ? low : high) = middle;
+    }
+    return low;
+  }
+  return std::nullopt;
+}
+
 }  // namespace graze::reference
