@@ -471,10 +471,15 @@ class Check {
       rest.points.erase(rest.points.begin(), rest.points.begin() + static_cast<std::ptrdiff_t>(i));
       std::erase_if(rest.special_points, [&](const AnswerSpecial& special) { return special.after_point < static_cast<int>(i); });
       for (AnswerSpecial& special : rest.special_points) special.after_point -= static_cast<int>(i);
-      // A fold may lie before the next point.
+      // A fold may lie before the next point: the direction is that in which it comes first.
       int direction = branch.points[i + 1].value > point.value ? 1 : -1;
-      const std::size_t ahead = compare(follow(frame, *start, range_, direction), rest).size();
-      if (ahead > 0 && compare(follow(frame, *start, range_, -direction), rest).size() < ahead) direction = -direction;
+      const auto reached = [&](int way) {
+        const Family family = follow(frame, *start, range_, way);
+        const AnswerPoint& next = branch.points[i + 1];
+        const std::vector<Place> found = places(family, next.value, next.states, state_tolerance * size);
+        return found.empty() ? 1e300 : found.front().sigma;
+      };
+      if (reached(-direction) < reached(direction)) direction = -direction;
       compare_with(rest, who, [&](const FollowOptions& options) -> std::optional<Family> {
         return follow(frame, *start, range_, direction, options);
       });

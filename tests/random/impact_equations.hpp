@@ -143,11 +143,13 @@ Table<Real> bordered(const Frame& frame, const Values<Real>& y, const Values<Rea
 inline double converged_step(double) { return 1e-11; }
 inline Quad converged_step(Quad) { return Quad(1e-29); }
 
-/// Newton's method; nothing if it does not converge.
+/// Newton's method; nothing if it does not converge. Steps that no longer become smaller are accepted a little above the tolerance:
+/// they are rounding, and more of it where the equations are nearly singular.
 template <class Real>
 std::optional<Values<Real>> corrected(const Frame& frame, Values<Real> y, const Constraint<Real>& constraint, int most = 12,
                                       Real tolerance = converged_step(Real(0))) {
   const std::size_t n = frame.size();
+  Real last(1);
   for (int k = 0; k < most; ++k) {
     Values<Real> step = residual(frame, y);
     Real sum = -constraint.value;
@@ -160,7 +162,8 @@ std::optional<Values<Real>> corrected(const Frame& frame, Values<Real> y, const 
       size = std::max(size, magnitude(step[j]) / (Real(1) + magnitude(y[j])));
     }
     if (!(size < Real(1e3))) return std::nullopt;
-    if (size < tolerance) return y;
+    if (size < tolerance || (size < Real(1e3) * tolerance && size > Real(0.5) * last)) return y;
+    last = size;
   }
   return std::nullopt;
 }
