@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Random cases: an admissible orbit with one impact in n = 1 ... 4 forcing periods, in closed form, and the parameter and range in
-// which its family is to be followed. Case k of a seed is made from (seed, k) alone, with a generator that gives the same numbers
-// everywhere.
+// Random cases: an admissible orbit with one impact in n = 1 ... 4 forcing periods, in closed form, and the parameter and range
+// in which its family is to be followed. Case k of a seed is made from (seed, k) alone, with a generator that gives the same
+// numbers everywhere.
 #pragma once
 
 #include "family.hpp"

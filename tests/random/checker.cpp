@@ -72,16 +72,15 @@ Placed place_points(const Family& family, const AnswerBranch& branch, std::vecto
   bool astray = false, backwards = false, gap = false;
   for (std::size_t i = 0; i < branch.points.size(); ++i) {
     const AnswerPoint& point = branch.points[i];
-    const std::vector<Place> found =
-        places(family, point.value, point.states, std::max(state_tolerance * size, by_doubling * from_origin(family, point.states)));
+    const std::vector<Place> found = places(family, point.value, point.states,
+                                            std::max(state_tolerance * size, by_doubling * from_origin(family, point.states)));
     const Place* best = nullptr;
     for (const Place& place : found)
       if (place.sigma >= placed.last - slack && (!best || place.distance < best->distance)) best = &place;
     placed.sigmas.push_back(best ? best->sigma : std::numeric_limits<double>::quiet_NaN());
     if (!best) {
       if (!found.empty()) {
-        if (!backwards)
-          out.push_back({"order", text("point %zu (%.17g) lies behind the point before", i + 1, point.value)});
+        if (!backwards) out.push_back({"order", text("point %zu (%.17g) lies behind the point before", i + 1, point.value)});
         backwards = true;
       } else if (!astray) {
         // Between a doubling and the first sample, and after the onset of sticking, the reference knows nothing.
@@ -112,7 +111,9 @@ std::string described(const Located& expected) {
   std::string out = text("%s %.17g", name(expected.kind), static_cast<double>(expected.value));
   if (expected.kind == Kind::GR)
     out += text(" (%d to %d, %s%s)", expected.before, expected.after, expected.gained ? "gained" : "lost",
-                !expected.persistence ? "" : *expected.persistence ? ", persistence" : ", nonsmooth-fold");
+                !expected.persistence   ? ""
+                : *expected.persistence ? ", persistence"
+                                        : ", nonsmooth-fold");
   if (expected.kind == Kind::PD && expected.supercritical) out += *expected.supercritical ? " (super)" : " (sub)";
   return out;
 }
@@ -150,8 +151,8 @@ void compare_point(const Family& family, const Located& expected, const AnswerSp
                    which + ": " + (reported.criticality.empty() ? "none given" : reported.criticality)});
   const std::size_t after = static_cast<std::size_t>(reported.after_point), last = placed.sigmas.size();
   const double slack = 1e-5 * (1.0 + family.samples.back().sigma);
-  if (reported.after_point < 0 || after >= last ||
-      placed.sigmas[after] > expected.sigma + slack || (after + 1 < last && placed.sigmas[after + 1] < expected.sigma - slack))
+  if (reported.after_point < 0 || after >= last || placed.sigmas[after] > expected.sigma + slack ||
+      (after + 1 < last && placed.sigmas[after + 1] < expected.sigma - slack))
     out.push_back({"place of a point", text("%s: not behind point %d", which.c_str(), reported.after_point + 1)});
 }
 
@@ -186,9 +187,7 @@ void compare_points(const Family& family, const AnswerBranch& branch, const Plac
 }
 
 void compare_end(const Family& family, const AnswerBranch& branch, const Placed& placed, std::vector<Complaint>& out) {
-  const char* expected = family.end == End::bound     ? "reached_bound"
-                         : family.end == End::grazing ? "grazing"
-                                                      : "returned";
+  const char* expected = family.end == End::bound ? "reached_bound" : family.end == End::grazing ? "grazing" : "returned";
   if (family.end == End::sticking) return;
   if (branch.stop != expected) {
     out.push_back({"stop " + branch.stop, text("stops at %.17g (%s); the family goes on to %.17g (%s)", branch.stop_value,
@@ -213,16 +212,18 @@ void check_alone(const Range& range, const Answer& answer, std::vector<Complaint
     const auto outside = [&](double value) { return !(value >= range.low - rounding && value <= range.high + rounding); };
     for (std::size_t i = 0; i < branch.points.size(); ++i)
       if (outside(branch.points[i].value)) {
-        out.push_back({"range", text("branch %d leaves the range: point %zu at %.17g", branch.id, i + 1, branch.points[i].value)});
+        out.push_back(
+            {"range", text("branch %d leaves the range: point %zu at %.17g", branch.id, i + 1, branch.points[i].value)});
         break;
       }
     const AnswerSpecial* last = nullptr;
     for (const AnswerSpecial& special : branch.special_points) {
       if (outside(special.value))
-        out.push_back({"range", text("%s of branch %d outside the range: %.17g", special.label.c_str(), branch.id, special.value)});
+        out.push_back(
+            {"range", text("%s of branch %d outside the range: %.17g", special.label.c_str(), branch.id, special.value)});
       if (special.label.rfind(special.type, 0) != 0 || !labels.insert(special.label).second)
-        out.push_back({"label", text("%s of branch %d is a %s or appears twice", special.label.c_str(), branch.id,
-                                     special.type.c_str())});
+        out.push_back(
+            {"label", text("%s of branch %d is a %s or appears twice", special.label.c_str(), branch.id, special.type.c_str())});
       if (special.type == "NS") out.push_back({"unconfirmed NS", special.label + " is none: det M < 1"});
       if (special.type != "EP") last = &special;
     }
@@ -232,8 +233,9 @@ void check_alone(const Range& range, const Answer& answer, std::vector<Complaint
         for (const AnswerSpecial& special : parent.special_points)
           if (special.label == branch.parent_label && special.type == "PD" &&
               (branch.points.front().impacts != 2 * special.impacts || branch.period != 2 * special.period))
-            out.push_back({"doubled label", text("branch %d, doubled at %s (%d/%d), begins as %d/%d", branch.id, special.label.c_str(),
-                                                 special.impacts, special.period, branch.points.front().impacts, branch.period)});
+            out.push_back(
+                {"doubled label", text("branch %d, doubled at %s (%d/%d), begins as %d/%d", branch.id, special.label.c_str(),
+                                       special.impacts, special.period, branch.points.front().impacts, branch.period)});
     if (branch.stop == "reached_bound") {
       const double at = branch.points.back().value;
       if (std::min(std::fabs(at - range.low), std::fabs(at - range.high)) > rounding)
@@ -299,8 +301,9 @@ class Check {
     ++verdict_.families;
     const std::string label = text("%d/%d", found->frame.impacts, found->frame.periods);
     if (branch.points.empty() || branch.points.front().impacts != found->frame.impacts || branch.period != found->frame.periods) {
-      complain(who, "label", text("begins as %d/%d, not as %s", branch.points.empty() ? 0 : branch.points.front().impacts, branch.period,
-                                  label.c_str()));
+      complain(who, "label",
+               text("begins as %d/%d, not as %s", branch.points.empty() ? 0 : branch.points.front().impacts, branch.period,
+                    label.c_str()));
       return;
     }
     std::vector<Complaint> complaints = compare(*found, branch);
@@ -324,7 +327,8 @@ class Check {
       const double value = static_cast<double>(doubling.value);
       const AnswerSpecial* reported = nullptr;
       for (const AnswerSpecial& special : branch.special_points)
-        if (same_type(special, doubling) && std::fabs(special.value - value) < same_point * scale(parent, value)) reported = &special;
+        if (same_type(special, doubling) && std::fabs(special.value - value) < same_point * scale(parent, value))
+          reported = &special;
       if (!reported) continue;
       const AnswerBranch* child = nullptr;
       for (const AnswerBranch& other : answer_.branches)
@@ -335,8 +339,9 @@ class Check {
       if (!child) {
         // Of later generations none is asked for.
         if (branch.id == answer_.branches.front().id && reached.count(value) == 0)
-          complain("", "child missing", text("no branch is doubled at %s; the family goes to %.17g (%s)", reported->label.c_str(),
-                                             family->end_value, name(family->end)));
+          complain("", "child missing",
+                   text("no branch is doubled at %s; the family goes to %.17g (%s)", reported->label.c_str(), family->end_value,
+                        name(family->end)));
         continue;
       }
       compare_with(*child, text("branch %d, doubled at %s", child->id, reported->label.c_str()),
@@ -351,14 +356,16 @@ class Check {
     for (const AnswerPoint& point : branch.points) {
       const Motion<double> motion = impactless(frame_.at(point.value), 0.0);
       const State expected = {motion.x, motion.v};
-      if (point.states.size() != 1 || apart({expected}, point.states) > state_tolerance * (1.0 + std::fabs(motion.x) + std::fabs(motion.v)))
+      if (point.states.size() != 1 ||
+          apart({expected}, point.states) > state_tolerance * (1.0 + std::fabs(motion.x) + std::fabs(motion.v)))
         return complain(who, "other: astray", text("%.17g is not the impactless motion", point.value));
     }
     const double bound = next > start ? range_.high : range_.low;
     const std::optional<Quad> value = touching(frame_.base, frame_.name, start, bound);
     if (branch.stop != (value ? "grazing" : "reached_bound"))
-      complain(who, "other: stop " + branch.stop, text("stops at %.17g; the amplitude reaches the barrier at %.17g", branch.stop_value,
-                                                       value ? static_cast<double>(*value) : bound));
+      complain(who, "other: stop " + branch.stop,
+               text("stops at %.17g; the amplitude reaches the barrier at %.17g", branch.stop_value,
+                    value ? static_cast<double>(*value) : bound));
     int grazings = 0;
     for (const AnswerSpecial& special : branch.special_points) {
       if (special.type == "EP") continue;
@@ -414,8 +421,7 @@ class Check {
                                  family.samples.front().y.back(), family.samples.back().y.back());
     std::vector<std::pair<double, double>> pieces;
     for (const AnswerBranch& branch : answer_.branches) {
-      if (branch.period != family.frame.periods || branch.points.empty() ||
-          branch.points.front().impacts != family.frame.impacts)
+      if (branch.period != family.frame.periods || branch.points.empty() || branch.points.front().impacts != family.frame.impacts)
         continue;
       double first = 1e300, last = -1e300, size = 1.0;
       for (const AnswerPoint& point : branch.points)
@@ -432,7 +438,8 @@ class Check {
     const double total = family.samples.back().sigma, gap = std::min(largest_gap, 0.05 + 0.3 * total);
     if (pieces.empty()) return complain(who, "family missing", text("on no branch (arclength %.2g)", total));
     for (const auto& [first, last] : pieces) {
-      if (first > reached + gap) complain(who, "piece missing", text("from arclength %.3g to %.3g of %.3g", reached, first, total));
+      if (first > reached + gap)
+        complain(who, "piece missing", text("from arclength %.3g to %.3g of %.3g", reached, first, total));
       if (reached - first > gap && last - first > gap)
         complain(who, "family twice", text("from arclength %.3g to %.3g of %.3g", first, reached, total));
       reached = std::max(reached, last);

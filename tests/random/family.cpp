@@ -39,8 +39,7 @@ struct Chord {
   const Frame& frame;
   Values<double> weights, a, b;
 
-  template <class Real>
-  Constraint<Real> at(Real lambda) const {
+  template <class Real> Constraint<Real> at(Real lambda) const {
     Constraint<Real> out{{}, Real(0)};
     for (std::size_t k = 0; k < a.size(); ++k) {
       out.row.push_back(Real(weights[k] * weights[k] * (b[k] - a[k])));
@@ -48,8 +47,7 @@ struct Chord {
     }
     return out;
   }
-  template <class Real>
-  Values<Real> guess(Real lambda) const {
+  template <class Real> Values<Real> guess(Real lambda) const {
     Values<Real> out;
     for (std::size_t k = 0; k < a.size(); ++k) out.push_back(Real(a[k]) + lambda * Real(b[k] - a[k]));
     return out;
@@ -58,8 +56,7 @@ struct Chord {
 };
 
 /// Where `condition` (of an orbit in double) changes sign between 0 and `last`, by bisection.
-template <class Condition>
-std::optional<double> bisected(const Chord& chord, const Condition& condition, double last = 1.0) {
+template <class Condition> std::optional<double> bisected(const Chord& chord, const Condition& condition, double last = 1.0) {
   double low = 0.0, high = last;
   const std::optional<Values<double>> first = chord.orbit(low), other = chord.orbit(high);
   if (!first || !other) return std::nullopt;
@@ -81,8 +78,7 @@ struct Root {
 };
 
 /// Secants in Quad from a place known in double.
-template <class Condition>
-std::optional<Root> refined(const Chord& chord, double lambda, const Condition& condition) {
+template <class Condition> std::optional<Root> refined(const Chord& chord, double lambda, const Condition& condition) {
   Quad a = lambda, b = Quad(lambda) + Quad(1e-8);
   std::optional<Values<Quad>> y = corrected(chord.frame, chord.guess(a), chord.at(a), 20);
   if (!y) return std::nullopt;
@@ -431,7 +427,8 @@ class Follower {
     const std::optional<Values<double>> last_orbit = chord.orbit(before);
     if (!last_orbit) return broken();
     if (gap(frame, *last_orbit) > 0.0 && before > 1e-9) {
-      const std::optional<double> lambda = bisected(chord, [&](const Values<double>& y) { return gap(frame, y); }, before);
+      const std::optional<double> lambda = bisected(
+          chord, [&](const Values<double>& y) { return gap(frame, y); }, before);
       if (!lambda) return broken();
       const std::optional<Values<double>> touching = chord.orbit(*lambda);
       if (!touching) return broken();
@@ -448,8 +445,7 @@ class Follower {
       point.before = frame.impacts;
       point.after = frame.impacts + 1;
       const std::optional<int> own = family_side(chord, *root);
-      const std::optional<int> other =
-          added_side(frame, root->y, polished_summit(frame, root->y, top.leg, Quad(top.time)));
+      const std::optional<int> other = added_side(frame, root->y, polished_summit(frame, root->y, top.leg, Quad(top.time)));
       if (own && other) point.persistence = *own != *other;
       grazing = point;
     }
@@ -476,8 +472,7 @@ class Follower {
       }
       if (!lambda) continue;
       if (*lambda >= limit) continue;
-      const std::optional<Root> root =
-          refined(chord, *lambda, [&](const Values<Quad>& y) { return condition(frame, y, kappa); });
+      const std::optional<Root> root = refined(chord, *lambda, [&](const Values<Quad>& y) { return condition(frame, y, kappa); });
       if (!root) return broken();
       Located point = located(kappa == 1 ? Kind::LP : Kind::PD, chord, *root, last.sigma, size);
       if (kappa == -1) judge_doubling(chord, *root, point);

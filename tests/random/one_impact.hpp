@@ -16,13 +16,9 @@
 
 namespace graze::reference {
 
-template <class Real>
-struct OneImpact {
-  Real phase, speed;
-};
+template <class Real> struct OneImpact { Real phase, speed; };
 
-template <class Real>
-struct OneImpactForm {
+template <class Real> struct OneImpactForm {
   Parameters<Real> q;
   Transition<Real> over;  ///< Phi(nT)
   Real alpha, slope, determinant;
@@ -64,8 +60,7 @@ struct OneImpactForm {
   }
 };
 
-template <class Real>
-OneImpactForm<Real> one_impact(const Parameters<Real>& q, int n) {
+template <class Real> OneImpactForm<Real> one_impact(const Parameters<Real>& q, int n) {
   const Real nT = Real(2 * n) * pi<Real>() / q[ETA];
   const Transition<Real> over = transition(q, nT);
   const Real determinant = (over.xx - Real(1)) * (over.vv - Real(1)) - over.xv * over.vx;
