@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cases.hpp"
+#include "events.hpp"
 #include "one_impact.hpp"
 
 #include <cstdio>
@@ -85,8 +86,10 @@ std::string settings(const Frame& frame) {
 Case random_case(std::uint64_t seed, std::uint64_t index, std::optional<std::size_t> name) {
   // Starts closer to a grazing than this are none that a state at phase 0 tells in double.
   constexpr double least_speed = 1e-3, least_gap = 1e-5, largest_trace = 1e4;
-  // Of eight cases, one each starts next to a fold, to a doubling and to a grazing.
-  constexpr std::size_t near_places = 3;
+  // Of ten cases, one each starts next to a fold, to a doubling and to a grazing, and two on an attractor of up to so many
+  // impacts.
+  constexpr std::size_t near_places = 3, first_settled = 8;
+  constexpr int most_settled = 6;
   Random random(seed, index);
   for (;;) {
     Case out;
@@ -99,8 +102,22 @@ Case random_case(std::uint64_t seed, std::uint64_t index, std::optional<std::siz
     out.to = rounded(random.between(range.low, range.high), 3);
     const std::size_t which = random.below(2);
     if (std::fabs(out.to - out.frame.base[out.frame.name]) < 0.05 * (range.high - range.low)) continue;
-    const std::size_t place = random.below(8);
+    const std::size_t place = random.below(10);
     const double closeness = std::pow(10.0, -random.between(1.5, 5.0));
+    if (place >= first_settled) {
+      const std::optional<Settled> orbit = settled(out.frame, out.frame.base[out.frame.name], 4, most_settled);
+      if (!orbit) continue;
+      out.frame.periods = orbit->periods;
+      out.frame.impacts = orbit->impacts;
+      out.start = orbit->y;
+      const bool weak = [&] {
+        for (std::size_t k = 1; k < out.frame.size(); k += 2)
+          if (out.start[k] < least_speed) return true;
+        return gap(out.frame, out.start) > -least_gap;
+      }();
+      if (weak) continue;
+      return out;
+    }
     OneImpactForm<double> form = one_impact(out.frame.base, out.frame.periods);
     Values<double> speeds = form.speeds();
     if (place < near_places) {

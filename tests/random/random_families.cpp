@@ -51,6 +51,7 @@ TEST_CASE("the reference of the random tester agrees with the closed form of one
   int points = 0, doublings = 0;
   for (std::uint64_t k = 0; k < 60; ++k) {
     const Case one = random_case(7, k);
+    if (one.frame.impacts != 1) continue;
     const Family family = followed(one);
     INFO(arguments(one));
     REQUIRE(family.end != End::broken);
@@ -259,10 +260,10 @@ TEST_CASE("the checker of the random tester finds a doubled branch that is none"
     CHECK_FALSE(check(one, wrong).complaints.empty());
     // It begins far from its doubling.
     wrong = right;
-    const std::ptrdiff_t half = static_cast<std::ptrdiff_t>(wrong.branches[1].points.size()) / 2;
-    wrong.branches[1].points.erase(wrong.branches[1].points.begin(), wrong.branches[1].points.begin() + half);
+    const std::ptrdiff_t most = 4 * static_cast<std::ptrdiff_t>(wrong.branches[1].points.size()) / 5;
+    wrong.branches[1].points.erase(wrong.branches[1].points.begin(), wrong.branches[1].points.begin() + most);
     for (AnswerSpecial& special : wrong.branches[1].special_points)
-      special.after_point = std::max(0, special.after_point - static_cast<int>(half));
+      special.after_point = std::max(0, special.after_point - static_cast<int>(most));
     CHECK_FALSE(check(one, wrong).complaints.empty());
   }
   CHECK(doubled_families == 5);
@@ -295,11 +296,11 @@ TEST_CASE("the checker of the random tester finds what is missing in a skeleton,
   }
 }
 
-TEST_CASE("continuation of random one-impact orbits agrees with the closed form") {
+TEST_CASE("continuation of random orbits agrees with the closed form and with Newton's method on the events") {
   Plan plan;
   plan.program = GRAZE_PROGRAM;
   plan.problem = GRAZE_DATA_DIR "/problems/newton-elastic.toml";
-  plan.cases = std::stoull(variable("GRAZE_RANDOM_CASES", "400"));
+  plan.cases = std::stoull(variable("GRAZE_RANDOM_CASES", "300"));
   plan.seed = std::stoull(variable("GRAZE_RANDOM_SEED", "1"));
   plan.most_impacts = 6;
   std::ostringstream lines;
