@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cases.hpp"
+#include "events.hpp"
 #include "one_impact.hpp"
 
 #include <cstdio>
@@ -85,6 +86,10 @@ std::string settings(const Frame& frame) {
 Case random_case(std::uint64_t seed, std::uint64_t index, std::optional<std::size_t> name) {
   // Starts closer to a grazing than this are none that a state at phase 0 tells in double.
   constexpr double least_speed = 1e-3, least_gap = 1e-5, largest_trace = 1e4;
+  // Of ten cases, one each starts next to a fold, to a doubling and to a grazing, and two on an attractor of up to so many
+  // impacts.
+  constexpr std::size_t near_places = 3, first_settled = 8;
+  constexpr int most_settled = 6;
   Random random(seed, index);
   for (;;) {
     Case out;
@@ -97,8 +102,35 @@ Case random_case(std::uint64_t seed, std::uint64_t index, std::optional<std::siz
     out.to = rounded(random.between(range.low, range.high), 3);
     const std::size_t which = random.below(2);
     if (std::fabs(out.to - out.frame.base[out.frame.name]) < 0.05 * (range.high - range.low)) continue;
-    const OneImpactForm<double> form = one_impact(out.frame.base, out.frame.periods);
-    const Values<double> speeds = form.speeds();
+    const std::size_t place = random.below(10);
+    const double closeness = std::pow(10.0, -random.between(1.5, 5.0));
+    if (place >= first_settled) {
+      const std::optional<Settled> orbit = settled(out.frame, out.frame.base[out.frame.name], 4, most_settled);
+      if (!orbit) continue;
+      out.frame.periods = orbit->periods;
+      out.frame.impacts = orbit->impacts;
+      out.start = orbit->y;
+      const bool weak = [&] {
+        for (std::size_t k = 1; k < out.frame.size(); k += 2)
+          if (out.start[k] < least_speed) return true;
+        return gap(out.frame, out.start) > -least_gap;
+      }();
+      if (weak) continue;
+      return out;
+    }
+    OneImpactForm<double> form = one_impact(out.frame.base, out.frame.periods);
+    Values<double> speeds = form.speeds();
+    if (place < near_places) {
+      // Next to a point: the amplitude is what makes the orbit one of that speed.
+      const double at = place == 0 ? form.fold_speed() : form.flip_speed();
+      const double speed = place == 2 ? 100.0 * closeness : at * (1.0 + (which == 0 ? closeness : -closeness));
+      const double xi = form.amplitude_of(speed) / impactless_amplitude(form.q) * form.q[XI];
+      if (!(speed > 0.0 && xi > 0.1 && xi < 10.0)) continue;
+      out.frame.base[XI] = xi;
+      form = one_impact(out.frame.base, out.frame.periods);
+      speeds = {speed};
+      if (out.frame.name == XI && std::fabs(out.to - xi) < 0.05 * (range.high - range.low)) continue;
+    }
     if (speeds.empty()) continue;
     const OneImpact<double> orbit = form.orbit(speeds[which % speeds.size()]);
     out.start = {orbit.phase, orbit.speed, out.frame.base[out.frame.name]};

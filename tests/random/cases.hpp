@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Random cases: an admissible orbit with one impact in n = 1 ... 4 forcing periods, in closed form, and the parameter and range in
-// which its family is to be followed. Case k of a seed is made from (seed, k) alone, with a generator that gives the same numbers
-// everywhere.
+// Random cases: an admissible orbit, and the parameter and range in which its family is to be followed. Of ten, five are orbits
+// with one impact in n = 1 ... 4 forcing periods at random parameters, in closed form, three are such orbits next to a fold, a
+// doubling and a grazing, and two are attractors with up to six impacts in up to four periods, on which the motion from rest has
+// settled. Case k of a seed is made from (seed, k) alone, with a generator that gives the same numbers everywhere.
 #pragma once
 
 #include "family.hpp"

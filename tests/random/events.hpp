@@ -12,4 +12,12 @@ namespace graze::reference {
 /// further than `tolerance` from an orbit.
 std::optional<Values<double>> events_of(const Frame& frame, double p, const std::vector<State>& states, double tolerance);
 
+/// An orbit of up to `most_periods` periods on which the motion from rest (at the barrier, if that lies below 0) settles, with at
+/// least one impact and up to `most_impacts`: its periods and impacts, and y.
+struct Settled {
+  int periods = 1, impacts = 1;
+  Values<double> y;
+};
+std::optional<Settled> settled(const Frame& frame, double p, int most_periods, int most_impacts);
+
 }  // namespace graze::reference

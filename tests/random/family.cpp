@@ -10,6 +10,10 @@ namespace {
 /// Tangents of neighbouring samples enclose less than this angle.
 constexpr double least_cosine = 0.995;
 constexpr double smallest_step = 1e-9;
+/// A fold this close to the start is still between two samples.
+constexpr double first_step = 1e-6, halving_step = 2e-4;
+/// Of the parameter of an orbit in double, relative: with large motions next to resonance it is worse than that of one number.
+constexpr double parameter_rounding = 1e-11;
 /// Where a doubled family begins: the largest change of an event's coordinate from the doubling. The larger ones are for families
 /// whose parameter hardly changes at first: in double their equations are too close to singular there.
 constexpr std::array<double, 3> first_amplitudes = {1e-4, 1e-3, 1e-2};
@@ -35,8 +39,7 @@ struct Chord {
   const Frame& frame;
   Values<double> weights, a, b;
 
-  template <class Real>
-  Constraint<Real> at(Real lambda) const {
+  template <class Real> Constraint<Real> at(Real lambda) const {
     Constraint<Real> out{{}, Real(0)};
     for (std::size_t k = 0; k < a.size(); ++k) {
       out.row.push_back(Real(weights[k] * weights[k] * (b[k] - a[k])));
@@ -44,8 +47,7 @@ struct Chord {
     }
     return out;
   }
-  template <class Real>
-  Values<Real> guess(Real lambda) const {
+  template <class Real> Values<Real> guess(Real lambda) const {
     Values<Real> out;
     for (std::size_t k = 0; k < a.size(); ++k) out.push_back(Real(a[k]) + lambda * Real(b[k] - a[k]));
     return out;
@@ -54,8 +56,7 @@ struct Chord {
 };
 
 /// Where `condition` (of an orbit in double) changes sign between 0 and `last`, by bisection.
-template <class Condition>
-std::optional<double> bisected(const Chord& chord, const Condition& condition, double last = 1.0) {
+template <class Condition> std::optional<double> bisected(const Chord& chord, const Condition& condition, double last = 1.0) {
   double low = 0.0, high = last;
   const std::optional<Values<double>> first = chord.orbit(low), other = chord.orbit(high);
   if (!first || !other) return std::nullopt;
@@ -77,8 +78,7 @@ struct Root {
 };
 
 /// Secants in Quad from a place known in double.
-template <class Condition>
-std::optional<Root> refined(const Chord& chord, double lambda, const Condition& condition) {
+template <class Condition> std::optional<Root> refined(const Chord& chord, double lambda, const Condition& condition) {
   Quad a = lambda, b = Quad(lambda) + Quad(1e-8);
   std::optional<Values<Quad>> y = corrected(chord.frame, chord.guess(a), chord.at(a), 20);
   if (!y) return std::nullopt;
@@ -292,7 +292,7 @@ std::vector<double> places_on(const Chord& chord, double p, const std::vector<do
     const std::optional<Values<double>> y = chord.orbit(lambda);
     return y ? y->back() - p : std::numeric_limits<double>::quiet_NaN();
   };
-  const double rounding = 1e-13 * (1.0 + std::fabs(p));
+  const double rounding = parameter_rounding * (1.0 + std::fabs(p));
   std::vector<double> out;
   for (std::size_t k = 0; k + 1 < ends.size(); ++k) {
     double low = ends[k], high = ends[k + 1], at_low = value(low), at_high = value(high);
@@ -336,10 +336,12 @@ class Follower {
   }
 
   Family run() {
-    double h = 1e-4;
+    double h = first_step;
     while (!tangent_.empty() && static_cast<int>(family_.samples.size()) < options_.most && h > smallest_step) {
       const std::optional<Values<double>> next = step(h);
-      if (!next) {
+      // Where the halves of a doubled orbit become the same the last sample is to lie close before.
+      const Chord chord{family_.frame, family_.weights, family_.samples.back().y, next.value_or(family_.samples.back().y)};
+      if (!next || (h > halving_step && halves(chord))) {
         h *= 0.5;
         continue;
       }
@@ -384,16 +386,25 @@ class Follower {
       end = what;
       grazing.reset();
     };
-    for (const double bound : {family_.range.low, family_.range.high}) {
-      const double side = bound == family_.range.low ? 1.0 : -1.0;
-      if (side * (next.back() - bound) < 0.0) {
-        // From a start on the bound itself the place is not bracketed; it left inwards.
+    // Between two samples the parameter is furthest at a fold, if there is one.
+    std::optional<double> fold;
+    if ((condition(frame, last.y, 1) > 0.0) != (condition(frame, next, 1) > 0.0)) {
+      fold = bisected(chord, [&](const Values<double>& y) { return condition(frame, y, 1); });
+      if (!fold) return broken();
+    }
+    for (const double furthest : {fold.value_or(1.0), 1.0}) {
+      const std::optional<Values<double>> far = chord.orbit(furthest);
+      if (!far) return broken();
+      for (const double bound : {family_.range.low, family_.range.high}) {
+        const double side = bound == family_.range.low ? 1.0 : -1.0;
+        if (side * (far->back() - bound) >= 0.0) continue;
         const auto inside = [&](const Values<double>& y) { return side * (y.back() - bound); };
-        const std::optional<double> lambda = bisected(chord, inside);
+        const std::optional<double> lambda = bisected(chord, inside, furthest);
         if (!lambda) return broken();
+        if (*lambda < limit) bound_ = bound;
         end_at(End::bound, *lambda);
-        bound_ = bound;
       }
+      if (end) break;
     }
     for (std::size_t i = 0; i < static_cast<std::size_t>(frame.impacts); ++i)
       if (next[2 * i + 1] <= 0.0) {
@@ -416,7 +427,8 @@ class Follower {
     const std::optional<Values<double>> last_orbit = chord.orbit(before);
     if (!last_orbit) return broken();
     if (gap(frame, *last_orbit) > 0.0 && before > 1e-9) {
-      const std::optional<double> lambda = bisected(chord, [&](const Values<double>& y) { return gap(frame, y); }, before);
+      const std::optional<double> lambda = bisected(
+          chord, [&](const Values<double>& y) { return gap(frame, y); }, before);
       if (!lambda) return broken();
       const std::optional<Values<double>> touching = chord.orbit(*lambda);
       if (!touching) return broken();
@@ -433,8 +445,7 @@ class Follower {
       point.before = frame.impacts;
       point.after = frame.impacts + 1;
       const std::optional<int> own = family_side(chord, *root);
-      const std::optional<int> other =
-          added_side(frame, root->y, polished_summit(frame, root->y, top.leg, Quad(top.time)));
+      const std::optional<int> other = added_side(frame, root->y, polished_summit(frame, root->y, top.leg, Quad(top.time)));
       if (own && other) point.persistence = *own != *other;
       grazing = point;
     }
@@ -453,13 +464,15 @@ class Follower {
 
     std::vector<Located> found;
     for (const int kappa : {1, -1}) {
-      const double a = condition(frame, last.y, kappa), b = condition(frame, next, kappa);
-      if ((a > 0.0) == (b > 0.0)) continue;
-      const std::optional<double> lambda = bisected(chord, [&](const Values<double>& y) { return condition(frame, y, kappa); });
-      if (!lambda) return broken();
+      std::optional<double> lambda = fold;
+      if (kappa == -1) {
+        if ((condition(frame, last.y, -1) > 0.0) == (condition(frame, next, -1) > 0.0)) continue;
+        lambda = bisected(chord, [&](const Values<double>& y) { return condition(frame, y, -1); });
+        if (!lambda) return broken();
+      }
+      if (!lambda) continue;
       if (*lambda >= limit) continue;
-      const std::optional<Root> root =
-          refined(chord, *lambda, [&](const Values<Quad>& y) { return condition(frame, y, kappa); });
+      const std::optional<Root> root = refined(chord, *lambda, [&](const Values<Quad>& y) { return condition(frame, y, kappa); });
       if (!root) return broken();
       Located point = located(kappa == 1 ? Kind::LP : Kind::PD, chord, *root, last.sigma, size);
       if (kappa == -1) judge_doubling(chord, *root, point);
@@ -635,7 +648,7 @@ std::vector<Place> places(const Family& family, double p, const std::vector<Stat
   const Frame& frame = family.frame;
   for (std::size_t i = 0; i + 1 < family.samples.size(); ++i) {
     const Sample &a = family.samples[i], &b = family.samples[i + 1];
-    const double size = b.sigma - a.sigma, rounding = 1e-13 * (1.0 + std::fabs(p));
+    const double size = b.sigma - a.sigma, rounding = parameter_rounding * (1.0 + std::fabs(p));
     double low = std::min(a.y.back(), b.y.back()), high = std::max(a.y.back(), b.y.back());
     std::vector<double> ends = {0.0};
     for (const Located& point : family.points) {

@@ -22,8 +22,7 @@ struct Frame {
   std::size_t name = ETA;  ///< of the parameter that changes
   int periods = 1, impacts = 1;
   std::size_t size() const { return 2 * static_cast<std::size_t>(impacts); }
-  template <class Real>
-  Parameters<Real> at(Real value) const {
+  template <class Real> Parameters<Real> at(Real value) const {
     Parameters<Real> q = converted<Real>(base);
     q[name] = value;
     return q;
@@ -31,16 +30,14 @@ struct Frame {
 };
 
 /// The flight from one impact to the next, and the end's derivatives.
-template <class Real>
-struct Leg {
+template <class Real> struct Leg {
   Real phase, duration;
   Motion<Real> start, end;
-  Motion<Real> by_phase, by_speed;    ///< of the end, by the start's phase and approach speed
-  Motion<Real> by_end_phase;          ///< of the end, by its own phase
+  Motion<Real> by_phase, by_speed;  ///< of the end, by the start's phase and approach speed
+  Motion<Real> by_end_phase;        ///< of the end, by its own phase
 };
 
-template <class Real>
-Leg<Real> leg(const Frame& frame, const Values<Real>& y, int i) {
+template <class Real> Leg<Real> leg(const Frame& frame, const Values<Real>& y, int i) {
   const std::size_t k = 2 * static_cast<std::size_t>(i), next = i + 1 == frame.impacts ? 0 : k + 2;
   const Parameters<Real> q = frame.at(y[frame.size()]);
   Leg<Real> out;
@@ -57,8 +54,7 @@ Leg<Real> leg(const Frame& frame, const Values<Real>& y, int i) {
   return out;
 }
 
-template <class Real>
-Values<Real> residual(const Frame& frame, const Values<Real>& y) {
+template <class Real> Values<Real> residual(const Frame& frame, const Values<Real>& y) {
   Values<Real> out;
   for (int i = 0; i < frame.impacts; ++i) {
     const Leg<Real> here = leg(frame, y, i);
@@ -70,8 +66,7 @@ Values<Real> residual(const Frame& frame, const Values<Real>& y) {
 }
 
 /// J(kappa), square.
-template <class Real>
-Table<Real> jacobian(const Frame& frame, const Values<Real>& y, Real kappa) {
+template <class Real> Table<Real> jacobian(const Frame& frame, const Values<Real>& y, Real kappa) {
   Table<Real> J(frame.size(), frame.size());
   for (int i = 0; i < frame.impacts; ++i) {
     const Leg<Real> here = leg(frame, y, i);
@@ -92,8 +87,7 @@ Table<Real> jacobian(const Frame& frame, const Values<Real>& y, Real kappa) {
 inline double difference_step(double) { return 1e-6; }
 inline Quad difference_step(Quad) { return Quad(1e-11); }
 
-template <class Real>
-Values<Real> by_parameter(const Frame& frame, const Values<Real>& y) {
+template <class Real> Values<Real> by_parameter(const Frame& frame, const Values<Real>& y) {
   const Real h = difference_step(Real(0)) * (Real(0.1) + magnitude(y.back()));
   Values<Real> up = y, down = y;
   up.back() += h;
@@ -103,30 +97,26 @@ Values<Real> by_parameter(const Frame& frame, const Values<Real>& y) {
   return out;
 }
 
-template <class Real>
-Real condition(const Frame& frame, const Values<Real>& y, int kappa) {
+template <class Real> Real condition(const Frame& frame, const Values<Real>& y, int kappa) {
   Values<Real> unused(frame.size(), Real(0));
   return solve(jacobian(frame, y, Real(kappa)), unused);
 }
 
 /// One linear equation for y besides the orbit's: row . y = value.
-template <class Real>
-struct Constraint {
+template <class Real> struct Constraint {
   Values<Real> row;
   Real value;
 };
 
 /// p = value
-template <class Real>
-Constraint<Real> fixed_parameter(const Frame& frame, Real value) {
+template <class Real> Constraint<Real> fixed_parameter(const Frame& frame, Real value) {
   Constraint<Real> out{Values<Real>(frame.size() + 1, Real(0)), value};
   out.row[frame.size()] = Real(1);
   return out;
 }
 
 /// The Jacobian by y, p included, with the constraint's row below.
-template <class Real>
-Table<Real> bordered(const Frame& frame, const Values<Real>& y, const Values<Real>& row) {
+template <class Real> Table<Real> bordered(const Frame& frame, const Values<Real>& y, const Values<Real>& row) {
   const std::size_t n = frame.size();
   const Table<Real> J = jacobian(frame, y, Real(1));
   const Values<Real> slope = by_parameter(frame, y);
@@ -143,11 +133,13 @@ Table<Real> bordered(const Frame& frame, const Values<Real>& y, const Values<Rea
 inline double converged_step(double) { return 1e-11; }
 inline Quad converged_step(Quad) { return Quad(1e-29); }
 
-/// Newton's method; nothing if it does not converge.
+/// Newton's method; nothing if it does not converge. Steps that no longer become smaller are accepted a little above the
+/// tolerance: they are rounding, and more of it where the equations are nearly singular.
 template <class Real>
 std::optional<Values<Real>> corrected(const Frame& frame, Values<Real> y, const Constraint<Real>& constraint, int most = 12,
                                       Real tolerance = converged_step(Real(0))) {
   const std::size_t n = frame.size();
+  Real last(1);
   for (int k = 0; k < most; ++k) {
     Values<Real> step = residual(frame, y);
     Real sum = -constraint.value;
@@ -160,19 +152,16 @@ std::optional<Values<Real>> corrected(const Frame& frame, Values<Real> y, const 
       size = std::max(size, magnitude(step[j]) / (Real(1) + magnitude(y[j])));
     }
     if (!(size < Real(1e3))) return std::nullopt;
-    if (size < tolerance) return y;
+    if (size < tolerance || (size < Real(1e3) * tolerance && size > Real(0.5) * last)) return y;
+    last = size;
   }
   return std::nullopt;
 }
 
 /// M = product of S_i Phi_i. Its trace and determinant, by what the impacts do to states: S = [-k_r, 0; (a+ + k_r a-)/v, -k_r].
-template <class Real>
-struct Invariants {
-  Real trace, determinant;
-};
+template <class Real> struct Invariants { Real trace, determinant; };
 
-template <class Real>
-Invariants<Real> monodromy(const Frame& frame, const Values<Real>& y) {
+template <class Real> Invariants<Real> monodromy(const Frame& frame, const Values<Real>& y) {
   const Parameters<Real> q = frame.at(y[frame.size()]);
   Transition<Real> M{Real(1), Real(0), Real(0), Real(1)};
   for (int i = 0; i < frame.impacts; ++i) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Any number of random cases on request:
 //
-//     random_cases [--command continue|diagram] [--cases N] [--seed S] [--first K] [--param eta|xi|r|k_r|b] [--most-impacts M] [--patience SECONDS]
-//                  [--time SECONDS] [--program PATH]
+//     random_cases [--command continue|diagram] [--cases N] [--seed S] [--first K] [--param eta|xi|r|k_r|b] [--most-impacts M]
+//                  [--patience SECONDS] [--time SECONDS] [--program PATH]
 //
 // One line for each case that fails, with the command that shows it; then how often each kind of complaint appears. The exit code
 // is 0 only if none failed.
@@ -20,7 +20,7 @@ Plan plan_of(int argc, char** argv) {
   Plan plan;
   plan.program = GRAZE_PROGRAM;
   plan.problem = GRAZE_DATA_DIR "/problems/newton-elastic.toml";
-  for (int i = 1; i < argc; i += 2) {
+  for (int i = 1; i < argc; i += 2) {  // pairs of name and value
     const std::string name = argv[i];
     if (i + 1 == argc) throw std::invalid_argument(name + ": a value is missing");
     const std::string value = argv[i + 1];
@@ -57,8 +57,8 @@ int main(int argc, char** argv) {
   try {
     const Plan plan = plan_of(argc, argv);
     const Summary summary = run(plan, std::cout);
-    std::cout << summary.cases << " cases, " << summary.families << " families compared, " << summary.unresolved << " not, " << summary.undecided << " undecided, "
-              << summary.failed << " failed\n";
+    std::cout << summary.cases << " cases, " << summary.families << " families compared, " << summary.unresolved << " not, "
+              << summary.undecided << " undecided, " << summary.failed << " failed\n";
     for (const auto& [kind, count] : summary.kinds) std::cout << "  " << count << "  " << kind << "\n";
     return summary.failed == 0 ? 0 : 1;
   } catch (const std::exception& error) {

@@ -16,13 +16,9 @@
 
 namespace graze::reference {
 
-template <class Real>
-struct OneImpact {
-  Real phase, speed;
-};
+template <class Real> struct OneImpact { Real phase, speed; };
 
-template <class Real>
-struct OneImpactForm {
+template <class Real> struct OneImpactForm {
   Parameters<Real> q;
   Transition<Real> over;  ///< Phi(nT)
   Real alpha, slope, determinant;
@@ -50,6 +46,8 @@ struct OneImpactForm {
     while (phase >= Real(2) * pi<Real>()) phase -= Real(2) * pi<Real>();
     return {phase, v};
   }
+  /// Of the impactless motion, with which an orbit has speed v.
+  Real amplitude_of(Real v) const { return root((q[R] - alpha * v) * (q[R] - alpha * v) + slope * v * slope * v); }
   /// Those with v > 0, the slower one first. Nothing is said about what they do between two impacts.
   Values<Real> speeds() const {
     Values<Real> out;
@@ -62,14 +60,37 @@ struct OneImpactForm {
   }
 };
 
-template <class Real>
-OneImpactForm<Real> one_impact(const Parameters<Real>& q, int n) {
+template <class Real> OneImpactForm<Real> one_impact(const Parameters<Real>& q, int n) {
   const Real nT = Real(2 * n) * pi<Real>() / q[ETA];
   const Transition<Real> over = transition(q, nT);
   const Real determinant = (over.xx - Real(1)) * (over.vv - Real(1)) - over.xv * over.vx;
   const Real alpha = -(Real(1) + q[K_R]) * over.xv / determinant;
   const Real beta = (Real(1) + q[K_R]) * (over.xx - Real(1)) / determinant;
   return {q, over, alpha, (q[K_R] + beta) / q[ETA], q[K_R] * q[K_R] * exponential(-Real(2) * q[B] * nT)};
+}
+
+/// First value of a parameter, from `from` on to `to`, at which the impactless motion touches the barrier: amplitude = r.
+inline std::optional<Quad> touching(const Parameters<double>& base, std::size_t name, double from, double to) {
+  constexpr int steps = 4000;
+  const auto below = [&](Quad p) {
+    Parameters<Quad> q = converted<Quad>(base);
+    q[name] = p;
+    return q[R] - impactless_amplitude(q);
+  };
+  Quad low = from;
+  for (int k = 1; k <= steps; ++k) {
+    Quad high = Quad(from) + (Quad(to) - Quad(from)) * Quad(k) / Quad(steps);
+    if (below(high) > Quad(0)) {
+      low = high;
+      continue;
+    }
+    for (int i = 0; i < 110; ++i) {
+      const Quad middle = (low + high) / Quad(2);
+      (below(middle) > Quad(0) ? low : high) = middle;
+    }
+    return low;
+  }
+  return std::nullopt;
 }
 
 }  // namespace graze::reference

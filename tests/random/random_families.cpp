@@ -48,9 +48,10 @@ std::string variable(const char* name, const std::string& otherwise) {
 }  // namespace
 
 TEST_CASE("the reference of the random tester agrees with the closed form of one-impact orbits") {
-  int points = 0;
+  int points = 0, doublings = 0;
   for (std::uint64_t k = 0; k < 60; ++k) {
     const Case one = random_case(7, k);
+    if (one.frame.impacts != 1) continue;
     const Family family = followed(one);
     INFO(arguments(one));
     REQUIRE(family.end != End::broken);
@@ -72,9 +73,17 @@ TEST_CASE("the reference of the random tester agrees with the closed form of one
       CHECK(static_cast<double>(magnitude(form.mismatch(v))) < 1e-20);
       CHECK(point.error < 1e-20);
       ++points;
+      // Beyond a supercritical doubling the doubled orbits are stable: by their multipliers, which the verdict does not use.
+      if (point.kind != Kind::PD || !point.supercritical) continue;
+      const std::optional<Family> doubled = follow_doubled(family, point);
+      if (!doubled) continue;
+      const Invariants<double> M = monodromy(doubled->frame, doubled->samples.front().y);
+      CHECK((1.0 - M.trace + M.determinant > 0.0) == *point.supercritical);
+      ++doublings;
     }
   }
   CHECK(points > 40);
+  CHECK(doublings > 5);
 }
 
 TEST_CASE("the checker of the random tester finds nothing in right answers and every mutation of them") {
@@ -167,12 +176,12 @@ TEST_CASE("the checker of the random tester finds nothing in right answers and e
       {"two points are exchanged",
        [](AnswerBranch& branch) {
          const std::size_t count = branch.points.size();
-         std::swap(branch.points[count / 3], branch.points[2 * count / 3]);
+         std::swap(branch.points[7 * count / 10], branch.points[9 * count / 10]);
          return true;
        }},
       {"a point lies on another orbit",
        [](AnswerBranch& branch) {
-         branch.points[branch.points.size() / 2].states.front()[1] += 1e-4 * 10.0;
+         branch.points[9 * branch.points.size() / 10].states.front()[1] += 1e-3;
          return true;
        }},
       {"a grazing at the end is overrun",
@@ -184,7 +193,7 @@ TEST_CASE("the checker of the random tester finds nothing in right answers and e
        }},
   };
   std::vector<int> counts(mutations.size(), 0);
-  for (std::uint64_t k = 0; k < 40; ++k) {
+  for (std::uint64_t k = 0; k < 25; ++k) {
     const Case one = random_case(11, k);
     std::vector<Family> families = {followed(one)};
     REQUIRE(families[0].end != End::broken);
@@ -193,7 +202,8 @@ TEST_CASE("the checker of the random tester finds nothing in right answers and e
         if (const std::optional<Family> doubled = follow_doubled(families[0], point)) families.push_back(*doubled);
     for (const Family& family : families) {
       // What ends at the onset of sticking or at its other doubling is followed by more than the reference says.
-      if (family.end == End::sticking || family.end == End::halved) continue;
+      // In one that is hardly longer than a doubling's neighbourhood, points are not told apart.
+      if (family.end == End::sticking || family.end == End::halved || family.samples.back().sigma < 0.2) continue;
       INFO(arguments(one) << " " << family.frame.impacts << "/" << family.frame.periods);
       for (const Complaint& complaint : compare(family, answer_of(family, 1))) FAIL_CHECK(complaint.text);
       for (std::size_t m = 0; m < mutations.size(); ++m) {
@@ -250,10 +260,10 @@ TEST_CASE("the checker of the random tester finds a doubled branch that is none"
     CHECK_FALSE(check(one, wrong).complaints.empty());
     // It begins far from its doubling.
     wrong = right;
-    const std::ptrdiff_t half = static_cast<std::ptrdiff_t>(wrong.branches[1].points.size()) / 2;
-    wrong.branches[1].points.erase(wrong.branches[1].points.begin(), wrong.branches[1].points.begin() + half);
+    const std::ptrdiff_t most = 4 * static_cast<std::ptrdiff_t>(wrong.branches[1].points.size()) / 5;
+    wrong.branches[1].points.erase(wrong.branches[1].points.begin(), wrong.branches[1].points.begin() + most);
     for (AnswerSpecial& special : wrong.branches[1].special_points)
-      special.after_point = std::max(0, special.after_point - static_cast<int>(half));
+      special.after_point = std::max(0, special.after_point - static_cast<int>(most));
     CHECK_FALSE(check(one, wrong).complaints.empty());
   }
   CHECK(doubled_families == 5);
@@ -265,8 +275,10 @@ TEST_CASE("the checker of the random tester finds what is missing in a skeleton,
     Answer right;
     std::vector<std::size_t> first;
     for (const Family& family : one_impact_families(one.frame, one.range, one.most_periods)) {
-      first.push_back(right.branches.size());
-      const Values<double>& start = family.samples[family.samples.size() / 2].y;
+      if (family.samples.back().sigma > 0.5) first.push_back(right.branches.size());
+      std::size_t middle = 0;
+      while (family.samples[middle].sigma < 0.5 * family.samples.back().sigma) ++middle;
+      const Values<double>& start = family.samples[middle].y;
       for (const int direction : {-1, 1}) {
         const Family half = follow(family.frame, start, one.range, direction);
         if (half.samples.size() > 3) right.branches.push_back(answer_of(half, static_cast<int>(right.branches.size()) + 1));
@@ -284,11 +296,11 @@ TEST_CASE("the checker of the random tester finds what is missing in a skeleton,
   }
 }
 
-TEST_CASE("continuation of random one-impact orbits agrees with the closed form") {
+TEST_CASE("continuation of random orbits agrees with the closed form and with Newton's method on the events") {
   Plan plan;
   plan.program = GRAZE_PROGRAM;
   plan.problem = GRAZE_DATA_DIR "/problems/newton-elastic.toml";
-  plan.cases = std::stoull(variable("GRAZE_RANDOM_CASES", "400"));
+  plan.cases = std::stoull(variable("GRAZE_RANDOM_CASES", "300"));
   plan.seed = std::stoull(variable("GRAZE_RANDOM_SEED", "1"));
   plan.most_impacts = 6;
   std::ostringstream lines;

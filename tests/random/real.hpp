@@ -3,8 +3,6 @@
 // names of their own, for in ISO mode std:: has none for Quad.
 #pragma once
 
-#include <quadmath.h>
-
 #include <cmath>
 #include <cstddef>
 #include <vector>
@@ -12,6 +10,16 @@
 namespace graze::reference {
 
 __extension__ typedef __float128 Quad;
+
+// Of libquadmath. Its header lies among those of g++ alone, where other compilers (and clang-tidy) do not look.
+extern "C" {
+Quad sinq(Quad x) noexcept;
+Quad cosq(Quad x) noexcept;
+Quad expq(Quad x) noexcept;
+Quad sqrtq(Quad x) noexcept;
+Quad fabsq(Quad x) noexcept;
+Quad atan2q(Quad y, Quad x) noexcept;
+}
 
 inline double sine(double x) { return std::sin(x); }
 inline double cosine(double x) { return std::cos(x); }
@@ -26,25 +34,21 @@ inline Quad root(Quad x) { return sqrtq(x); }
 inline Quad arctangent(Quad y, Quad x) { return atan2q(y, x); }
 inline Quad magnitude(Quad x) { return fabsq(x); }
 
-template <class Real>
-Real pi() {
+template <class Real> Real pi() {
   static const Real value = arctangent(Real(0), Real(-1));
   return value;
 }
 
-template <class Real>
-using Values = std::vector<Real>;
+template <class Real> using Values = std::vector<Real>;
 
-template <class To, class From>
-Values<To> converted(const Values<From>& from) {
+template <class To, class From> Values<To> converted(const Values<From>& from) {
   Values<To> out;
   for (const From& value : from) out.push_back(static_cast<To>(value));
   return out;
 }
 
 /// Square or wide matrix, by rows.
-template <class Real>
-struct Table {
+template <class Real> struct Table {
   std::size_t rows = 0, columns = 0;
   Values<Real> entries;
   Table(std::size_t r, std::size_t c) : rows(r), columns(c), entries(r * c, Real(0)) {}
@@ -53,8 +57,7 @@ struct Table {
 };
 
 /// Gaussian elimination with row pivoting: solves A x = y in place and returns det A. y is left alone if A is singular.
-template <class Real>
-Real solve(Table<Real> A, Values<Real>& y) {
+template <class Real> Real solve(Table<Real> A, Values<Real>& y) {
   const std::size_t n = A.rows;
   Real determinant(1);
   Values<Real> x = y;

@@ -12,8 +12,8 @@
 namespace graze::reference {
 
 Answer answered(const Plan& plan, const std::string& command, const std::string& arguments) {
-  const std::string line = "timeout " + std::to_string(plan.patience) + " '" + plan.program + "' " + command + " '" + plan.problem + "'" +
-                           arguments + " --quiet --threads 1 --json - 2> /dev/null < /dev/null";
+  const std::string line = "timeout " + std::to_string(plan.patience) + " '" + plan.program + "' " + command + " '" +
+                           plan.problem + "'" + arguments + " --quiet --threads 1 --json - 2> /dev/null < /dev/null";
   Answer out;
   std::FILE* pipe = ::popen(line.c_str(), "r");
   if (!pipe) {

@@ -13,16 +13,14 @@ namespace graze::reference {
 /// Sampling distance in time, of the faster of the two motions.
 inline constexpr double summit_sampling = 0.03;
 
-template <class Real>
-struct Summit {
+template <class Real> struct Summit {
   int leg = 0;
   Real time{};    ///< after the leg's start
   Real height{};  ///< over the barrier
 };
 
 /// Newton's method on x' = 0 from a time nearby.
-template <class Real>
-Summit<Real> polished_summit(const Frame& frame, const Values<Real>& y, int i, Real time) {
+template <class Real> Summit<Real> polished_summit(const Frame& frame, const Values<Real>& y, int i, Real time) {
   const Parameters<Real> q = frame.at(y[frame.size()]);
   const Leg<Real> here = leg(frame, y, i);
   for (int k = 0; k < 8; ++k) {
