@@ -244,16 +244,24 @@ MetPoint BranchFollower::locate_impact_change(OrbitProblem& problem, const Curve
       moved.emplace(std::move(fine));
     }
     OrbitProblem& here = moved ? *moved : problem;
-    const std::vector<GrazingGuess> guesses = u ? weakest_contacts(here, *u, change) : std::vector<GrazingGuess>{};
-    if (guesses.empty()) continue;
-    const LocatedGrazing located = locate_grazing(here, *u, guesses.front());
-    const double value = located.newton.converged() ? here.value(located.u) : 0.0;
-    if (!located.newton.converged() || value < low - 0.01 * width || value > high + 0.01 * width) continue;
+    // One that grazes need not be the weakest of all contacts yet.
+    constexpr int considered = 4;
+    const std::vector<GrazingGuess> guesses =
+        u ? weakest_contacts(here, *u, change > 1 ? change : considered) : std::vector<GrazingGuess>{};
+    const auto within_step = [&](const LocatedGrazing& found) {
+      const double value = found.newton.converged() ? here.value(found.u) : std::numeric_limits<double>::quiet_NaN();
+      return value >= low - 0.01 * width && value <= high + 0.01 * width;
+    };
+    LocatedGrazing located;
+    for (std::size_t k = 0; k < guesses.size() && !within_step(located); ++k)
+      if (k == 0 || change == 1) located = locate_grazing(here, *u, guesses[k]);
+    if (!within_step(located)) continue;
+    const double value = here.value(located.u);
     const auto apart = [&](const GrazingGuess& other) {
       const LocatedGrazing found = locate_grazing(here, *u, other);
       return !found.newton.converged() || std::abs(here.value(found.u) - value) > 1e-10 * (1.0 + std::abs(value));
     };
-    if (std::any_of(guesses.begin() + 1, guesses.end(), apart)) continue;
+    if (change > 1 && std::any_of(guesses.begin() + 1, guesses.end(), apart)) continue;
     const Vector along =
         before.u + (value - before.u[before.u.size() - 1]) / (after.u - before.u)[before.u.size() - 1] * (after.u - before.u);
     const Vector& place = moved ? along : located.u;

@@ -91,13 +91,15 @@ void add_contact(const HybridSystem& system, std::size_t event, const Touch& tou
   record.x_minus = record.x_plus = touch.x;
   record.mode_plus = system.events[event].to;
   events.push_back(record);
-  if (record.kind != EventKind::enter) return;
-  const auto leaves = [&](const Event& other) { return other.kind == EventKind::leave && other.from == record.mode_plus; };
-  const auto exit = std::find_if(system.events.begin(), system.events.end(), leaves);
-  if (exit == system.events.end()) return;
-  record.event = static_cast<std::size_t>(exit - system.events.begin());
-  record.kind = exit->kind;
-  record.mode_plus = exit->to;
+  if (record.kind != EventKind::enter && record.kind != EventKind::leave) return;
+  const std::size_t mode = system.events[event].from;
+  const auto back = std::find_if(system.events.begin(), system.events.end(), [&](const Event& other) {
+    return other.from == record.mode_plus && other.to == mode && (other.kind == EventKind::leave || other.kind == EventKind::enter);
+  });
+  if (back == system.events.end()) return;
+  record.event = static_cast<std::size_t>(back - system.events.begin());
+  record.kind = back->kind;
+  record.mode_plus = back->to;
   events.push_back(std::move(record));
 }
 
@@ -134,14 +136,17 @@ std::vector<GrazingGuess> weakest_contacts(OrbitProblem& problem, const Vector& 
   for (int j = 0; j < problem.nodes(); ++j) {
     const std::vector<EventRecord>& events = equations.stretch(j).events;
     for (std::size_t k = 0; k < events.size(); ++k) {
-      if (!begins_contact(events[k].kind)) continue;
+      // A short flight between two soft contacts is one contact that all but loses touch: its grazing is met from inside.
+      const bool parted = events[k].kind == EventKind::leave && k + 1 < events.size() && events[k + 1].kind == EventKind::enter &&
+                          system.events[events[k + 1].event].to == system.events[events[k].event].from;
+      if (!begins_contact(events[k].kind) && !parted) continue;
       GrazingGuess guess;
       guess.event = events[k].event;
       guess.stretch = j;
       guess.events_before = k;
       guess.speed = events[k].normal_speed;
       // A soft contact is left by an event of its own; its middle is the touch. What follows it bounds the time of resuming.
-      const bool soft = system.events[guess.event].kind == EventKind::enter;
+      const bool soft = parted || system.events[guess.event].kind == EventKind::enter;
       const std::size_t after = k + (soft ? 2 : 1);
       const double left = soft && k + 1 < events.size() ? events[k + 1].t : events[k].t;
       const double length = equations.duration(u.head(u.size() - 1)) / problem.nodes();

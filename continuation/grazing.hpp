@@ -28,7 +28,8 @@ struct GrazingGuess {
 /// The weakest contact of the orbit at u, as a guess; empty if there is none.
 std::optional<GrazingGuess> weakest_contact(OrbitProblem& problem, const Vector& u);
 
-/// The `count` weakest contacts of the orbit at u, the weakest first; fewer if it has no more.
+/// The `count` weakest contacts of the orbit at u, the weakest first; fewer if it has no more. A short flight between two soft
+/// contacts counts as one: it is the excursion of a single contact that grazes from inside.
 std::vector<GrazingGuess> weakest_contacts(OrbitProblem& problem, const Vector& u, int count);
 
 /// The free maximum of a guard that comes nearest to it from below, as a guess; empty if there is none.

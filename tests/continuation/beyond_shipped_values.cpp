@@ -230,3 +230,21 @@ TEST_CASE("the criticality beside a grazing is that of the coordinates of the ev
       CHECK(std::abs(number_detail(*located.point, "normal_form")) > 10.0 * number_detail(*located.point, "normal_form_error"));
   }
 }
+
+TEST_CASE("a grazing from inside a soft contact is located as well as one from outside (fixed)") {
+  // Two contacts become one: what grazes is the flight between them.
+  const Settings soft{{"b", 0.05}, {"r", 0.0}, {"k_S", 15.0}};
+  std::vector<double> found[2];
+  for (const bool down : {true, false}) {
+    const Run run{.contact = "linear", .set = soft, .from = down ? 4.0 : 0.3, .to = down ? 0.3 : 4.0, .generations = 0};
+    for (const SpecialPoint& point : points_of(follow(run).front(), PointType::GR)) {
+      CHECK(point.status == PointStatus::converged);
+      CHECK(point.precision < 1e-12);
+      found[down ? 0 : 1].push_back(point.value);
+    }
+  }
+  CHECK(found[0].size() > 8);
+  REQUIRE(found[0].size() == found[1].size());
+  for (auto& list : found) std::sort(list.begin(), list.end());
+  for (std::size_t k = 0; k < found[0].size(); ++k) CHECK(std::abs(found[0][k] - found[1][k]) < 1e-12);
+}
