@@ -9,6 +9,7 @@
 #include <graze/apps/input_file.hpp>
 #include <graze/apps/interrupt.hpp>
 #include <graze/apps/number.hpp>
+#include <graze/apps/output_folder.hpp>
 #include <graze/apps/progress.hpp>
 #include <graze/apps/result.hpp>
 #include <graze/apps/stints.hpp>
@@ -277,10 +278,8 @@ Json described(const Options& options, const std::array<Axis, 2>& axes) {
 int run(const Options& given, const Console& console) {
   Options options = given;
   if (options.seed && !options.random) throw std::invalid_argument("--seed is that of random starts; give --random N too");
-  Json earlier;
-  if (!options.resume.empty()) earlier = read_to_resume(options.resume, "attractors");
   if (!options.resume.empty() && options.output.out.empty()) options.output.out = options.resume;
-  check_outputs(options.output, options.start.file);
+  const OutputFolder folder(options.output, "attractors", options.start.file, options.resume);
   const Problem problem = open_problem(options.start, console);
   const std::array<Axis, 2> axes = axes_of(options, problem);
   const Matrix starts = starts_of(options, axes, console.thread_count());
@@ -288,8 +287,9 @@ int run(const Options& given, const Console& console) {
   check_starts(problem, starts);
   Result result;
   result.json = result_head("attractors/1", "attractors", problem, described(options, axes));
+  folder.check_free_for(result.json);
   Basins basins;
-  if (!options.resume.empty()) basins = earlier_basins(earlier, options.resume, result.json);
+  if (!options.resume.empty()) basins = earlier_basins(folder.earlier(), options.resume, result.json);
   if (!basins.outcomes.empty() && basins.outcomes.size() != count)
     refuse_to_resume(options.resume, "attractors", "is damaged; compute it anew");
   const auto with_basins = [&, head = result.json](Status status, const std::string& message) {
@@ -316,7 +316,7 @@ int run(const Options& given, const Console& console) {
   std::string message;
   if (!basins.complete) {
     status = Status::interrupted;
-    message = fmt::format("interrupted after {} of {} starts", starts_done(basins), count);
+    message = fmt::format("{} after {} of {} starts", interruption(), starts_done(basins), count);
   } else if (basins.attractors.empty()) {
     status = Status::failed;
     message = "no motion could be carried on";

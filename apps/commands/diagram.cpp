@@ -9,6 +9,7 @@
 #include <graze/apps/input_file.hpp>
 #include <graze/apps/interrupt.hpp>
 #include <graze/apps/number.hpp>
+#include <graze/apps/output_folder.hpp>
 #include <graze/apps/pictures/pictures.hpp>
 #include <graze/apps/progress.hpp>
 #include <graze/apps/result.hpp>
@@ -204,10 +205,11 @@ Status add_skeleton(Result& result, Earlier& earlier, const Options& options, co
 }
 
 /// Where the skeleton was interrupted.
-std::string interruption(const Json& skeleton, std::size_t branches) {
+std::string where_interrupted(const Json& skeleton, std::size_t branches) {
   const std::size_t parts = skeleton.at("seed_search").at("parts"), done = skeleton["seed_search"].at("done").size();
-  if (done < parts) return fmt::format("interrupted in the search for seeds; {} of its {} parts were done by then", done, parts);
-  return fmt::format("interrupted; {} branches were complete or begun by then", branches);
+  if (done < parts)
+    return fmt::format("{} in the search for seeds; {} of its {} parts were done by then", interruption(), done, parts);
+  return fmt::format("{}; {} branches were complete or begun by then", interruption(), branches);
 }
 
 /// Whether simulation and continuation agree.
@@ -284,10 +286,10 @@ void check_options(Options& options, const Problem& problem) {
 int run(const Options& given, const Console& console) {
   Options options = given;
   Earlier earlier;
-  if (!options.resume.empty()) earlier.result = read_to_resume(options.resume, "diagram");
   if (!options.resume.empty() && options.output.out.empty()) options.output.out = options.resume;
   check_plot_kind(options);
-  check_outputs(options.output, options.start.file);
+  const OutputFolder folder(options.output, "diagram", options.start.file, options.resume);
+  earlier.result = folder.earlier();
   const Problem problem = open_problem(options.start, console);
   check_options(options, problem);
   if (!options.resume.empty()) check_earlier(earlier, options, problem);
@@ -302,6 +304,7 @@ int run(const Options& given, const Console& console) {
     for (auto& item : found.items()) json[item.key()] = std::move(item.value());
     return json;
   };
+  folder.check_free_for(complete(Json::object(), Status::done, {}));
   const KeepPart keep_part = [&](const Json& part, const std::string& message) {
     keep(complete(part, Status::interrupted, message), options.output, "diagram", console);
   };
@@ -310,7 +313,7 @@ int run(const Options& given, const Console& console) {
   Status status = add_skeleton(result, earlier, options, problem, console, keep_part);
   put_parts(result.json, options, earlier, status);
   std::string message;
-  if (status == Status::interrupted) message = interruption(result.json, earlier.branches.size());
+  if (status == Status::interrupted) message = where_interrupted(result.json, earlier.branches.size());
   if (status == Status::failed)
     message = fmt::format("no periodic orbit was found for {} in [{}, {}]", options.parameter, exact(*options.from),
                           exact(*options.to));

@@ -7,6 +7,7 @@
 #include <graze/apps/interrupt.hpp>
 #include <graze/apps/number.hpp>
 #include <graze/apps/orbit_report.hpp>
+#include <graze/apps/output_folder.hpp>
 #include <graze/apps/progress.hpp>
 #include <graze/apps/result.hpp>
 
@@ -183,12 +184,12 @@ std::string remark(const Located& located, const Options& options, double reach)
   if (!there.empty() && point.type != PointType::GR && std::none_of(there.begin(), there.end(), has_its_label))
     parts.push_back(fmt::format("it is of {}, as no orbit found at --near is (the first is {})", z_label(point.orbit),
                                 z_label(there.front())));
-  if (interrupted()) parts.emplace_back("interrupted before all of the reach was looked at");
+  if (interrupted()) parts.push_back(interruption() + " before all of the reach was looked at");
   return fmt::format("{}", fmt::join(parts, "; "));
 }
 
 int run(const Options& options, const Console& console) {
-  check_outputs(options.output, options.orbit.start.file);
+  const OutputFolder folder(options.output, "locate", options.orbit.start.file);
   Problem problem = open_problem(options.orbit.start, console);
   const double reach = options.reach.value_or(default_reach(*options.near));
   if (!(reach > 0.0)) throw std::invalid_argument(fmt::format("--reach {}: must be > 0, for example 0.01", reach));
@@ -196,11 +197,12 @@ int run(const Options& options, const Console& console) {
 
   Result result;
   result.json = result_head("point/1", "locate", problem, all_options(problem, options, reach));
+  folder.check_free_for(result.json);
   const Located located = locate_near(problem, options, reach, console);
   const std::optional<SpecialPoint>& point = located.nearest.point;
   const Status status = point ? Status::done : interrupted() ? Status::interrupted : Status::failed;
   const std::string message = point                       ? remark(located, options, reach)
-                              : interrupted()             ? "interrupted before a point was located"
+                              : interrupted()             ? interruption() + " before a point was located"
                               : !located.branches.empty() ? located.nearest.message
                               : options.from              ? located.first.message
                                              : located.first.message + "; at other values within the reach there is none either";
