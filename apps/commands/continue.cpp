@@ -126,10 +126,13 @@ int run(const Options& options, const Console& console) {
   add_origin(result.json, found);
   result.json["branches"] = Json::array();
   result.text = describe(problem, options.parameter) + "\n";
+  const SamePoints same = same_points(branches);
   for (const Branch& branch : branches) {
     result.json["branches"].push_back(branch_json(branch));
-    result.text.append("\n").append(branch_text(branch, options.all ? std::numeric_limits<std::size_t>::max() : rows_shown));
+    result.text.append("\n").append(
+        branch_text(branch, options.all ? std::numeric_limits<std::size_t>::max() : rows_shown, same));
   }
+  put_same_points(result.json["branches"], branches);
   const std::vector<Cascade> doublings = cascades(branches);
   result.json["cascades"] = cascades_json(doublings);
   result.text += cascades_text(doublings, options.parameter);
