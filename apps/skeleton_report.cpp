@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/branch_reading.hpp>
 #include <graze/apps/branch_report.hpp>
 #include <graze/apps/cascades.hpp>
 #include <graze/apps/long_text.hpp>
@@ -154,6 +155,53 @@ Json seeds_json(const std::vector<SkeletonSeed>& seeds, std::size_t parameter) {
   return list;
 }
 
+/// What a seed has in an unfinished result beside the rest: with it the orbit is the same to the last bit when it is read back.
+Json kept_seed_json(const SkeletonSeed& seed) {
+  const auto list = [](const std::vector<Vector>& vectors) {
+    Json json = Json::array();
+    for (const Vector& vector : vectors) json.push_back(to_json(vector));
+    return json;
+  };
+  return {{"part", seed.part},
+          {"states", list(seed.orbit.states)},
+          {"nodes", list(seed.orbit.nodes)},
+          {"section_phase", seed.orbit.section_phase},
+          {"duration", seed.orbit.duration},
+          {"multipliers", multipliers_json(seed.orbit.multipliers)},
+          {"isolated_impacts", seed.orbit.isolated_impacts}};
+}
+
+std::vector<Vector> vectors_from(const Json& list, std::size_t states) {
+  std::vector<Vector> vectors;
+  for (const Json& json : list) {
+    vectors.push_back(vector_from(json));
+    if (static_cast<std::size_t>(vectors.back().size()) != states) throw std::invalid_argument("a state of another size");
+  }
+  if (vectors.empty()) throw std::invalid_argument("an orbit without states");
+  return vectors;
+}
+
+PeriodicOrbit kept_orbit(const Json& json, const Problem& at) {
+  if (!json.contains("nodes")) {  // results of older versions have the state alone: the orbit is the same to rounding
+    const std::vector<Vector> states = vectors_from(Json::array({json.at("state")}), at.system.states);
+    return shoot(at.system, at.parameters, states.front(), json.at("period").get<int>());
+  }
+  PeriodicOrbit orbit;
+  orbit.parameters = at.parameters;
+  orbit.period = json.at("period");
+  orbit.duration = json.at("duration");
+  orbit.states = vectors_from(json.at("states"), at.system.states);
+  orbit.state = orbit.states.front();
+  orbit.nodes = vectors_from(json.at("nodes"), at.system.states);
+  orbit.section_phase = json.at("section_phase");
+  orbit.impacts = json.at("impacts");
+  orbit.isolated_impacts = json.at("isolated_impacts");
+  orbit.multipliers = multipliers_from(json.at("multipliers"));
+  orbit.newton.status = NewtonStatus::converged;
+  orbit.admissible = Admissibility::admissible;
+  return orbit;
+}
+
 }  // namespace
 
 void put_skeleton(Json& result, const Skeleton& found, std::size_t parameter, int threads) {
@@ -169,7 +217,7 @@ void put_skeleton(Json& result, const Skeleton& found, std::size_t parameter, in
   result["cascades"] = cascades_json(cascades(found.graph.branches));
   if (found.graph.interrupted) {
     for (std::size_t i = 0; i < found.seeds.size(); ++i)
-      if (found.seeds[i].part >= 0) result["seeds"][i]["part"] = found.seeds[i].part;
+      if (found.seeds[i].part >= 0) result["seeds"][i].update(kept_seed_json(found.seeds[i]));
     result["seed_search"] = {{"parts", found.searched.size()}, {"done", Json::array()}};
     for (std::size_t part = 0; part < found.searched.size(); ++part)
       if (found.searched[part]) result["seed_search"]["done"].push_back(part);
@@ -193,10 +241,7 @@ SeedsSoFar seeds_from(const Json& result, const Problem& problem, const std::str
     seed.origin = json.at("origin");
     Problem at = problem;
     set_parameter(at, parameter, json.at("value"));
-    const Vector state = vector_from(json.at("state"));
-    if (static_cast<std::size_t>(state.size()) != problem.system.states) throw std::invalid_argument("a state of another size");
-    // It is that of a converged orbit: Newton's method has nothing to do but to find what belongs to it.
-    seed.orbit = shoot(at.system, at.parameters, state, json.at("period").get<int>());
+    seed.orbit = kept_orbit(json, at);
     if (!seed.orbit.converged()) out.searched.at(static_cast<std::size_t>(seed.part)) = 0;
     out.seeds.push_back(std::move(seed));
   }

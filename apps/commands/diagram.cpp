@@ -165,7 +165,9 @@ void put_parts(Json& json, const Options& options, const Earlier& earlier, Statu
   json["rows"] = rows_json(earlier.rows);
 }
 
-/// The skeleton: what the earlier run has, if that was complete, else computed (from what it has). Adds it to the result.
+/// The skeleton: what the earlier run has, if that was complete, else computed, from the seeds that it has. The branches are
+/// followed anew: their numbers, and whatever two of them decide together, depend on the order in which they come. Adds it to the
+/// result.
 Status add_skeleton(Result& result, Earlier& earlier, const Options& options, const Problem& problem, const Console& console,
                     const KeepPart& keep_part) {
   Status status = Status::done;
@@ -177,7 +179,6 @@ Status add_skeleton(Result& result, Earlier& earlier, const Options& options, co
     Stints stints(keeping_stints(options.output), Stints::End::goes_on);
     std::size_t told = 0;
     SkeletonOptions computing = skeleton_options(options, problem, console, progress);
-    computing.so_far = std::move(earlier.branches);
     computing.seeds_so_far = std::move(earlier.seeds.seeds);
     computing.searched_so_far = std::move(earlier.seeds.searched);
     computing.keep = [&](const std::function<Skeleton()>& so_far) {
@@ -366,7 +367,10 @@ Command diagram_command() {
       "Then the attractors are followed up and down, with exponents: --start and --settle say from where. Chaotic windows are "
       "listed, and\n"
       "stable orbits of the sweeps that lie on no branch, where there are any.\n"
-      "Ctrl-C keeps what is there, --resume goes on. The table (--csv) is that of the branches; the samples of the sweeps are "
+      "Ctrl-C keeps what is there. --resume goes on from the seeds, the skeleton and the sweeps that are complete, and comes to "
+      "the "
+      "same\n"
+      "result as without interruption, to the last bit. The table (--csv) is that of the branches; the samples of the sweeps are "
       "\"rows\" in\n"
       "the JSON, as in that of graze sweep.",
       {"graze diagram data/problems/hertz-damped.toml --from 0.65 --to 0.95 --plot diagram.png",
