@@ -143,15 +143,20 @@ std::string stability_text(const SpecialPoint& point) {
                                  : "neither stable nor unstable to first order (the return map has no derivative there)";
 }
 
-std::string branch_text(const Branch& branch, std::size_t most) {
+std::string branch_text(const Branch& branch, std::size_t most, const SamePoints& same) {
   std::string text = fmt::format("branch {}: period {}, {}", branch.id, branch.period, counted(branch.points.size(), "point"));
   if (branch.parent) text += fmt::format(", born at {} of branch {}", branch.parent->label, branch.parent->branch);
   text += "\n";
   if (!branch.points.empty()) text += aligned(points_table(branch, most));
   if (branch.points.size() > most)
     text += fmt::format("  ({} of {} points shown; --all shows all)\n", std::max<std::size_t>(most, 2), branch.points.size());
-  for (const SpecialPoint& point : branch.special_points)
-    if (point.type != PointType::EP) text += special_point_text(point, branch.parameter);
+  for (const SpecialPoint& point : branch.special_points) {
+    if (point.type == PointType::EP) continue;
+    const auto known = same.find(&point);
+    text += known == same.end()
+                ? special_point_text(point, branch.parameter)
+                : fmt::format("  {:<5} is {} of branch {}\n", point.label, known->second.point->label, known->second.branch->id);
+  }
   text += fmt::format("  stopped at {} = {}: {}\n", branch.parameter, rounded(branch.stop_value, 12), branch.message);
   return text;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <graze/apps/json.hpp>
+#include <graze/apps/same_points.hpp>
 #include <graze/apps/table.hpp>
 
 #include <graze/continuation/branch.hpp>
@@ -25,8 +26,9 @@ std::string stability_text(const SpecialPoint& point);
 /// "yes", "no", or empty where that is not told: in a table.
 std::string stable_cell(std::optional<bool> stable);
 
-/// A branch: a table of its points (thinned out to `most` rows), its special points, and why it stopped.
-std::string branch_text(const Branch& branch, std::size_t most);
+/// A branch: a table of its points (thinned out to `most` rows), its special points, and why it stopped. Of special points that
+/// an earlier branch has, too, it is said which they are.
+std::string branch_text(const Branch& branch, std::size_t most, const SamePoints& same);
 
 /// One row per point of each branch, special points in their places with their labels.
 Table branches_table(const std::vector<Branch>& branches);

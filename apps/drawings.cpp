@@ -2,6 +2,7 @@
 #include <graze/apps/drawings.hpp>
 #include <graze/apps/interrupt.hpp>
 #include <graze/apps/long_text.hpp>
+#include <graze/apps/number.hpp>
 #include <graze/apps/output_file.hpp>
 
 #include <fmt/format.h>
@@ -13,13 +14,19 @@
 
 namespace graze::apps {
 
-bool draw_into_files(const std::vector<Drawing>& drawings, int threads,
+bool draw_into_files(const std::vector<Drawing>& drawings, const Console& console,
                      const std::function<void(const std::string& sentence)>& complain,
                      const std::function<void(std::size_t k)>& drawn) {
+  if (!drawings.empty() && !can_draw()) {
+    console.err << fmt::format("graze: {}; {} left out\n", cannot_draw,
+                               drawings.size() == 1 ? drawings.front().file + " is"
+                                                    : counted(drawings.size(), "picture") + " are");
+    return true;
+  }
   std::vector<std::optional<std::string>> failures(drawings.size());
   std::atomic<bool> is_interrupted = false;
   std::mutex telling;
-  on_threads(threads, drawings.size(), [&](std::size_t k) {
+  on_threads(console.thread_count(), drawings.size(), [&](std::size_t k) {
     const auto& [file, picture] = drawings[k];
     try {
       if (is_interrupted) throw Interrupted("it was not drawn, since drawing was interrupted");

@@ -143,7 +143,7 @@ FoundOrbits search_for_orbits(const Problem& problem, const OrbitOptions& option
   std::tie(search.lower, search.upper) = search_box(problem.system, problem.parameters, {.cancelled = interrupted});
   if (interrupted()) {
     found.status = Status::interrupted;
-    found.message = fmt::format("the search for orbits of period {} was interrupted before its first start", period);
+    found.message = fmt::format("{} before the first start of the search for orbits of period {}", interruption(), period);
     return found;
   }
   SearchResult result = search_orbits(problem.system, problem.parameters, period, search);
@@ -152,7 +152,7 @@ FoundOrbits search_for_orbits(const Problem& problem, const OrbitOptions& option
   take(found, std::move(result.orbits), "search");
   if (interrupted()) {
     found.status = Status::interrupted;
-    found.message = fmt::format("the search was interrupted after {}; {} of period {} found by then",
+    found.message = fmt::format("{} after {} of the search; {} of period {} found by then", interruption(),
                                 counted(static_cast<std::size_t>(result.starts), "start"), counted(count, "orbit"), period);
   } else if (found.status != Status::done) {
     found.message = fmt::format("no admissible orbit of period {} was found by a search of {}", period,
@@ -170,7 +170,7 @@ FoundOrbits find_orbits(const Problem& problem, const OrbitOptions& options, con
   const Settled& settled = *found.settled;
   if (settled.termination == Termination::interrupted) {
     found.status = Status::interrupted;
-    found.message = fmt::format("interrupted after {} of {} of transient, at state {}", settled.periods,
+    found.message = fmt::format("{} after {} of {} of transient, at state {}", interruption(), settled.periods,
                                 periods(settle_of(problem, options.start)), shown(settled.state));
     return found;
   }

@@ -13,6 +13,17 @@
 
 namespace graze::apps {
 
+namespace {
+
+/// The schemas of a command's results that --resume goes on with.
+std::vector<std::string> schemas_of(const std::string& command) {
+  std::vector<std::string> list = {fmt::format("graze.{}/1", command)};
+  if (command == "diagram") list.emplace_back("graze.branch/1");  // its skeleton alone
+  return list;
+}
+
+}  // namespace
+
 std::string read_whole(const std::string& file) {
   std::error_code error;
   if (!std::filesystem::exists(file, error)) throw std::invalid_argument(file + ": no such file");
@@ -36,12 +47,17 @@ Json parse_json(const std::string& text) {
   }
 }
 
-Json read_to_resume(const std::string& folder, const std::string& command) {
+void check_to_resume(const std::string& folder, const std::string& command) {
   const std::string file = folder + "/" + command + ".json";
   std::error_code error;
   if (!std::filesystem::exists(file, error))
     throw std::invalid_argument(fmt::format(
         "--resume: {}: no such file; give the folder that an interrupted run of graze {} wrote with --out", file, command));
+}
+
+Json read_to_resume(const std::string& folder, const std::string& command) {
+  check_to_resume(folder, command);
+  const std::string file = folder + "/" + command + ".json";
   const std::string text = read_whole(file);
   Json result;
   try {
@@ -51,12 +67,17 @@ Json read_to_resume(const std::string& folder, const std::string& command) {
   }
   if (!result.is_object() || result.value("command", "") != command)
     refuse_to_resume(folder, command, "is not a result of graze " + command);
+  const std::vector<std::string> known = schemas_of(command);
+  if (const std::string schema = schema_of(result); std::find(known.begin(), known.end(), schema) == known.end())
+    refuse_to_resume(folder, command,
+                     fmt::format("is {}, which this graze does not know; it goes on with {}",
+                                 schema.empty() ? "of no schema" : "of schema " + schema, fmt::join(known, " and ")));
   remove_unfinished(folder, command);
   return result;
 }
 
 void check_same_run(const Json& earlier, const Json& head, const std::string& folder) {
-  if (const auto found = difference(earlier, head, {"model", "parameters", "options"}))
+  if (const auto found = difference(earlier, head, run_essentials))
     refuse_to_resume(folder, head["command"], fmt::format("is of another run: {}; give the same", *found));
 }
 

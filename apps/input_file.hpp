@@ -14,8 +14,12 @@ std::string read_whole(const std::string& file);
 /// @throws std::invalid_argument with the place where it is damaged.
 Json parse_json(const std::string& text);
 
+/// @throws std::invalid_argument if there is no result of that command in the folder given by --resume.
+void check_to_resume(const std::string& folder, const std::string& command);
+
 /// The JSON result that an interrupted run of a command left in the folder given by --resume. What it was writing when it was
-/// killed is removed. @throws std::invalid_argument if the result is not there, not valid, or not of that command.
+/// killed is removed. @throws std::invalid_argument if the result is not there, not valid, not of that command, or of a
+/// schema that is not known.
 Json read_to_resume(const std::string& folder, const std::string& command);
 
 /// @throws std::invalid_argument if the earlier result of --resume is of another model, other parameters or other options than

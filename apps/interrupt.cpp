@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/interrupt.hpp>
+#include <graze/apps/number.hpp>
+#include <graze/apps/stints.hpp>
+
+#include <fmt/format.h>
 
 #include <atomic>
 #include <csignal>
+#include <limits>
 
 namespace graze::apps {
 
@@ -10,6 +15,15 @@ namespace {
 
 std::atomic<int> signals{0};
 static_assert(std::atomic<int>::is_always_lock_free, "a signal handler may touch lock-free atomics only");
+
+constexpr double unlimited = std::numeric_limits<double>::infinity();
+std::atomic<double> budget{unlimited}, deadline{unlimited};  // in seconds
+
+/// The clock is asked for only if there is a deadline.
+bool is_late() {
+  const double until = deadline.load(std::memory_order_relaxed);
+  return until < unlimited && steady_seconds() >= until;
+}
 
 extern "C" void on_signal(int signal) {
   // Twice is not yet impatience: timeout(1) sends a signal to the program and then to its process group. Of a terminal that
@@ -35,7 +49,20 @@ void watch_interrupts() {
   if (before.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);
 }
 
-bool interrupted() { return signals.load() > 0; }
+TimeBudget::TimeBudget(std::optional<double> seconds) {
+  budget = seconds.value_or(unlimited);
+  deadline = steady_seconds() + budget;
+}
+
+TimeBudget::~TimeBudget() { deadline = budget = unlimited; }
+
+bool interrupted() { return signals.load() > 0 || is_late(); }
+
+bool is_out_of_time() { return signals.load() == 0 && is_late(); }
+
+std::string interruption() {
+  return is_out_of_time() ? fmt::format("the {} s of --time were used up", exact(budget)) : "interrupted";
+}
 
 int interruptions() { return signals.load(); }
 

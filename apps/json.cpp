@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/interrupt.hpp>
 #include <graze/apps/json.hpp>
 #include <graze/apps/json_layout.hpp>
 #include <graze/apps/long_text.hpp>
@@ -41,9 +42,20 @@ Json to_json(const std::vector<std::complex<double>>& values) {
   return out;
 }
 
+std::string flat(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+bool is_utf8(const std::string& text) {
+  try {
+    Json(text).dump();
+    return true;
+  } catch (const Json::type_error&) {
+    return false;
+  }
+}
+
 std::string pretty(const Json& json) {
   std::string out;
-  lay_out(json.dump(), 0, out);
+  lay_out(flat(json), 0, out);
   out += "\n";
   return out;
 }
@@ -56,20 +68,20 @@ void pretty(const Json& json, const LongList& list, int threads, const TextSink&
   std::string out = "{";
   const char* separator = "\n  ";
   for (const auto& [name, value] : json.items()) {
-    out += separator + Json(name).dump() + ": ";
+    out += separator + flat(name) + ": ";
     separator = ",\n  ";
     const Json& here = value;
     const bool listed = name == list.name;
     const bool is_long = here.is_array() && here.size() > short_lists &&
                          std::all_of(here.begin(), here.end(), [](const Json& item) { return item.is_structured(); });
     if (!listed && !is_long) {
-      lay_out(here.dump(), 2, out);
+      lay_out(flat(here), 2, out);
       continue;
     }
     sink(out + "[");
     hand_on_items(threads, listed ? list.size : here.size(), sink, [&](std::size_t k, std::string& text) {
       text += k == 0 ? "\n    " : ",\n    ";
-      lay_out(listed ? text_of(list, k) : here[k].dump(), 4, text);
+      lay_out(listed ? text_of(list, k) : flat(here[k]), 4, text);
     });
     out = "\n  ]";
   }
@@ -119,7 +131,15 @@ void set_status(Json& result, Status status, const std::string& message) {
   if (!message.empty()) result["message"] = message;
 }
 
-int exit_code(Status status) { return status == Status::done ? 0 : status == Status::failed ? 1 : 130; }
+int exit_code(Status status) {
+  if (status == Status::interrupted) return is_out_of_time() ? 1 : 130;
+  return status == Status::done ? 0 : 1;
+}
+
+std::string schema_of(const Json& result) {
+  if (!result.is_object() || !result.contains("schema") || !result["schema"].is_string()) return {};
+  return result["schema"];
+}
 
 Problem problem_of(const Json& result) {
   try {

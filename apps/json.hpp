@@ -34,6 +34,10 @@ struct LongList {
 /// Room for so many members: an object that grows copies all that it has.
 void reserve_members(Json& object, std::size_t count);
 
+/// On one line, without blanks. Of a text that is not UTF-8 (names of files need not be) each wrong byte becomes U+FFFD.
+std::string flat(const Json& json);
+bool is_utf8(const std::string& text);
+
 /// Indented; what fits stands on one line.
 std::string pretty(const Json& json);
 /// With the items of the list. The text of long lists is made on so many threads.
@@ -52,8 +56,11 @@ std::string plain(const Json::exception& error);
 enum class Status { done, failed, interrupted };
 const char* status_name(Status status);
 void set_status(Json& result, Status status, const std::string& message = {});
-/// 0, 1 or 130.
+/// 0, 1 or 130; 1 where --time has interrupted it.
 int exit_code(Status status);
+
+/// Of a result: "graze.orbit/1" and the like; empty where it says none.
+std::string schema_of(const Json& result);
 
 /// Model and parameters of a result's head. @throws std::invalid_argument naming what is missing.
 Problem problem_of(const Json& result);

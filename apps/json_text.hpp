@@ -79,7 +79,7 @@ class JsonText {
   void quoted(std::string_view text) {
     const auto is_plain = [](char c) { return c >= ' ' && c <= '~' && c != '"' && c != '\\'; };
     if (!std::all_of(text.begin(), text.end(), is_plain)) {
-      out_ += Json(text).dump();
+      out_ += flat(text);
       return;
     }
     out_ += '"';

@@ -131,8 +131,8 @@ void write_head(hid_t file, const MapPlan& plan, const Json& head) {
   set_attribute(file, "oscillator", plan.problem.oscillator);
   set_attribute(file, "contact", plan.problem.contact);
   set_attribute(file, "units", std::string("dimensionless"));
-  set_attribute(file, "options", head.at("options").dump());
-  set_attribute(file, "head", head.dump());
+  set_attribute(file, "options", flat(head.at("options")));
+  set_attribute(file, "head", flat(head));
   const Handle group(H5Gcreate2(file, "parameters", H5P_DEFAULT, without_times(H5P_GROUP_CREATE), H5P_DEFAULT), H5Gclose);
   set_attribute(group, "long_name", std::string("parameters of the model; those of the axes as they were without the map"));
   for (const auto& [name, value] : head.at("parameters").items()) set_attribute(group, name, value.get<double>());

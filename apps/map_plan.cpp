@@ -95,6 +95,9 @@ Json map_head(const MapPlan& plan, const std::vector<std::string>& settings) {
 
 MapPlan plan_of(const Json& head) {
   try {
+    if (const std::string schema = schema_of(head); schema != "graze.map/1")
+      throw std::invalid_argument(fmt::format("this is {}; maps that can be read are of graze.map/1",
+                                              schema.empty() ? "of no schema" : "of schema " + schema));
     MapPlan plan;
     plan.problem = problem_of(head);
     const Json& options = head.at("options");

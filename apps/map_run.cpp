@@ -39,7 +39,7 @@ class Master {
     Json plan = head;
     plan["chunk_rows"] = store.plan().chunk_rows;
     plan["fingerprint"] = store.fingerprint();
-    for (int rank = 1; rank < ranks.count(); ++rank) ranks.send(rank, "P" + plan.dump());
+    for (int rank = 1; rank < ranks.count(); ++rank) ranks.send(rank, "P" + flat(plan));
   }
 
   MapRun run() {
@@ -53,8 +53,9 @@ class Master {
       }
       if (interrupted()) {
         out_.status = Status::interrupted;
-        out_.message = ranks_.count() > 1 ? "interrupted by a signal (mpirun sends one if another rank has died, and says which)"
-                                          : "interrupted";
+        out_.message = interruption();
+        if (ranks_.count() > 1 && !is_out_of_time())
+          out_.message += " by a signal (mpirun sends one if another rank has died, and says which)";
         break;
       }
       const Clock::time_point now = Clock::now();
@@ -74,7 +75,7 @@ class Master {
     const Clock::time_point until = Clock::now() + milliseconds(out_.status == Status::done ? 60000 : 500);
     while (byes_ + 1 < ranks_.count()) {
       while (auto message = ranks_.receive()) hear(*message);
-      if (Clock::now() > until) ranks_.abort(out_.status == Status::done ? 0 : out_.status == Status::interrupted ? 130 : 1);
+      if (Clock::now() > until) ranks_.abort(exit_code(out_.status));
       std::this_thread::sleep_for(nap);
     }
     ranks_.finish();
@@ -204,7 +205,7 @@ class Helper {
         }
         if (letter == 'N') lanes_->close();
       }
-      if (interrupted() && !told) {
+      if (interruptions() > 0 && !told) {  // of the time, rank 0 takes care
         told = true;
         ranks_.send(0, "Fended by a signal");
       }

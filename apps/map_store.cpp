@@ -7,17 +7,9 @@
 
 #include <fmt/format.h>
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <stdexcept>
-#include <utility>
 
 namespace graze::apps {
 
@@ -28,7 +20,7 @@ namespace fs = std::filesystem;
 constexpr const char* run_file = "/run.json";
 
 /// What makes two runs the same: everything that a point's numbers depend on.
-std::uint64_t fingerprint_of(const Json& head) { return checksum(essence(head, map_essentials).dump()); }
+std::uint64_t fingerprint_of(const Json& head) { return checksum(flat(essence(head, map_essentials))); }
 
 /// Whether a file is the map that a run of this head would make.
 bool is_map_of(const std::string& file, const Json& head) {
@@ -47,32 +39,11 @@ MapStore::MapStore(const MapPlan& plan, const Json& head, const std::string& adv
 
 MapStore::MapStore(const MapPlan& plan, const Json& head, const std::string& folder, MapBeginning beginning)
     : plan_(plan), fingerprint_(fingerprint_of(head)), out_(folder), folder_(folder + "/chunks") {
-  try {
-    beginning == MapBeginning::resuming ? take_up(head) : begin(head, beginning == MapBeginning::overwriting);
-  } catch (...) {
-    if (lock_ >= 0) ::close(lock_);
-    throw;
-  }
-}
-
-MapStore::~MapStore() {
-  if (lock_ >= 0) ::close(lock_);  // which unlocks it
+  beginning == MapBeginning::resuming ? take_up(head) : begin(head, beginning == MapBeginning::overwriting);
 }
 
 void MapStore::lock() {
-  const std::string name = folder_ + "/lock";
-  for (;;) {
-    lock_ = ::open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    if (lock_ < 0) throw std::invalid_argument(fmt::format("{}: cannot be written: {}", name, std::strerror(errno)));
-    // A file system without locks refuses with another errno, and is trusted.
-    if (::flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
-      throw std::invalid_argument(fmt::format("{}: another graze map is at work there; wait for it, or end it", folder_));
-    // A run that has just ended removes the file: then what is locked is nobody's any more.
-    struct stat locked = {};
-    struct stat there = {};
-    if (::fstat(lock_, &locked) != 0 || (::stat(name.c_str(), &there) == 0 && there.st_ino == locked.st_ino)) return;
-    ::close(std::exchange(lock_, -1));
-  }
+  lock_.emplace(folder_ + "/lock", fmt::format("{}: another graze map is at work there; wait for it, or end it", folder_));
 }
 
 void MapStore::begin(const Json& head, bool overwriting) {
@@ -111,6 +82,7 @@ void MapStore::take_up(const Json& head) {
   } catch (const std::invalid_argument& broken) {
     throw refuse(fmt::format(": {}; compute the map anew", broken.what()));
   }
+  if (const auto found = difference(run, head, {"schema"})) throw refuse(fmt::format(" is of another kind: {}", *found));
   if (const auto found = difference(run, head, map_essentials))
     throw refuse(fmt::format(" is of another run: {}; give the same", *found));
   if (plan_.chunk_rows < 1) throw refuse(" is damaged; compute the map anew");

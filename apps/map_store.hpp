@@ -7,8 +7,10 @@
 // the file `lock`.
 #pragma once
 
+#include <graze/apps/file_lock.hpp>
 #include <graze/apps/map_chunk.hpp>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,7 +30,6 @@ class MapStore {
   /// @throws std::invalid_argument in one sentence: another run is or was there, or it is of other options, or at work now, or
   /// there is nothing to resume.
   MapStore(const MapPlan& plan, const Json& head, const std::string& folder, MapBeginning beginning);
-  ~MapStore();
   MapStore(const MapStore&) = delete;
   MapStore& operator=(const MapStore&) = delete;
 
@@ -61,7 +62,8 @@ class MapStore {
   std::string advice_;
   std::vector<std::string> kept_;
   std::vector<bool> finished_;
-  int damaged_ = 0, lock_ = -1;
+  int damaged_ = 0;
+  std::optional<FileLock> lock_;
 };
 
 }  // namespace graze::apps

@@ -80,8 +80,13 @@ struct Picture {
 };
 
 /// Endings that say the format: "png", "svg", "pdf".
-/// @throws std::invalid_argument if `file` has another one, or if gnuplot is not installed.
+/// @throws std::invalid_argument if `file` has another one.
 void check_picture_file(const std::string& file);
+
+/// Whether gnuplot is installed; and what to say if it is not.
+bool can_draw();
+inline constexpr const char* cannot_draw =
+    "pictures are drawn by gnuplot, which is not installed (Debian: apt install gnuplot-nox)";
 
 /// What gnuplot is told. `format` is one of the endings.
 std::string gnuplot_script(const Picture& picture, const std::string& format);

@@ -2,6 +2,8 @@
 #include <graze/apps/arguments.hpp>
 #include <graze/apps/commands/command.hpp>
 #include <graze/apps/interrupt.hpp>
+#include <graze/apps/json.hpp>
+#include <graze/apps/number.hpp>
 #include <graze/apps/program.hpp>
 #include <graze/apps/version.hpp>
 
@@ -25,6 +27,7 @@ namespace {
 struct Global {
   bool quiet = false;
   int threads = 0;
+  std::optional<double> time;
 };
 
 /// Options that every command has; they may stand before its name too.
@@ -34,6 +37,8 @@ void add_global_options(CLI::App& app, Global& global, const std::string& versio
   app.set_version_flag("--version", version, "the program's version")->group("General");
   add_flag(app, "--quiet", global.quiet, "no progress and no notes on stderr");
   add_count(app, "--threads", global.threads, 0, "threads, where a command can use several (default 0: all)");
+  add_number(app, "--time", global.time,
+             "seconds after which it ends with what there is, as at Ctrl-C; exit code 1 if that is not what was asked for");
 }
 
 /// CLI11 takes "--start -0.1,2" for two options; joined by "=" it is one with a negative value.
@@ -115,7 +120,8 @@ int run_program(const std::vector<std::string>& arguments, std::ostream& out, st
   add_global_options(app, global, version);
   app.require_subcommand(0, 1);
   app.footer("graze COMMAND --help says everything about a command, with an example.\n"
-             "Exit codes: 0 done, 1 a numerical stop, 2 misuse or an output that cannot be written, 130 interrupted.");
+             "Exit codes: 0 done, 1 a numerical stop or the end of --time, 2 misuse or an output that cannot be written, 130 "
+             "interrupted.");
   std::map<const CLI::App*, std::function<int(const Console&)>> runs;
   for (const Command& command : commands()) {
     CLI::App* subcommand = app.add_subcommand(command.name, command.summary);
@@ -138,6 +144,11 @@ int run_program(const std::vector<std::string>& arguments, std::ostream& out, st
       return 2;
     }
     name += " " + used().get_name();
+    if (global.time && !(*global.time > 0.0))
+      throw std::invalid_argument(fmt::format("--time is {}; allowed is > 0, in seconds", exact(*global.time)));
+    const TimeBudget budget(global.time);
+    if (!global.quiet && !std::all_of(arguments.begin(), arguments.end(), is_utf8))
+      err << "graze: a name on the command line is not UTF-8; where it stands in a result, U+FFFD replaces what is wrong in it\n";
     // What asks for no number of threads of its own keeps to it, too.
     std::optional<oneapi::tbb::global_control> limit;
     if (global.threads > 0)

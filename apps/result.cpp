@@ -65,6 +65,12 @@ std::vector<Drawing> drawings(const Result& result, const OutputOptions& options
   return list;
 }
 
+/// What the text of an interrupted run ends with.
+std::string unfinished(const Json& json) {
+  const bool is_whole = !json.is_object() || json.value("status", "") != status_name(Status::interrupted);
+  return is_whole || !json.contains("message") ? "" : fmt::format("\nnot finished: {}\n", json["message"].get<std::string>());
+}
+
 }  // namespace
 
 void add_output_options(CLI::App& app, OutputOptions& options, const std::string& schema, const std::string& other) {
@@ -80,6 +86,8 @@ void add_output_options(CLI::App& app, OutputOptions& options, const std::string
     add_choice(app, "--plot-kind", options.plot_kind, kinds, fmt::format("what the picture shows (default {})", kinds.front()));
   add_text(app, "--out", options.out, "DIR",
            options.pictures ? "folder that gets JSON, table and all pictures" : "folder that gets JSON and table");
+  add_flag(app, "--overwrite", options.overwrite,
+           "replace the result of another run in --out DIR; without, it is kept and the run refused");
 }
 
 bool wants_json(const OutputOptions& options) { return !options.json.empty() || !options.plot.empty() || !options.out.empty(); }
@@ -92,11 +100,6 @@ void check_outputs(const OutputOptions& options, const std::string& input) {
   if (options.json == "-" && options.csv == "-") throw std::invalid_argument("--json - and --csv - cannot both go to stdout");
   if (!options.plot_kind.empty() && options.plot.empty() && options.out.empty())
     throw std::invalid_argument(fmt::format("--plot-kind {}: there is no picture; give --plot FILE too", options.plot_kind));
-  if (!options.out.empty()) {
-    if (options.pictures) check_picture_file(options.out + "/*." + folder_format);  // before there is a folder
-    make_folder(options.out);
-    check_writable_folder(options.out);
-  }
   for (const std::string& file : {options.json, options.csv, options.plot})
     if (!file.empty() && file != "-") check_writable(file);
   if (!options.plot.empty()) check_picture_file(options.plot);
@@ -140,7 +143,7 @@ int deliver(const Result& result, const OutputOptions& options, const std::strin
       complain(fmt::format("{}: {}", output.file, error.what()));
     }
   }
-  if (!draw_into_files(drawings(result, options, command, threads), threads, complain)) code = 130;
+  if (!draw_into_files(drawings(result, options, command, threads), console, complain)) code = 130;
   errno = 0;
   const TextSink out = [&console](std::string_view piece) { console.out << piece; };
   if (options.json == "-")
@@ -148,7 +151,7 @@ int deliver(const Result& result, const OutputOptions& options, const std::strin
   else if (options.csv == "-")
     write_table(result, out);
   else
-    out(result.text);
+    out(result.text + unfinished(result.json));
   console.out << std::flush;
   if (!console.out) complain(cannot_write_stdout(errno));
   return complete || code != 0 ? code : 2;

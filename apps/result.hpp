@@ -25,18 +25,20 @@ struct Result {  // NOLINT(bugprone-exception-escape): of nlohmann's move constr
 };
 
 struct OutputOptions {
-  std::string json, csv;  ///< files, or "-" for stdout
-  std::string plot;       ///< picture; its ending says the format
-  std::string plot_kind;  ///< empty: the first that fits the result
-  std::string out;        ///< folder for all of it
-  bool pictures = true;   ///< whether its results have any
+  std::string json, csv;   ///< files, or "-" for stdout
+  std::string plot;        ///< picture; its ending says the format
+  std::string plot_kind;   ///< empty: the first that fits the result
+  std::string out;         ///< folder for all of it
+  bool overwrite = false;  ///< of another result in it
+  bool pictures = true;    ///< whether its results have any
 };
 
 /// Adds --json, --csv, --plot, --out; and --plot-kind where pictures of `schema` come in several kinds. `other`: a second schema
 /// that the command may give its result in; its kinds are allowed too.
 void add_output_options(CLI::App& app, OutputOptions& options, const std::string& schema, const std::string& other = {});
 
-/// Finds out before anything is computed whether all outputs can be written, and none of them over another or over the `input`.
+/// Finds out before anything is computed whether all output files can be written, and none of them over another or over the
+/// `input`. Of the folder see OutputFolder.
 /// @throws std::invalid_argument.
 void check_outputs(const OutputOptions& options, const std::string& input = {});
 

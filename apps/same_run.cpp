@@ -10,7 +10,7 @@ namespace graze::apps {
 namespace {
 
 std::string words(const Json& value) {
-  return value.is_null() ? "not given" : value.is_string() ? value.get<std::string>() : value.dump();
+  return value.is_null() ? "not given" : value.is_string() ? value.get<std::string>() : flat(value);
 }
 
 std::optional<std::string> difference_in(const Json& there, const Json& now, const std::string& name) {

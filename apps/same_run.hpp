@@ -13,6 +13,9 @@ namespace graze::apps {
 /// the parameters is left out: they have it all.
 Json essence(const Json& head, const std::vector<std::string>& parts);
 
+/// The parts of a result's head that its numbers depend on; maps have their own.
+inline const std::vector<std::string> run_essentials = {"model", "parameters", "systems", "options"};
+
 /// The first difference: "parameters.b is 0.05 there and 0.06 now"; nullopt: there is none.
 std::optional<std::string> difference(const Json& there, const Json& now);
 /// The first in the essence of two heads.

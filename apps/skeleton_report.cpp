@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/branch_reading.hpp>
 #include <graze/apps/branch_report.hpp>
 #include <graze/apps/cascades.hpp>
+#include <graze/apps/long_text.hpp>
 #include <graze/apps/number.hpp>
 #include <graze/apps/orbit_report.hpp>
-#include <graze/apps/long_text.hpp>
+#include <graze/apps/same_points.hpp>
 #include <graze/apps/skeleton_report.hpp>
 
 #include <fmt/format.h>
@@ -81,21 +83,62 @@ Table curves_overview(const std::vector<Branch>& branches, const std::string& pa
   return table;
 }
 
-Table special_points_overview(const std::vector<Branch>& branches, const std::string& parameter) {
-  std::vector<std::pair<const Branch*, const SpecialPoint*>> list;
+/// A special point in the table, and the branches that have it.
+struct ListedPoint {
+  std::vector<PointOfBranch> points;
+  const SpecialPoint& first() const { return *points.front().point; }
+};
+
+/// Each once, the largest value first.
+std::vector<ListedPoint> listed_points(const std::vector<Branch>& branches) {
+  const SamePoints same = same_points(branches);
+  std::vector<ListedPoint> list;
   for (const Branch& branch : branches)
-    for (const SpecialPoint& point : branch.special_points)
-      if (point.type != PointType::EP) list.emplace_back(&branch, &point);
-  std::stable_sort(list.begin(), list.end(), [](const auto& a, const auto& b) { return a.second->value > b.second->value; });
-  Table table{{"point", parameter, "+-", "branch", "z", "details"}, {}};
-  for (const auto& [branch, point] : list) {
-    std::string details = point->status == PointStatus::bracketed ? "bracketed" : "";
-    for (const char* name : {"criticality", "kind", "scenario"}) {
-      const auto found = point->details.find(name);
-      if (found != point->details.end()) details += (details.empty() ? "" : ", ") + std::get<std::string>(found->second);
+    for (const SpecialPoint& point : branch.special_points) {
+      if (point.type == PointType::EP) continue;
+      const auto known = same.find(&point);
+      const SpecialPoint* first = known == same.end() ? nullptr : known->second.point;
+      const auto place =
+          std::find_if(list.begin(), list.end(), [&](const ListedPoint& listed) { return &listed.first() == first; });
+      if (place == list.end())
+        list.push_back({{{&branch, &point}}});
+      else
+        place->points.push_back({&branch, &point});
     }
-    table.rows.push_back({point->label, rounded(point->value, 12), rounded(point->precision, 2), std::to_string(branch->id),
-                          label(point->orbit.impacts, point->orbit.isolated_impacts, point->orbit.period), details});
+  std::stable_sort(list.begin(), list.end(),
+                   [](const ListedPoint& a, const ListedPoint& b) { return a.first().value > b.first().value; });
+  return list;
+}
+
+/// "19 and 20": what the branches have to say, where it is not the same.
+std::string joined(const ListedPoint& listed, const auto& text_of) {
+  std::vector<std::string> texts;
+  for (const PointOfBranch& entry : listed.points)
+    if (std::string text = text_of(entry); !text.empty() && std::find(texts.begin(), texts.end(), text) == texts.end())
+      texts.push_back(std::move(text));
+  return fmt::format("{}", fmt::join(texts, " and "));
+}
+
+Table special_points_overview(const std::vector<Branch>& branches, const std::string& parameter) {
+  Table table{{"point", parameter, "+-", "branch", "z", "details"}, {}};
+  for (const ListedPoint& listed : listed_points(branches)) {
+    std::string details = listed.first().status == PointStatus::bracketed ? "bracketed" : "";
+    for (const char* name : {"criticality", "kind", "scenario"}) {
+      const std::string text = joined(listed, [name](const PointOfBranch& entry) {
+        const auto found = entry.point->details.find(name);
+        return found == entry.point->details.end() ? "" : std::get<std::string>(found->second);
+      });
+      if (!text.empty()) details += (details.empty() ? "" : ", ") + text;
+    }
+    table.rows.push_back({joined(listed, [](const PointOfBranch& entry) { return entry.point->label; }),
+                          rounded(listed.first().value, 12), rounded(listed.first().precision, 2),
+                          joined(listed, [](const PointOfBranch& entry) { return std::to_string(entry.branch->id); }),
+                          joined(listed,
+                                 [](const PointOfBranch& entry) {
+                                   const PeriodicOrbit& orbit = entry.point->orbit;
+                                   return label(orbit.impacts, orbit.isolated_impacts, orbit.period);
+                                 }),
+                          details});
   }
   return table;
 }
@@ -112,6 +155,53 @@ Json seeds_json(const std::vector<SkeletonSeed>& seeds, std::size_t parameter) {
   return list;
 }
 
+/// What a seed has in an unfinished result beside the rest: with it the orbit is the same to the last bit when it is read back.
+Json kept_seed_json(const SkeletonSeed& seed) {
+  const auto list = [](const std::vector<Vector>& vectors) {
+    Json json = Json::array();
+    for (const Vector& vector : vectors) json.push_back(to_json(vector));
+    return json;
+  };
+  return {{"part", seed.part},
+          {"states", list(seed.orbit.states)},
+          {"nodes", list(seed.orbit.nodes)},
+          {"section_phase", seed.orbit.section_phase},
+          {"duration", seed.orbit.duration},
+          {"multipliers", multipliers_json(seed.orbit.multipliers)},
+          {"isolated_impacts", seed.orbit.isolated_impacts}};
+}
+
+std::vector<Vector> vectors_from(const Json& list, std::size_t states) {
+  std::vector<Vector> vectors;
+  for (const Json& json : list) {
+    vectors.push_back(vector_from(json));
+    if (static_cast<std::size_t>(vectors.back().size()) != states) throw std::invalid_argument("a state of another size");
+  }
+  if (vectors.empty()) throw std::invalid_argument("an orbit without states");
+  return vectors;
+}
+
+PeriodicOrbit kept_orbit(const Json& json, const Problem& at) {
+  if (!json.contains("nodes")) {  // results of older versions have the state alone: the orbit is the same to rounding
+    const std::vector<Vector> states = vectors_from(Json::array({json.at("state")}), at.system.states);
+    return shoot(at.system, at.parameters, states.front(), json.at("period").get<int>());
+  }
+  PeriodicOrbit orbit;
+  orbit.parameters = at.parameters;
+  orbit.period = json.at("period");
+  orbit.duration = json.at("duration");
+  orbit.states = vectors_from(json.at("states"), at.system.states);
+  orbit.state = orbit.states.front();
+  orbit.nodes = vectors_from(json.at("nodes"), at.system.states);
+  orbit.section_phase = json.at("section_phase");
+  orbit.impacts = json.at("impacts");
+  orbit.isolated_impacts = json.at("isolated_impacts");
+  orbit.multipliers = multipliers_from(json.at("multipliers"));
+  orbit.newton.status = NewtonStatus::converged;
+  orbit.admissible = Admissibility::admissible;
+  return orbit;
+}
+
 }  // namespace
 
 void put_skeleton(Json& result, const Skeleton& found, std::size_t parameter, int threads) {
@@ -121,12 +211,13 @@ void put_skeleton(Json& result, const Skeleton& found, std::size_t parameter, in
   const std::vector<Branch>& branches = found.graph.branches;
   Json& list = result["branches"] = Json::array_t(branches.size());
   on_threads(threads, branches.size(), [&](std::size_t k) { list[k] = branch_json(branches[k]); });
+  put_same_points(list, branches);
   for (const std::vector<std::size_t>& curve : curves_of(found.graph.branches))
     for (const std::size_t place : curve) result["branches"][place]["family"] = found.graph.branches[curve.front()].id;
   result["cascades"] = cascades_json(cascades(found.graph.branches));
   if (found.graph.interrupted) {
     for (std::size_t i = 0; i < found.seeds.size(); ++i)
-      if (found.seeds[i].part >= 0) result["seeds"][i]["part"] = found.seeds[i].part;
+      if (found.seeds[i].part >= 0) result["seeds"][i].update(kept_seed_json(found.seeds[i]));
     result["seed_search"] = {{"parts", found.searched.size()}, {"done", Json::array()}};
     for (std::size_t part = 0; part < found.searched.size(); ++part)
       if (found.searched[part]) result["seed_search"]["done"].push_back(part);
@@ -150,10 +241,7 @@ SeedsSoFar seeds_from(const Json& result, const Problem& problem, const std::str
     seed.origin = json.at("origin");
     Problem at = problem;
     set_parameter(at, parameter, json.at("value"));
-    const Vector state = vector_from(json.at("state"));
-    if (static_cast<std::size_t>(state.size()) != problem.system.states) throw std::invalid_argument("a state of another size");
-    // It is that of a converged orbit: Newton's method has nothing to do but to find what belongs to it.
-    seed.orbit = shoot(at.system, at.parameters, state, json.at("period").get<int>());
+    seed.orbit = kept_orbit(json, at);
     if (!seed.orbit.converged()) out.searched.at(static_cast<std::size_t>(seed.part)) = 0;
     out.seeds.push_back(std::move(seed));
   }

@@ -96,9 +96,9 @@ Swept carry_out_sweeps(const Problem& problem, const StartOptions& start, const 
   stints.begin(so_far.size());
   Swept out{{}, Status::done, {}};
   out.rows = sweep(problem.system, problem.parameters, start_state(problem, start.start), sweeping, so_far);
-  if (interrupted()) {
+  if (interrupted() && out.rows.size() < expected) {
     out.status = Status::interrupted;
-    out.message = fmt::format("interrupted after {} of {} values", out.rows.size(), expected);
+    out.message = fmt::format("{} after {} of {} values", interruption(), out.rows.size(), expected);
   } else if (out.rows.size() < expected) {
     out.status = Status::failed;
     out.message = fmt::format(

@@ -28,6 +28,14 @@ Range range_of(const HybridSystem& system, std::size_t parameter, double from, d
   return {std::min(from, to), std::max(from, to)};
 }
 
+/// near +- reach, as far as the model allows.
+Range range_near(const ParameterInfo& info, double near, double reach) {
+  if (!(reach > 0.0)) throw std::invalid_argument(fmt::format("the reach is {}; allowed is > 0", reach));
+  Range range{std::max(near - reach, info.lower), std::min(near + reach, info.upper)};
+  if (info.lower_open && range.low == info.lower) range.low += 1e-3 * (range.high - range.low);
+  return range;
+}
+
 /// A grazing as it looks to someone who decreases the parameter: what is gained one way is lost the other.
 SpecialPoint with_parameter_decreasing(SpecialPoint point, const Branch& branch) {
   const std::size_t k = point.after_point;
@@ -59,40 +67,51 @@ std::vector<Branch> continue_orbit(const HybridSystem& system, const PeriodicOrb
   return follow_branches(system, {seed}, whole).branches;
 }
 
-LocateResult locate(const HybridSystem& system, const PeriodicOrbit& orbit, PointType type, double near, double reach,
-                    const ContinuationOptions& given) {
-  LocateResult result;
+std::vector<Branch> follow_near(const HybridSystem& system, const PeriodicOrbit& orbit, double near, double reach,
+                                const ContinuationOptions& given) {
   const std::size_t parameter = parameter_index(system.parameters, given.parameter);
-  const ParameterInfo& info = system.parameters[parameter];
   const double start = orbit.parameters[static_cast<Eigen::Index>(parameter)];
-  if (!(reach > 0.0)) throw std::invalid_argument(fmt::format("the reach is {}; allowed is > 0", reach));
-  double low = std::max(near - reach, info.lower), high = std::min(near + reach, info.upper);
-  if (info.lower_open && low == info.lower) low += 1e-3 * (high - low);
+  const Range within = range_near(system.parameters[parameter], near, reach);
   ContinuationOptions options = given;
-  options.to = std::min(low, start);
-  options.from = std::max(high, start);
+  options.to = std::min(within.low, start);
+  options.from = std::max(within.high, start);
   options.both_directions = true;
   options.switch_generations = 0;
-  const std::vector<Branch> branches = continue_orbit(system, orbit, options);
-  std::string met;
+  return continue_orbit(system, orbit, options);
+}
+
+LocateResult nearest_point(const HybridSystem& system, const std::vector<Branch>& branches, const std::string& parameter,
+                           PointType type, double near, double reach) {
+  const Range within = range_near(system.parameters[parameter_index(system.parameters, parameter)], near, reach);
+  LocateResult result;
+  std::vector<std::string> met, reasons;
+  const auto add_once = [](std::vector<std::string>& list, std::string text) {
+    if (std::find(list.begin(), list.end(), text) == list.end()) list.push_back(std::move(text));
+  };
   for (const Branch& branch : branches) {
     for (const SpecialPoint& point : branch.special_points) {
+      if (point.value < within.low || point.value > within.high) continue;
       if (point.type == type) {
         const bool nearer = !result.point || std::abs(point.value - near) < std::abs(result.point->value - near);
         if (nearer) result.point = with_parameter_decreasing(point, branch);
       } else if (point.type != PointType::EP) {
-        met += fmt::format("{}{} at {:.9g}", met.empty() ? "" : ", ", point_type_name(point.type), point.value);
+        add_once(met, fmt::format("{} at {:.9g}", point_type_name(point.type), point.value));
       }
     }
+    if (branch.stop != BranchStop::reached_bound) add_once(reasons, branch.message);
   }
-  if (!result.point) {
-    result.message = fmt::format("no {} lies on the branch of this orbit for {} in [{:.9g}, {:.9g}]; ", point_type_name(type),
-                                 given.parameter, options.to, *options.from);
-    result.message += met.empty() ? "no special point was met" : "met were " + met;
-    for (const Branch& branch : branches)
-      if (branch.stop != BranchStop::reached_bound) result.message += "; " + branch.message;
-  }
+  if (result.point) return result;
+  result.message =
+      fmt::format("no {} lies on {} for {} in [{:.9g}, {:.9g}]; ", point_type_name(type),
+                  branches.empty() ? "a branch" : "the branches that were followed", parameter, within.low, within.high);
+  result.message += met.empty() ? "no special point was met" : fmt::format("met were {}", fmt::join(met, ", "));
+  for (const std::string& reason : reasons) result.message += "; " + reason;
   return result;
+}
+
+LocateResult locate(const HybridSystem& system, const PeriodicOrbit& orbit, PointType type, double near, double reach,
+                    const ContinuationOptions& options) {
+  return nearest_point(system, follow_near(system, orbit, near, reach, options), options.parameter, type, near, reach);
 }
 
 }  // namespace graze

@@ -37,14 +37,23 @@ struct ContinuationOptions {
 /// @throws std::invalid_argument for a parameter the system does not have, or a range outside what the model allows.
 std::vector<Branch> continue_orbit(const HybridSystem& system, const PeriodicOrbit& orbit, const ContinuationOptions& options);
 
+/// The branch through `orbit`, followed both ways within near +- reach (and as far as the orbit itself), and the branches beyond
+/// its grazings.
+std::vector<Branch> follow_near(const HybridSystem& system, const PeriodicOrbit& orbit, double near, double reach,
+                                const ContinuationOptions& options);
+
 /// What locate found, or why not.
 struct LocateResult {
   std::optional<SpecialPoint> point;
   std::string message;  ///< where point is empty: what was found instead
 };
 
-/// One special point of the given type on the branch through `orbit`, the one whose parameter value lies nearest to `near`;
-/// the branch is searched both ways within near +- reach.
+/// Of the special points of a type on these branches and within near +- reach, the one whose parameter value lies nearest to
+/// `near`. Lost and gained are those of a grazing with the parameter decreasing.
+LocateResult nearest_point(const HybridSystem& system, const std::vector<Branch>& branches, const std::string& parameter,
+                           PointType type, double near, double reach);
+
+/// The nearest point on the branches of follow_near().
 LocateResult locate(const HybridSystem& system, const PeriodicOrbit& orbit, PointType type, double near, double reach,
                     const ContinuationOptions& options);
 

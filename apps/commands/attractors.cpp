@@ -9,6 +9,7 @@
 #include <graze/apps/input_file.hpp>
 #include <graze/apps/interrupt.hpp>
 #include <graze/apps/number.hpp>
+#include <graze/apps/output_folder.hpp>
 #include <graze/apps/progress.hpp>
 #include <graze/apps/result.hpp>
 #include <graze/apps/stints.hpp>
@@ -40,15 +41,56 @@ struct Options {
   OutputOptions output;
 };
 
-/// Where the motions are: as wide as the motion without barrier and as the clearance, up to the barrier.
-std::array<Axis, 2> default_axes(const Problem& problem, bool counted) {
+/// Starts from which the attractors are looked for that the default box is to hold, along each axis; and the periods for which
+/// one that is not periodic is followed, to see how far it reaches.
+constexpr int probes = 12, probed_periods = 2000;
+/// The room around an attractor that the box leaves, as a share of its width.
+constexpr double room = 0.05;
+
+Matrix grid_of(const std::array<Axis, 2>& axes, int threads) {
+  const auto across = static_cast<std::size_t>(axes[0].count), rows = static_cast<std::size_t>(axes[1].count);
+  Matrix starts(2, static_cast<Eigen::Index>(across * rows));
+  on_threads(threads, rows, [&](std::size_t j) {
+    for (std::size_t i = 0; i < across; ++i)
+      starts.col(static_cast<Eigen::Index>(j * across + i)) << axes[0].at(static_cast<int>(i)), axes[1].at(static_cast<int>(j));
+  });
+  return starts;
+}
+
+/// The box made wide enough for the attractors that some starts in it lead to.
+void widen(std::array<Axis, 2>& axes, const Options& options, const Problem& problem, const Console& console) {
+  std::array<Axis, 2> few = axes;
+  for (Axis& axis : few) axis.count = probes;
+  BasinOptions probing;
+  probing.transient = options.transient;
+  probing.max_period = options.max_period;
+  probing.periods = std::min(options.periods, probed_periods);
+  probing.threads = console.thread_count();
+  probing.cancelled = interrupted;
+  probing.flow.kind = options.flow.kind();
+  probing.flow.cancelled = interrupted;
+  const Basins basins = find_attractors(problem.system, problem.parameters, grid_of(few, console.thread_count()), probing);
+  for (const CoexistingAttractor& found : basins.attractors)
+    for (const Vector& state : found.states)
+      for (const Eigen::Index i : {0, 1}) {
+        Axis& axis = axes[static_cast<std::size_t>(i)];
+        const double margin = room * (axis.to - axis.from);
+        // At a hard stop the barrier is the end of what there can be, and what lies inside already needs no room.
+        if (state[i] < axis.from) axis.from = state[i] - margin;
+        if (state[i] > axis.to) axis.to = state[i] + margin;
+      }
+}
+
+/// Where the motions are: as wide as the motion without barrier and as the clearance, up to the barrier, and as the attractors.
+std::array<Axis, 2> default_axes(const Options& options, const Problem& problem, const Console& console) {
   const Vector& p = problem.parameters;
   const Vector steady = steady_response(p);
   const double eta = p[oscillator_parameter::eta], r = p[oscillator_parameter::r];
   double size = std::max(std::hypot(steady[0], steady[1] / eta), std::abs(r));
   if (!std::isfinite(size) || size == 0.0) size = 1.0;
   std::array<Axis, 2> axes = {Axis{std::min(-size, r - size), r}, Axis{-size * std::max(1.0, eta), size * std::max(1.0, eta)}};
-  if (counted)  // the middles of the cells
+  widen(axes, options, problem, console);
+  if (!options.random)  // the middles of the cells
     for (Axis& axis : axes) {
       const double half = 0.5 * (axis.to - axis.from) / axis.count;
       axis.from += half;
@@ -57,9 +99,21 @@ std::array<Axis, 2> default_axes(const Problem& problem, bool counted) {
   return axes;
 }
 
-std::array<Axis, 2> axes_of(const Options& options, const Problem& problem) {
-  const bool counted = !options.random;
-  std::array<Axis, 2> axes = default_axes(problem, counted);
+/// The default of an earlier run that is gone on with, so that it is the same.
+Axis axis_from(const Json& earlier, const char* name, const Axis& otherwise) {
+  const Json& range = earlier.at("options").at(name);
+  return {range.at(0), range.at(1), range.size() > 2 ? range[2].get<int>() : otherwise.count};
+}
+
+std::array<Axis, 2> axes_of(const Options& options, const Problem& problem, const Json& earlier, const Console& console) {
+  const bool counted = !options.random, is_default = options.x.empty() || options.v.empty();
+  std::array<Axis, 2> axes;
+  if (is_default && earlier.is_null()) axes = default_axes(options, problem, console);
+  try {
+    if (is_default && !earlier.is_null()) axes = {axis_from(earlier, "x", axes[0]), axis_from(earlier, "v", axes[1])};
+  } catch (const nlohmann::json::exception&) {
+    refuse_to_resume(options.resume, "attractors", "is damaged; compute it anew");
+  }
   if (!options.x.empty()) axes[0] = parse_axis("--x", options.x, counted);
   if (!options.v.empty()) axes[1] = parse_axis("--v", options.v, counted);
   if (counted && static_cast<double>(axes[0].count) * axes[1].count > most_starts)
@@ -71,15 +125,7 @@ std::array<Axis, 2> axes_of(const Options& options, const Problem& problem) {
 /// In the order of the picture: row by row, x fastest. Random ones are drawn from the bits of the generator, which are the same
 /// everywhere.
 Matrix starts_of(const Options& options, const std::array<Axis, 2>& axes, int threads) {
-  if (!options.random) {
-    const auto across = static_cast<std::size_t>(axes[0].count), rows = static_cast<std::size_t>(axes[1].count);
-    Matrix starts(2, across * rows);
-    on_threads(threads, rows, [&](std::size_t j) {
-      for (std::size_t i = 0; i < across; ++i)
-        starts.col(static_cast<Eigen::Index>(j * across + i)) << axes[0].at(static_cast<int>(i)), axes[1].at(static_cast<int>(j));
-    });
-    return starts;
-  }
+  if (!options.random) return grid_of(axes, threads);
   Matrix starts(2, *options.random);
   std::mt19937_64 generator(static_cast<unsigned>(options.seed.value_or(1)));
   const auto draw = [&](const Axis& axis) {
@@ -277,19 +323,18 @@ Json described(const Options& options, const std::array<Axis, 2>& axes) {
 int run(const Options& given, const Console& console) {
   Options options = given;
   if (options.seed && !options.random) throw std::invalid_argument("--seed is that of random starts; give --random N too");
-  Json earlier;
-  if (!options.resume.empty()) earlier = read_to_resume(options.resume, "attractors");
   if (!options.resume.empty() && options.output.out.empty()) options.output.out = options.resume;
-  check_outputs(options.output, options.start.file);
+  const OutputFolder folder(options.output, "attractors", options.start.file, options.resume);
   const Problem problem = open_problem(options.start, console);
-  const std::array<Axis, 2> axes = axes_of(options, problem);
+  const std::array<Axis, 2> axes = axes_of(options, problem, folder.earlier(), console);
   const Matrix starts = starts_of(options, axes, console.thread_count());
   const auto count = static_cast<std::size_t>(starts.cols());
   check_starts(problem, starts);
   Result result;
   result.json = result_head("attractors/1", "attractors", problem, described(options, axes));
+  folder.check_free_for(result.json);
   Basins basins;
-  if (!options.resume.empty()) basins = earlier_basins(earlier, options.resume, result.json);
+  if (!options.resume.empty()) basins = earlier_basins(folder.earlier(), options.resume, result.json);
   if (!basins.outcomes.empty() && basins.outcomes.size() != count)
     refuse_to_resume(options.resume, "attractors", "is damaged; compute it anew");
   const auto with_basins = [&, head = result.json](Status status, const std::string& message) {
@@ -316,7 +361,7 @@ int run(const Options& given, const Console& console) {
   std::string message;
   if (!basins.complete) {
     status = Status::interrupted;
-    message = fmt::format("interrupted after {} of {} starts", starts_done(basins), count);
+    message = fmt::format("{} after {} of {} starts", interruption(), starts_done(basins), count);
   } else if (basins.attractors.empty()) {
     status = Status::failed;
     message = "no motion could be carried on";
@@ -332,7 +377,8 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   auto options = std::make_shared<Options>();
   add_problem_options(app, options->start);
   begin_group(app, "Starts");
-  add_text(app, "--x", options->x, "A:B:N", "N values of x at forcing phase 0 from A to B (default: up to the barrier, 64)");
+  add_text(app, "--x", options->x, "A:B:N",
+           "N values of x at forcing phase 0 from A to B (default: up to the barrier and as far as attractors reach, 64)");
   add_text(app, "--v", options->v, "A:B:N", "the same of x' (default: as wide as the motion, 64)");
   add_count(app, "--random", options->random, 1, "so many random starts in the ranges --x A:B and --v A:B instead of a grid",
             most_starts);

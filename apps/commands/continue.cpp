@@ -7,6 +7,7 @@
 #include <graze/apps/find_orbit.hpp>
 #include <graze/apps/interrupt.hpp>
 #include <graze/apps/number.hpp>
+#include <graze/apps/output_folder.hpp>
 #include <graze/apps/progress.hpp>
 #include <graze/apps/result.hpp>
 
@@ -80,7 +81,7 @@ Json all_options(const Problem& problem, const Options& options) {
 }
 
 int run(const Options& options, const Console& console) {
-  check_outputs(options.output, options.orbit.start.file);
+  const OutputFolder folder(options.output, "continue", options.orbit.start.file);
   if (options.max_step && !(*options.max_step > 0.0))
     throw std::invalid_argument(fmt::format("--max-step {}: must be > 0, for example 0.01", *options.max_step));
   Problem problem = open_problem(options.orbit.start, console);
@@ -99,6 +100,7 @@ int run(const Options& options, const Console& console) {
 
   Result result;
   result.json = result_head("branch/1", "continue", problem, all_options(problem, options));
+  folder.check_free_for(result.json);
   result.json["parameter"] = options.parameter;
   const FoundOrbits found = find_orbits(problem, options.orbit, console);
   Status status = found.status;
@@ -117,17 +119,20 @@ int run(const Options& options, const Console& console) {
   if (interrupted()) {
     status = Status::interrupted;
     if (!branches.empty())
-      message = fmt::format("interrupted on branch {} at {} = {}", branches.back().id, options.parameter,
+      message = fmt::format("{} on branch {} at {} = {}", interruption(), branches.back().id, options.parameter,
                             rounded(branches.back().stop_value, 12));
   }
   set_status(result.json, status, message);
   add_origin(result.json, found);
   result.json["branches"] = Json::array();
   result.text = describe(problem, options.parameter) + "\n";
+  const SamePoints same = same_points(branches);
   for (const Branch& branch : branches) {
     result.json["branches"].push_back(branch_json(branch));
-    result.text.append("\n").append(branch_text(branch, options.all ? std::numeric_limits<std::size_t>::max() : rows_shown));
+    result.text.append("\n").append(
+        branch_text(branch, options.all ? std::numeric_limits<std::size_t>::max() : rows_shown, same));
   }
+  put_same_points(result.json["branches"], branches);
   const std::vector<Cascade> doublings = cascades(branches);
   result.json["cascades"] = cascades_json(doublings);
   result.text += cascades_text(doublings, options.parameter);

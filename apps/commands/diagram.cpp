@@ -9,6 +9,7 @@
 #include <graze/apps/input_file.hpp>
 #include <graze/apps/interrupt.hpp>
 #include <graze/apps/number.hpp>
+#include <graze/apps/output_folder.hpp>
 #include <graze/apps/pictures/pictures.hpp>
 #include <graze/apps/progress.hpp>
 #include <graze/apps/result.hpp>
@@ -164,7 +165,9 @@ void put_parts(Json& json, const Options& options, const Earlier& earlier, Statu
   json["rows"] = rows_json(earlier.rows);
 }
 
-/// The skeleton: what the earlier run has, if that was complete, else computed (from what it has). Adds it to the result.
+/// The skeleton: what the earlier run has, if that was complete, else computed, from the seeds that it has. The branches are
+/// followed anew: their numbers, and whatever two of them decide together, depend on the order in which they come. Adds it to the
+/// result.
 Status add_skeleton(Result& result, Earlier& earlier, const Options& options, const Problem& problem, const Console& console,
                     const KeepPart& keep_part) {
   Status status = Status::done;
@@ -176,7 +179,6 @@ Status add_skeleton(Result& result, Earlier& earlier, const Options& options, co
     Stints stints(keeping_stints(options.output), Stints::End::goes_on);
     std::size_t told = 0;
     SkeletonOptions computing = skeleton_options(options, problem, console, progress);
-    computing.so_far = std::move(earlier.branches);
     computing.seeds_so_far = std::move(earlier.seeds.seeds);
     computing.searched_so_far = std::move(earlier.seeds.searched);
     computing.keep = [&](const std::function<Skeleton()>& so_far) {
@@ -204,10 +206,11 @@ Status add_skeleton(Result& result, Earlier& earlier, const Options& options, co
 }
 
 /// Where the skeleton was interrupted.
-std::string interruption(const Json& skeleton, std::size_t branches) {
+std::string where_interrupted(const Json& skeleton, std::size_t branches) {
   const std::size_t parts = skeleton.at("seed_search").at("parts"), done = skeleton["seed_search"].at("done").size();
-  if (done < parts) return fmt::format("interrupted in the search for seeds; {} of its {} parts were done by then", done, parts);
-  return fmt::format("interrupted; {} branches were complete or begun by then", branches);
+  if (done < parts)
+    return fmt::format("{} in the search for seeds; {} of its {} parts were done by then", interruption(), done, parts);
+  return fmt::format("{}; {} branches were complete or begun by then", interruption(), branches);
 }
 
 /// Whether simulation and continuation agree.
@@ -284,10 +287,10 @@ void check_options(Options& options, const Problem& problem) {
 int run(const Options& given, const Console& console) {
   Options options = given;
   Earlier earlier;
-  if (!options.resume.empty()) earlier.result = read_to_resume(options.resume, "diagram");
   if (!options.resume.empty() && options.output.out.empty()) options.output.out = options.resume;
   check_plot_kind(options);
-  check_outputs(options.output, options.start.file);
+  const OutputFolder folder(options.output, "diagram", options.start.file, options.resume);
+  earlier.result = folder.earlier();
   const Problem problem = open_problem(options.start, console);
   check_options(options, problem);
   if (!options.resume.empty()) check_earlier(earlier, options, problem);
@@ -302,6 +305,7 @@ int run(const Options& given, const Console& console) {
     for (auto& item : found.items()) json[item.key()] = std::move(item.value());
     return json;
   };
+  folder.check_free_for(complete(Json::object(), Status::done, {}));
   const KeepPart keep_part = [&](const Json& part, const std::string& message) {
     keep(complete(part, Status::interrupted, message), options.output, "diagram", console);
   };
@@ -310,7 +314,7 @@ int run(const Options& given, const Console& console) {
   Status status = add_skeleton(result, earlier, options, problem, console, keep_part);
   put_parts(result.json, options, earlier, status);
   std::string message;
-  if (status == Status::interrupted) message = interruption(result.json, earlier.branches.size());
+  if (status == Status::interrupted) message = where_interrupted(result.json, earlier.branches.size());
   if (status == Status::failed)
     message = fmt::format("no periodic orbit was found for {} in [{}, {}]", options.parameter, exact(*options.from),
                           exact(*options.to));
@@ -363,7 +367,10 @@ Command diagram_command() {
       "Then the attractors are followed up and down, with exponents: --start and --settle say from where. Chaotic windows are "
       "listed, and\n"
       "stable orbits of the sweeps that lie on no branch, where there are any.\n"
-      "Ctrl-C keeps what is there, --resume goes on. The table (--csv) is that of the branches; the samples of the sweeps are "
+      "Ctrl-C keeps what is there. --resume goes on from the seeds, the skeleton and the sweeps that are complete, and comes to "
+      "the "
+      "same\n"
+      "result as without interruption, to the last bit. The table (--csv) is that of the branches; the samples of the sweeps are "
       "\"rows\" in\n"
       "the JSON, as in that of graze sweep.",
       {"graze diagram data/problems/hertz-damped.toml --from 0.65 --to 0.95 --plot diagram.png",

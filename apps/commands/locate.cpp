@@ -7,14 +7,16 @@
 #include <graze/apps/interrupt.hpp>
 #include <graze/apps/number.hpp>
 #include <graze/apps/orbit_report.hpp>
+#include <graze/apps/output_folder.hpp>
 #include <graze/apps/progress.hpp>
 #include <graze/apps/result.hpp>
 
-#include <graze/continuation/continuation.hpp>
+#include <graze/continuation/branch_graph.hpp>
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <stdexcept>
@@ -49,34 +51,145 @@ Json all_options(const Problem& problem, const Options& options, double reach) {
   return json;
 }
 
-/// The wanted point on the branch of one of these orbits, the nearest of all.
-LocateResult locate_on(const Problem& problem, const std::vector<PeriodicOrbit>& orbits, const Options& options, double reach,
-                       const Console& console) {
-  Progress progress(console.err, console.quiet, "locating");
-  ContinuationOptions continuation;
-  continuation.parameter = options.parameter;
-  continuation.cancelled = interrupted;
-  continuation.progress = [&](const Branch& branch) {
-    progress.update(-1.0, [&] {
-      return fmt::format("{}, {} = {}", counted(branch.points.size(), "point"), branch.parameter,
-                         rounded(branch.points.back().value, 7));
-    });
-  };
-  LocateResult best;
-  for (const PeriodicOrbit& orbit : orbits) {
-    if (interrupted() || orbit.admissible != Admissibility::admissible) continue;
-    LocateResult result = locate(problem.system, orbit, point_type(options.type), *options.near, reach, continuation);
-    const auto distance = [&](const LocateResult& r) { return std::abs(r.point->value - *options.near); };
-    if (result.point && (!best.point || distance(result) < distance(best)))
-      best = std::move(result);
-    else if (!best.point)
-      best.message += (best.message.empty() ? "" : "; ") + result.message;
+/// Shares of the reach at which orbits are looked for on both sides of --near: a branch may end close to it, or stay away from
+/// it.
+constexpr std::array shares_of_reach = {1.0 / 64.0, 1.0 / 16.0, 0.25, 0.5, 0.75, 1.0};
+/// A point that lies farther from --near than this share of the reach is not the one that was meant.
+constexpr double meant_share = 0.1;
+
+/// The problem at the values where orbits are looked for, nearest first; at --from alone if that is given.
+std::vector<Problem> places(const Problem& problem, const Options& options, double reach) {
+  std::vector<Problem> list = {problem};
+  if (options.from) return list;
+  for (const double share : shares_of_reach)
+    for (const double side : {-1.0, 1.0}) {
+      Problem at = problem;
+      try {
+        set_parameter(at, options.parameter, *options.near + side * share * reach);
+      } catch (const std::invalid_argument&) {  // beyond what the model allows
+        continue;
+      }
+      list.push_back(std::move(at));
+    }
+  return list;
+}
+
+/// One unit of the last digit that a value is written with: 0.01 for 0.92.
+double last_digit(double value) {
+  const std::string text = exact(value);
+  const std::size_t exponent = std::min(text.find('e'), text.size()), point = std::min(text.find('.'), exponent);
+  const int decimals = point < exponent ? static_cast<int>(exponent - point) - 1 : 0;
+  return std::pow(10.0, (exponent < text.size() ? std::stoi(text.substr(exponent + 1)) : 0) - decimals);
+}
+
+/// Whether a point lies as close to --near as its digits suggest.
+bool is_meant(const SpecialPoint& point, double near, double reach) {
+  return std::abs(point.value - near) <= std::min(last_digit(near), meant_share * reach) + point.precision;
+}
+
+/// The branches met, and the wanted point on them.
+struct Located {
+  FoundOrbits first;  ///< orbits at the first value
+  std::vector<Branch> branches;
+  LocateResult nearest;
+};
+
+/// Follows each orbit that lies on no branch yet, until the point that was meant is there.
+class Hunt {
+ public:
+  Hunt(const Problem& problem, const Options& options, double reach, const Console& console)
+      : problem_(problem), options_(options), reach_(reach), progress_(console.err, console.quiet, "locating") {
+    continuation_.parameter = options.parameter;
+    continuation_.cancelled = interrupted;
+    continuation_.progress = [this](const Branch& branch) {
+      progress_.update(-1.0, [&] {
+        return fmt::format("{}, {} = {}", counted(branch.points.size(), "point"), branch.parameter,
+                           rounded(branch.points.back().value, 7));
+      });
+    };
   }
-  return best;
+
+  /// True if the point is there.
+  bool follow(const FoundOrbits& found) {
+    for (const PeriodicOrbit& orbit : found.orbits) {
+      if (interrupted()) return true;
+      if (orbit.admissible != Admissibility::admissible || is_known(orbit)) continue;
+      for (Branch& branch : follow_near(problem_.system, orbit, *options_.near, reach_, continuation_))
+        branches.push_back(std::move(branch));
+      nearest = nearest_point(problem_.system, branches, options_.parameter, point_type(options_.type), *options_.near, reach_);
+      if (nearest.point && is_meant(*nearest.point, *options_.near, reach_)) return true;
+    }
+    return interrupted();
+  }
+
+  std::vector<Branch> branches;
+  LocateResult nearest;
+
+ private:
+  bool is_known(const PeriodicOrbit& orbit) const {
+    const std::size_t parameter = parameter_index(problem_.system.parameters, options_.parameter);
+    const double value = orbit.parameters[static_cast<Eigen::Index>(parameter)];
+    return std::any_of(branches.begin(), branches.end(),
+                       [&](const Branch& branch) { return lies_on(problem_.system, branch, orbit.states, value); });
+  }
+
+  const Problem& problem_;
+  const Options& options_;
+  double reach_;
+  Progress progress_;
+  ContinuationOptions continuation_;
+};
+
+/// Orbits are looked for at every place, by settling and by searching.
+Located locate_near(const Problem& problem, const Options& options, double reach, const Console& console) {
+  Located out;
+  Hunt hunt(problem, options, reach, console);
+  const Console silent{console.out, console.err, true, console.threads};
+  const auto look_at = [&](const Problem& place, bool is_first) {
+    try {
+      const FoundOrbits found = find_orbits(place, options.orbit, is_first ? console : silent);
+      if (is_first) out.first = found;
+      if (hunt.follow(found)) return true;
+      if (found.origin != "settled") return false;
+    } catch (const std::invalid_argument&) {  // the start lies inside the barrier there
+      if (is_first) throw;
+    }
+    if (is_first)
+      console.note(fmt::format("{}; searching for other orbits of period {}",
+                               hunt.nearest.point ? "another point may lie nearer" : hunt.nearest.message,
+                               period_of(problem, options.orbit)));
+    return hunt.follow(search_for_orbits(place, options.orbit, silent));
+  };
+  bool is_first = true;
+  for (const Problem& place : places(problem, options, reach)) {
+    if (look_at(place, is_first)) break;
+    is_first = false;
+  }
+  out.branches = std::move(hunt.branches);
+  out.nearest = std::move(hunt.nearest);
+  return out;
+}
+
+/// In what the point is not what was asked for; empty: in nothing.
+std::string remark(const Located& located, const Options& options, double reach) {
+  const SpecialPoint& point = *located.nearest.point;
+  std::vector<std::string> parts;
+  const double distance = std::abs(point.value - *options.near);
+  if (!is_meant(point, *options.near, reach))
+    parts.push_back(fmt::format("the nearest {} lies {} from --near {}, farther than {}", options.type, rounded(distance, 3),
+                                exact(*options.near),
+                                distance > meant_share * reach ? "a tenth of the reach" : "its digits suggest"));
+  const std::vector<PeriodicOrbit>& there = located.first.orbits;
+  const auto has_its_label = [&](const PeriodicOrbit& orbit) { return z_label(orbit) == z_label(point.orbit); };
+  if (!there.empty() && point.type != PointType::GR && std::none_of(there.begin(), there.end(), has_its_label))
+    parts.push_back(fmt::format("it is of {}, as no orbit found at --near is (the first is {})", z_label(point.orbit),
+                                z_label(there.front())));
+  if (interrupted()) parts.push_back(interruption() + " before all of the reach was looked at");
+  return fmt::format("{}", fmt::join(parts, "; "));
 }
 
 int run(const Options& options, const Console& console) {
-  check_outputs(options.output, options.orbit.start.file);
+  const OutputFolder folder(options.output, "locate", options.orbit.start.file);
   Problem problem = open_problem(options.orbit.start, console);
   const double reach = options.reach.value_or(default_reach(*options.near));
   if (!(reach > 0.0)) throw std::invalid_argument(fmt::format("--reach {}: must be > 0, for example 0.01", reach));
@@ -84,38 +197,32 @@ int run(const Options& options, const Console& console) {
 
   Result result;
   result.json = result_head("point/1", "locate", problem, all_options(problem, options, reach));
-  FoundOrbits found = find_orbits(problem, options.orbit, console);
-  LocateResult located = locate_on(problem, found.orbits, options, reach, console);
-  if (found.status == Status::done && !located.point && !interrupted() && found.origin == "settled") {
-    // Another orbit of this period may carry the point.
-    console.note(fmt::format("{}; searching for other orbits of period {}", located.message, period_of(problem, options.orbit)));
-    FoundOrbits others = search_for_orbits(problem, options.orbit, console);
-    std::erase_if(others.orbits, [&](const PeriodicOrbit& o) { return same_orbit(o, found.orbits.front()); });
-    const LocateResult more = locate_on(problem, others.orbits, options, reach, console);
-    if (more.point) located = more;
-  }
-  Status status = located.point ? Status::done : interrupted() ? Status::interrupted : Status::failed;
-  const std::string message = located.point                  ? ""
-                              : interrupted()                ? "interrupted before a point was located"
-                              : found.status != Status::done ? found.message
-                                                             : located.message;
+  folder.check_free_for(result.json);
+  const Located located = locate_near(problem, options, reach, console);
+  const std::optional<SpecialPoint>& point = located.nearest.point;
+  const Status status = point ? Status::done : interrupted() ? Status::interrupted : Status::failed;
+  const std::string message = point                       ? remark(located, options, reach)
+                              : interrupted()             ? interruption() + " before a point was located"
+                              : !located.branches.empty() ? located.nearest.message
+                              : options.from              ? located.first.message
+                                             : located.first.message + "; at other values within the reach there is none either";
   set_status(result.json, status, message);
-  add_origin(result.json, found);
-  result.json["special_point"] = located.point ? special_point_json(*located.point) : Json(nullptr);
+  add_origin(result.json, located.first);
+  result.json["special_point"] = point ? special_point_json(*point) : Json(nullptr);
   result.text = describe(problem, options.parameter) + "\n\n";
-  if (located.point) {
-    result.text += special_point_text(*located.point, options.parameter) + "\n" +
-                   orbit_text(located.point->orbit, stability_text(*located.point));
-    PeriodicOrbit orbit = located.point->orbit;
-    result.table = orbits_table({orbit}, false);
+  if (point) {
+    result.text += special_point_text(*point, options.parameter) + "\n" + orbit_text(point->orbit, stability_text(*point));
+    if (!message.empty()) result.text += "\n" + message + "\n";
+    result.table = orbits_table({point->orbit}, false);
     const auto stable =
         std::find(result.table.columns.begin(), result.table.columns.end(), "stable") - result.table.columns.begin();
-    result.table.rows.front()[static_cast<std::size_t>(stable)] = stable_cell(stable_at(*located.point));
+    result.table.rows.front()[static_cast<std::size_t>(stable)] = stable_cell(stable_at(*point));
     result.table.columns.insert(result.table.columns.begin(), {"label", options.parameter, "precision"});
     result.table.rows.front().insert(result.table.rows.front().begin(),
-                                     {located.point->label, exact(located.point->value), exact(located.point->precision)});
+                                     {point->label, exact(point->value), exact(point->precision)});
   }
   if (status != Status::done) console.err << "graze locate: " << message << "\n";
+  if (status == Status::done && !message.empty()) console.note(message);
   return deliver(result, options.output, "locate", exit_code(status), console);
 }
 
@@ -127,7 +234,8 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_text(app, "--param", options->parameter, "NAME", "continuation parameter (default eta)");
   add_number(app, "--near", options->near, "value of the parameter near which the point lies", Need::required);
   add_number(app, "--reach", options->reach, "how far from --near it may lie (default: 5 % of it)");
-  add_number(app, "--from", options->from, "value at which the orbit is found (default: --near)");
+  add_number(app, "--from", options->from,
+             "the one value at which orbits are looked for (default: --near, then both sides of it)");
   add_output_options(app, options->output, "point/1");
   return [options](const Console& console) { return run(*options, console); };
 }
@@ -137,9 +245,12 @@ std::function<int(const Console&)> setup(CLI::App& app) {
 Command locate_command() {
   return {"locate",
           "one special point to full precision",
-          "An orbit is found at --near as by `graze orbit` and followed both ways within --reach; the point of the given type "
-          "that lies nearest\n"
-          "to --near is located by Newton's method on an extended system. Exit 1 and what was met instead, if there is none.",
+          "Orbits are found at --near and on both sides of it, as by `graze orbit` and by search, and followed both ways within "
+          "--reach; the\n"
+          "point of the given type that lies nearest to --near is located by Newton's method on an extended system. The first "
+          "that agrees\n"
+          "with the digits of --near ends the search; the result says so where none does. Exit 1 and what was met instead, if "
+          "there is none.",
           {"graze locate data/problems/hertz-damped.toml --type PD --param eta --near 0.92",
            "graze locate data/problems/hertz-damped.toml --type PD --near 0.7433 --period 2"},
           setup};

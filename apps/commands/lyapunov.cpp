@@ -7,6 +7,7 @@
 #include <graze/apps/flow_choice.hpp>
 #include <graze/apps/interrupt.hpp>
 #include <graze/apps/number.hpp>
+#include <graze/apps/output_folder.hpp>
 #include <graze/apps/progress.hpp>
 #include <graze/apps/result.hpp>
 
@@ -48,7 +49,7 @@ AttractorOptions attractor_options(const Options& options, const Problem& proble
 }
 
 int run(const Options& options, const Console& console) {
-  check_outputs(options.output, options.start.file);
+  const OutputFolder folder(options.output, "lyapunov", options.start.file);
   for (const auto& [name, value] : {std::pair{"--standard-error", options.standard_error}, {"--change", options.change}})
     if (value && !(*value >= 0.0)) throw std::invalid_argument(fmt::format("{} is {}; allowed is >= 0", name, exact(*value)));
   if (options.change && options.standard_error)
@@ -58,6 +59,14 @@ int run(const Options& options, const Console& console) {
         fmt::format("--periods {} is less than --interval {}; give at least one interval", options.periods, options.interval));
   const Problem problem = open_problem(options.start, console);
   const Vector start = start_state(problem, options.start.start);
+  Json given = options_json(problem, options.start);
+  given.update({{"periods", options.periods}, {"interval", options.interval}, {"max_period", options.max_period}});
+  if (options.standard_error) given["standard_error"] = *options.standard_error;
+  if (options.change) given["change"] = *options.change;
+  put_flow(given, options.flow.kind());
+  Result result;
+  result.json = result_head("lyapunov/1", "lyapunov", problem, given);
+  folder.check_free_for(result.json);
   Attractor attractor;
   {
     Progress progress(console.err, console.quiet, "averaging");
@@ -66,8 +75,11 @@ int run(const Options& options, const Console& console) {
   Status status = Status::done;
   std::string message;
   if (interrupted()) {
-    status = Status::interrupted;
-    message = fmt::format("interrupted after {} forcing periods of averaging", attractor.time_average.periods);
+    // An average of as many periods as the time has allowed is a result, as one of --periods is.
+    const bool averaged = is_out_of_time() && !attractor.exponents.empty();
+    status = averaged ? Status::done : Status::interrupted;
+    message = fmt::format("{} after {} forcing periods of averaging", interruption(), attractor.time_average.periods);
+    if (averaged) console.note(message);
   } else if (attractor.termination != Termination::time || attractor.time_average.stop == LyapunovStop::failed) {
     status = Status::failed;
     message = "the motion could not be carried on";
@@ -78,13 +90,6 @@ int run(const Options& options, const Console& console) {
                           options.change ? "the exponents have settled to --change" : "every standard error is below its bound");
     console.note(message);
   }
-  Json given = options_json(problem, options.start);
-  given.update({{"periods", options.periods}, {"interval", options.interval}, {"max_period", options.max_period}});
-  if (options.standard_error) given["standard_error"] = *options.standard_error;
-  if (options.change) given["change"] = *options.change;
-  put_flow(given, options.flow.kind());
-  Result result;
-  result.json = result_head("lyapunov/1", "lyapunov", problem, given);
   set_status(result.json, status, message);
   const bool periodic = attractor.type == AttractorType::periodic;
   const Json average = spectrum_json(attractor.time_average);
@@ -106,6 +111,7 @@ int run(const Options& options, const Console& console) {
   }
   result.text =
       describe(problem) + "\n\n" + (attractor.exponents.empty() ? message + "\n" : attractor_text(attractor, options.max_period));
+  if (status == Status::done && interrupted()) result.text += "\n" + message + "\n";
   if (status != Status::done) console.err << "graze lyapunov: " << message << "\n";
   return deliver(result, options.output, "lyapunov", exit_code(status), console);
 }

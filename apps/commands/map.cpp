@@ -122,7 +122,7 @@ void check_all_outputs(const Options& options, const MapPlan& plan) {
   if (!options.output.out.empty()) make_folder(options.output.out);
   OutputOptions output = options.output;
   if (!output.out.empty()) output.plot_kind.clear();
-  output.out.clear();  // its pictures are drawn where there is gnuplot: a cluster may have none
+  output.out.clear();
   check_outputs(output, options.start.file);
   if (!options.h5.empty()) check_map_file("--h5", options.h5);
   check_layers(plan, layer_numbers(options.layers));
@@ -165,16 +165,9 @@ int present(const Options& options, const MapPlan& plan, const Json& head, const
   };
   if (!options.output.plot.empty()) add(options.output.plot, options.output.plot_kind);
   if (!options.output.out.empty() && run.status == Status::done)
-    for (const std::string& kind : picture_names("graze.map/1")) {
-      const std::string file = fmt::format("{}/map-{}.png", options.output.out, kind);
-      try {
-        check_picture_file(file);
-        add(file, kind);
-      } catch (const std::invalid_argument& missing) {  // a cluster may have no gnuplot: then the folder goes without
-        console.note(missing.what());
-      }
-    }
-  if (!draw_into_files(drawings, console.thread_count(), complain)) code = 130;
+    for (const std::string& kind : picture_names("graze.map/1"))
+      add(fmt::format("{}/map-{}.png", options.output.out, kind), kind);
+  if (!draw_into_files(drawings, console, complain)) code = 130;
   if (counts.empty()) counts = count_map(plan, rows);
   Result result;
   result.json = head;

@@ -2,6 +2,7 @@
 // graze models: what a problem file can name: oscillators, contact laws, excitations; their parameters, ranges, defaults, units.
 #include <graze/apps/commands/command.hpp>
 #include <graze/apps/number.hpp>
+#include <graze/apps/output_folder.hpp>
 #include <graze/apps/problem.hpp>
 #include <graze/apps/result.hpp>
 #include <graze/apps/version.hpp>
@@ -94,8 +95,10 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   auto options = std::make_shared<OutputOptions>();
   add_output_options(app, *options, "models/1");
   return [options](const Console& console) {
-    check_outputs(*options);
-    return deliver(describe_models(), *options, "models", 0, console);
+    const OutputFolder folder(*options, "models");
+    const Result models = describe_models();
+    folder.check_free_for(models.json);
+    return deliver(models, *options, "models", 0, console);
   };
 }
 

@@ -3,6 +3,7 @@
 #include <graze/apps/commands/command.hpp>
 #include <graze/apps/find_orbit.hpp>
 #include <graze/apps/orbit_report.hpp>
+#include <graze/apps/output_folder.hpp>
 #include <graze/apps/result.hpp>
 
 #include <fmt/format.h>
@@ -19,10 +20,11 @@ struct Options {
 };
 
 int run(const Options& options, const Console& console) {
-  check_outputs(options.output, options.orbit.start.file);
+  const OutputFolder folder(options.output, "orbit", options.orbit.start.file);
   const Problem problem = open_problem(options.orbit.start, console);
   Result result;
   result.json = result_head("orbit/1", "orbit", problem, options_json(problem, options.orbit));
+  folder.check_free_for(result.json);
   const FoundOrbits found = find_orbits(problem, options.orbit, console);
   set_status(result.json, found.status, found.message);
   result.json["orbit"] =

@@ -66,6 +66,7 @@ int run(const Options& options, const Console& console) {
   check_distinct({{"--output", options.output}}, options.result);
   check_writable(options.output);
   check_picture_file(options.output);
+  if (!can_draw()) throw std::invalid_argument(fmt::format("{}: {}", options.output, cannot_draw));
   const std::string drawn = draw(picture_of_file(options), ending(options.output));
   if (const auto failure = write_whole(options.output, drawn)) {
     console.err << "graze plot: " << *failure << "\n";

@@ -5,6 +5,7 @@
 #include <graze/apps/find_orbit.hpp>
 #include <graze/apps/interrupt.hpp>
 #include <graze/apps/number.hpp>
+#include <graze/apps/output_folder.hpp>
 #include <graze/apps/progress.hpp>
 #include <graze/apps/result.hpp>
 #include <graze/apps/section.hpp>
@@ -40,13 +41,14 @@ Section collect(const Problem& problem, const Vector& start, const Options& opti
 }
 
 int run(const Options& options, const Console& console) {
-  check_outputs(options.output, options.start.file);
+  const OutputFolder folder(options.output, "poincare", options.start.file);
   const Problem problem = open_problem(options.start, console);
   Json asked = options_json(problem, options.start);
   asked["section"] = options.section;
   asked["points"] = options.points;
   Result result;
   result.json = result_head("poincare/1", "poincare", problem, asked);
+  folder.check_free_for(result.json);
   const Settled settled = settle_down(problem, options.start, console);
   Section section;
   section.termination = settled.termination;

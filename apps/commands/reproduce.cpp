@@ -7,6 +7,7 @@
 #include <graze/apps/interrupt.hpp>
 #include <graze/apps/number.hpp>
 #include <graze/apps/output_file.hpp>
+#include <graze/apps/output_folder.hpp>
 #include <graze/apps/progress.hpp>
 #include <graze/apps/published/figures.hpp>
 #include <graze/apps/result.hpp>
@@ -55,10 +56,9 @@ Json diagrams_json(const std::vector<SweptDiagram>& diagrams) {
 }
 
 /// What an earlier run has left, where it is about the same: diagrams of the same range, rows, claims.
-Reproduction earlier_run(const Options& options, const Published& published) {
+Reproduction earlier_run(const Json& json, const Options& options, const Published& published) {
   Reproduction earlier;
-  if (options.resume.empty()) return earlier;
-  const Json json = read_to_resume(options.resume, "reproduce");
+  if (json.is_null()) return earlier;
   try {
     for (const Json& row : json.at("rows")) earlier.rows.push_back(comparison_from(row));
     for (const Json& claim : json.at("claims")) earlier.claims.push_back(claim_from(claim));
@@ -109,7 +109,7 @@ std::vector<std::string> write_pictures(const Published& published, const Reprod
   Progress progress(console.err, console.quiet, "drawing");
   std::size_t done = 0;
   draw_into_files(
-      drawings, console.thread_count(), [&](const std::string& sentence) { failures.push_back(sentence); },
+      drawings, console, [&](const std::string& sentence) { failures.push_back(sentence); },
       [&](std::size_t k) {
         progress.update(static_cast<double>(++done) / static_cast<double>(figures.size()), [&] { return figures[k].name; });
       });
@@ -123,9 +123,17 @@ int run(const Options& given, const Console& console) {
   if (!options.resume.empty() && options.output.out.empty()) options.output.out = options.resume;
   const std::string file = published_file(options);
   const Published published = load_published(file);
-  const Reproduction earlier = earlier_run(options, published);                        // before there is a folder of that name
-  if (!options.output.out.empty()) check_picture_file(options.output.out + "/*.png");  // of its figures
-  check_outputs(options.output, file);
+  const OutputFolder folder(options.output, "reproduce", file, options.resume);
+  const Reproduction earlier = earlier_run(folder.earlier(), options, published);
+  Result result;
+  result.json = {{"schema", "graze.reproduce/1"}, {"graze", program_version},
+                 {"command", "reproduce"},        {"file", file},
+                 {"systems", Json::object()},     {"options", {{"claims", !options.no_claims}}}};
+  for (const PublishedSystem& system : published.systems) {
+    result.json["systems"][system.id]["contact"] = system.contact;
+    for (const auto& [name, value] : system.parameters) result.json["systems"][system.id]["parameters"][name] = value;
+  }
+  folder.check_free_for(result.json);
   Reproduction found;
   {
     Progress progress(console.err, console.quiet, "reproducing");
@@ -136,17 +144,9 @@ int run(const Options& given, const Console& console) {
     asking.progress = [&](const std::string& what, double fraction) { progress.update(fraction, [&] { return what; }); };
     found = reproduce(published, asking, earlier);
   }
-  Result result;
-  result.json = {{"schema", "graze.reproduce/1"}, {"graze", program_version},
-                 {"command", "reproduce"},        {"file", file},
-                 {"systems", Json::object()},     {"options", {{"claims", !options.no_claims}}}};
-  for (const PublishedSystem& system : published.systems) {
-    result.json["systems"][system.id]["contact"] = system.contact;
-    for (const auto& [name, value] : system.parameters) result.json["systems"][system.id]["parameters"][name] = value;
-  }
   const Status status = found.complete ? Status::done : Status::interrupted;
   const std::string message =
-      found.complete ? "" : fmt::format("interrupted with {} of {} rows", found.rows.size(), published.items());
+      found.complete ? "" : fmt::format("{} with {} of {} rows", interruption(), found.rows.size(), published.items());
   set_status(result.json, status, message);
   result.json["rows"] = Json::array();
   for (const Comparison& row : found.rows) result.json["rows"].push_back(comparison_json(row));

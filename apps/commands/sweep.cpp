@@ -6,6 +6,7 @@
 #include <graze/apps/input_file.hpp>
 #include <graze/apps/long_text.hpp>
 #include <graze/apps/number.hpp>
+#include <graze/apps/output_folder.hpp>
 #include <graze/apps/result.hpp>
 #include <graze/apps/sweep_report.hpp>
 #include <graze/apps/sweeping.hpp>
@@ -46,10 +47,8 @@ std::vector<SweepRow> earlier_rows(const Json& earlier, const std::string& folde
 
 int run(const Options& given, const Console& console) {
   Options options = given;
-  Json earlier;
-  if (!options.resume.empty()) earlier = read_to_resume(options.resume, "sweep");
   if (!options.resume.empty() && options.output.out.empty()) options.output.out = options.resume;
-  check_outputs(options.output, options.start.file);
+  const OutputFolder folder(options.output, "sweep", options.start.file, options.resume);
   const Problem problem = open_problem(options.start, console);
   if (!(*options.from < *options.to))
     throw std::invalid_argument(fmt::format("--from {} and --to {}: a sweep needs from < to; --direction down goes the other way",
@@ -67,9 +66,10 @@ int run(const Options& given, const Console& console) {
   described["max_period"] = options.sweeping.max_period;
   Result result;
   result.json = result_head("sweep/1", "sweep", problem, described);
+  folder.check_free_for(result.json);
   result.json["parameter"] = options.parameter;
   std::vector<SweepRow> so_far;
-  if (!options.resume.empty()) so_far = earlier_rows(earlier, options.resume, result.json);
+  if (!options.resume.empty()) so_far = earlier_rows(folder.earlier(), options.resume, result.json);
   const auto with_status = [head = result.json](const Swept& swept) {
     Json json = head;
     set_status(json, swept.status, swept.message);

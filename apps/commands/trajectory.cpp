@@ -7,6 +7,7 @@
 #include <graze/apps/motion_report.hpp>
 #include <graze/apps/number.hpp>
 #include <graze/apps/orbit_report.hpp>
+#include <graze/apps/output_folder.hpp>
 #include <graze/apps/progress.hpp>
 #include <graze/apps/result.hpp>
 
@@ -43,7 +44,7 @@ std::string motion_text(const Motion& motion, const ContactList& list) {
 }
 
 int run(const Options& options, const Console& console) {
-  check_outputs(options.output, options.start.file);
+  const OutputFolder folder(options.output, "trajectory", options.start.file);
   if (static_cast<double>(options.periods) * options.samples > most_samples)
     throw std::invalid_argument(fmt::format("--periods {} times --samples {} is more than {} samples; ask for fewer of either",
                                             options.periods, options.samples, static_cast<int>(most_samples)));
@@ -53,6 +54,7 @@ int run(const Options& options, const Console& console) {
   asked["samples"] = options.samples;
   Result result;
   result.json = result_head("trajectory/1", "trajectory", problem, asked);
+  folder.check_free_for(result.json);
   const Settled settled = settle_down(problem, options.start, console);
   Motion motion;
   if (settled.termination == Termination::time) {

@@ -7,6 +7,7 @@
 #include <graze/apps/interrupt.hpp>
 #include <graze/apps/number.hpp>
 #include <graze/apps/orbit_report.hpp>
+#include <graze/apps/output_folder.hpp>
 #include <graze/apps/progress.hpp>
 #include <graze/apps/result.hpp>
 #include <graze/apps/verification_report.hpp>
@@ -219,7 +220,7 @@ std::string sentence(const std::vector<std::string>& complaints) {
 }
 
 int run(const Options& options, const Console& console) {
-  check_outputs(options.output, options.orbit.start.file);
+  const OutputFolder folder(options.output, "verify", options.orbit.start.file);
   const Problem problem = open_problem(options.orbit.start, console);
   const std::vector<double> values = values_of(options, problem);
   const bool range = values.size() > 1;
@@ -233,11 +234,12 @@ int run(const Options& options, const Console& console) {
   described.update({{"average", options.average}, {"hard_limit", options.hard_limit}});
   Result result;
   result.json = result_head("verify/1", "verify", problem, described);
+  folder.check_free_for(result.json);
 
   Collected collected = collect(problem, options, values, console);
   const std::vector<Verification> list = verify_all(problem, collected, options, console);
   if (interrupted() && collected.complaints.empty())
-    collected.complaints.push_back(fmt::format("interrupted after {} of {} at {}", list.size(),
+    collected.complaints.push_back(fmt::format("{} after {} of {} at {}", interruption(), list.size(),
                                                counted(collected.orbits.size(), "orbit"), counted(values.size(), "value")));
   if (interrupted()) collected.status = Status::interrupted;
   judge(list, options, range, collected);

@@ -116,6 +116,21 @@ TEST_CASE("attractors: the window of a grid that is not given ends at the barrie
   CHECK(json["admissible"] == 128);
 }
 
+TEST_CASE("attractors: the default box holds the attractors that are found") {
+  // Fixed: it ended at the barrier, also of a soft stop.
+  for (const char* r : {"r=2", "r=0.2"}) {
+    const Json json = json_of(call("attractors", "hertz-damped", {"--set", "eta=0.711", "--set", r, "--json", "-"}));
+    const Json &x = json["options"]["x"], &v = json["options"]["v"];
+    const auto half = [](const Json& axis) { return 0.5 * (axis[1].get<double>() - axis[0].get<double>()) / 63.0; };
+    REQUIRE_FALSE(json["attractors"].empty());
+    for (const Json& found : json["attractors"])
+      for (const Json& state : found["states"]) {
+        CHECK(std::abs(state[0].get<double>() - 0.5 * (x[0].get<double>() + x[1].get<double>())) <= 32.0 * 2.0 * half(x));
+        CHECK(std::abs(state[1].get<double>() - 0.5 * (v[0].get<double>() + v[1].get<double>())) <= 32.0 * 2.0 * half(v));
+      }
+  }
+}
+
 TEST_CASE("attractors: the picture has a cell per start, a legend with the shares, and the barrier") {
   const Json json = json_of(run(with(small_grid, {"--json", "-"})));
   const Picture picture = picture_of(json);

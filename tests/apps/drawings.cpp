@@ -7,6 +7,7 @@
 #include <catch2/catch.hpp>
 
 #include <filesystem>
+#include <sstream>
 #include <stdexcept>
 
 using namespace graze::apps;
@@ -35,7 +36,9 @@ TEST_CASE("pictures drawn side by side are those drawn alone, and one that fails
                     {folder.file("none.svg"), []() -> Picture { throw std::invalid_argument("there is nothing to see"); }});
     drawings.push_back({folder.file("nowhere/four.svg"), [] { return picture_named("four"); }});
     std::vector<std::string> complaints;
-    CHECK(draw_into_files(drawings, threads, [&](const std::string& sentence) { complaints.push_back(sentence); }));
+    std::ostringstream out, err;
+    CHECK(draw_into_files(drawings, {out, err, false, threads},
+                          [&](const std::string& sentence) { complaints.push_back(sentence); }));
     REQUIRE(complaints.size() == 2);
     CHECK(complaints[0] == folder.file("none.svg") + ": there is nothing to see");
     CHECK_THAT(complaints[1], StartsWith(folder.file("nowhere/four.svg")) && Contains("cannot be written"));
@@ -46,5 +49,6 @@ TEST_CASE("pictures drawn side by side are those drawn alone, and one that fails
 }
 
 TEST_CASE("no pictures at all are drawn at once") {
-  CHECK(draw_into_files({}, 2, [](const std::string& sentence) { FAIL(sentence); }));
+  std::ostringstream out, err;
+  CHECK(draw_into_files({}, {out, err, false, 2}, [](const std::string& sentence) { FAIL(sentence); }));
 }

@@ -70,6 +70,21 @@ TEST_CASE("a legend of very many curves leaves the sheet to the axes, and says h
   CHECK_THAT(gnuplot_script(picture, "svg"), Contains("'curve 19'") && !Contains(" more'"));
 }
 
+TEST_CASE("the legend of the basins has the rows that its entries take below the axis label") {
+  // Fixed: three entries of this length do not stand side by side, and the second row was printed over the axis label.
+  Picture picture;
+  for (const char* title : {"z = 56/12: 61.9 ± 0.8 %", "z = 4/1: 38.1 ± 0.8 %"})
+    picture.curves.push_back({.title = title, .points = {{0.0, 1.0, 0.0}, {1.0, 2.0, 0.0}}});
+  picture.barriers.push_back({.vertical = true, .position = -0.5, .text = "barrier x = r = -0.5"});
+  CHECK(legend_of(picture).columns == 2);
+  CHECK(legend_of(picture).rows == 2);
+  // So does a long barrier alone; and what is short stands in three columns.
+  picture.curves.front().title = "z = 5/2";
+  CHECK(legend_of(picture).rows == 1);
+  picture.barriers.front().text = "barrier x = r = -0.512345";
+  CHECK(legend_of(picture).rows == 2);
+}
+
 TEST_CASE("a barrier is named in the legend, where its words cover nothing") {
   Picture picture;
   picture.curves.push_back({.title = "x", .points = {{0.0, 1.0, 0.0}, {1.0, 2.0, 0.0}}});

@@ -318,24 +318,34 @@ TEST_CASE("whoever asks the program to end, what was computed is kept (under noh
   CHECK(Json::parse(read_file(out))["status"] == "done");
 }
 
-TEST_CASE("without gnuplot --out is refused where there would be pictures, and only there") {
+TEST_CASE("without gnuplot every command goes on without pictures, and says so where there would be some") {
   const TemporaryFolder folder, empty;
   const std::string path = std::getenv("PATH");
   ::setenv("PATH", empty.file("").c_str(), 1);
   const Outcome models = spawn("models --out " + folder.file("models"));
   const Outcome lyapunov = spawn("lyapunov " + hertz + " --quiet --out " + folder.file("lyapunov"));
   const Outcome sweep = spawn("sweep " + newton + " --from 0.9 --to 0.91 --step 0.01 --out " + folder.file("sweep"));
-  const Outcome reproduce = spawn("reproduce --out " + folder.file("reproduce"));
+  const Outcome orbit = spawn("orbit " + hertz + " --quiet --json " + folder.file("o.json") + " --plot " + folder.file("o.png"));
+  const Outcome map = spawn("map " + newton + " --param eta:0.8:0.9:2 --param r:1:2:2 --out " + folder.file("map"));
+  const Outcome plot = spawn("plot " + folder.file("o.json") + " -o " + folder.file("p.png"));
   ::setenv("PATH", path.c_str(), 1);
   CHECK(models.code == 0);
   CHECK(std::filesystem::exists(folder.file("models/models.json")));
   CHECK(lyapunov.code == 0);
   CHECK(std::filesystem::exists(folder.file("lyapunov/lyapunov.csv")));
-  for (const Outcome& outcome : {sweep, reproduce}) {
-    CHECK(outcome.code == 2);
-    CHECK_THAT(outcome.err, Contains("gnuplot, which is not installed"));
+  for (const Outcome& outcome : {models, lyapunov}) CHECK_THAT(outcome.err, !Contains("gnuplot"));
+  for (const Outcome& outcome : {sweep, orbit, map}) {
+    CHECK(outcome.code == 0);
+    CHECK_THAT(outcome.err, Contains("gnuplot, which is not installed") && Contains("left out"));
   }
-  CHECK(folder.files() == 2);
+  CHECK(Json::parse(read_file(folder.file("sweep/sweep.json")))["status"] == "done");
+  CHECK(Json::parse(read_file(folder.file("o.json")))["status"] == "done");
+  CHECK(std::filesystem::exists(folder.file("map/map.h5")));
+  CHECK_FALSE(std::filesystem::exists(folder.file("o.png")));
+  // It has nothing to go on with.
+  CHECK(plot.code == 2);
+  CHECK_THAT(plot.err, Contains("gnuplot, which is not installed"));
+  CHECK(folder.files() == 5);
 }
 
 TEST_CASE("numbers are written before pictures are drawn") {

@@ -77,10 +77,8 @@ void check_kept(const std::vector<std::string>& arguments, const std::string& co
     folder.write("left/" + command + ".json", part);
     CHECK(call(with("--resume", "left")).code == 0);
     const std::string end = read_file(folder.file("left/" + command + ".json"));
-    if (!in_skeleton) CHECK(end == whole);
-    // What is read back of branches and seeds gives the rest to rounding.
-    if (in_skeleton) CHECK(Json::parse(end)["branches"].size() == Json::parse(whole)["branches"].size());
-    if (in_skeleton) CHECK(Json::parse(end)["seeds"].size() == Json::parse(whole)["seeds"].size());
+    CHECK(end == whole);
+    CHECK(read_file(folder.file("left/" + command + ".csv")) == read_file(folder.file("plain/" + command + ".csv")));
   }
   CHECK(resumed[false] > 0);
 }
@@ -155,7 +153,7 @@ TEST_CASE("attractors that is killed leaves what it had, and goes on from there 
   check_kept({problem("hertz-damped"), "--set", "eta=0.711", "--x=-2:1.9:200", "--v=-2:2:200", "--threads", "2"}, "attractors");
 }
 
-TEST_CASE("a diagram that is killed in its sweeps leaves what it had, and goes on from there to the last bit") {
+TEST_CASE("a diagram that is killed leaves what it had, and goes on from there to the last bit") {
   check_kept({problem("newton-elastic"), "--from", "0.743", "--to", "0.747", "--step", "0.00005", "--periods", "300", "--samples",
               "5", "--max-period", "4", "--multiples", "1", "--threads", "2"},
              "diagram");
