@@ -130,6 +130,8 @@ std::string fineness_text(const Json& search, const std::string& parameter) {
   const Json& unstable = search.at("unstable");
   if (const int values = unstable.at("values"); values > 0)
     text += fmt::format(";\nunstable ones up to period {} at {} values", unstable.at("max_period").get<int>(), values);
+  else
+    text += ";\nunstable ones were not (--all)";
   return text + "\n";
 }
 

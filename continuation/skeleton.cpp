@@ -20,31 +20,38 @@ namespace {
 constexpr std::size_t ways = 3;        // to settle: see attractors()
 constexpr std::size_t block_size = 10;  // values of the search for stable orbits that share a box
 
-/// Events in a forcing period up to which transients are as long and values as many as the options say. Above, both shrink with
-/// the square root of the number of events, so that the search costs as much: at low frequencies a period holds hundreds.
+/// Events in a forcing period up to which transients are as long and values as many as the options say. Above, they shrink: at low
+/// frequencies a period holds hundreds of events, and costs (and dissipates) as much as many periods do elsewhere.
 constexpr double usual_events = 16.0;
-constexpr int shortest_transient = 100, fewest_values = 61, fewest_starts = 4;
+constexpr int shortest_transient = 40, shortest_for_box = 16, fewest_values = 61, fewest_starts = 2;
+
+/// In a forcing period: orbits that have more are likely to belong to a series towards complete chatter.
+constexpr int few_impacts = 4;
 
 void check_forced(const HybridSystem& system) {
   if (!system.forcing_frequency) throw std::invalid_argument("the skeleton is that of a forced system; this one is autonomous");
 }
 
-/// Events in a forcing period of the motion from rest; 0 where it cannot be carried on.
+/// Events in a forcing period of motions from rest and from beside it, once their first periods are over: the most of them.
 double events_per_period(const HybridSystem& system, const Vector& p, const FlowOptions& flow) {
-  constexpr int periods = 20;
+  constexpr int first = 20, counted = 10;
   const double T = forcing_period(system, p);
   Propagator propagator(system, p, {}, flow);
   Transition transition;
-  Vector x = Vector::Zero(static_cast<Eigen::Index>(system.states));
-  if (!mode_at(system, 0.0, x, p)) return 0.0;
-  std::size_t events = 0;
-  for (int k = 0; k < periods; ++k) {
-    carry(propagator, 0.0, T, x, {.sensitivity = Sensitivity::none}, transition);
-    if (transition.termination != Termination::time) break;
-    x = transition.x1;
-    events += transition.event_sequence.size();
+  double most = 0.0;
+  for (const double start : {0.0, 1.0, -1.0}) {
+    Vector x = Vector::Constant(static_cast<Eigen::Index>(system.states), start);
+    if (!mode_at(system, 0.0, x, p)) continue;
+    std::size_t events = 0;
+    for (int k = 0; k < first + counted; ++k) {
+      carry(propagator, 0.0, T, x, {.sensitivity = Sensitivity::none}, transition);
+      if (transition.termination != Termination::time) break;
+      x = transition.x1;
+      if (k >= first) events += transition.event_sequence.size();
+    }
+    most = std::max(most, static_cast<double>(events) / counted);
   }
-  return static_cast<double>(events) / periods;
+  return most;
 }
 
 class SeedFinder {
@@ -120,14 +127,17 @@ class SeedFinder {
     double events = 0.0;
     for (const double part : {0.0, 0.5, 1.0})
       events += events_per_period(system_, at(low_ + part * (high_ - low_)), options_.continuation.shooting.flow) / 3.0;
-    const double shrinking = std::sqrt(std::max(1.0, events / usual_events));
-    const auto shrink = [&](int& number, double by, int least) {
+    const double effort = std::max(1.0, events / usual_events);
+    const auto shrink = [](int& number, double by, int least) {
       number = std::max(std::min(number, least), static_cast<int>(number / by));
     };
-    shrink(options_.settle, shrinking * shrinking, shortest_transient);
-    shrink(options_.settled_values, shrinking, fewest_values);
-    shrink(options_.stable_search.settling.periods, shrinking, shortest_transient);
-    shrink(options_.stable_search.starts, shrinking * shrinking, fewest_starts);
+    StableSearchOptions& stable = options_.stable_search;
+    shrink(options_.settle, effort, shortest_transient);
+    shrink(options_.settled_values, std::sqrt(effort), fewest_values);
+    shrink(stable.settling.periods, std::sqrt(effort), shortest_transient);
+    shrink(stable.starts, effort, fewest_starts);
+    shrink(stable.box_periods, effort, shortest_for_box);
+    stable.settling.max_period = std::min(stable.settling.max_period, stable.settling.periods);
   }
 
   Vector at(double value) const {
@@ -172,6 +182,7 @@ class SeedFinder {
       const Vector p = at(way == 2 ? high_ - part * (high_ - low_) : low_ + part * (high_ - low_));
       AttractorOptions settling;
       settling.transient = options_.settle;
+      settling.max_period = std::min(settling.max_period, options_.settle);
       settling.recurrence = 1e-4;  // chaotic transients are long: without it they would have to be cut off long before
       settling.lyapunov.cancelled = options_.continuation.cancelled;
       settling.lyapunov.flow = options_.continuation.shooting.flow;
@@ -234,6 +245,11 @@ Skeleton skeleton(const HybridSystem& system, const Vector& p, const SkeletonOpt
   Skeleton out{finder.seeds(), finder.done(), finder.fineness(), {}};
   std::vector<BranchSeed> starts;
   for (const SkeletonSeed& seed : out.seeds) starts.push_back({seed.orbit});
+  // A series towards complete chatter is followed from its beginning, which explains seeds further along it.
+  if (!options.families.all)
+    std::stable_partition(starts.begin(), starts.end(), [](const BranchSeed& seed) {
+      return seed.orbit.isolated_impacts <= few_impacts * seed.orbit.period;
+    });
   ContinuationOptions following = options.continuation;
   following.follow_parents = true;
   following.switch_generations = std::max(following.switch_generations, 64);  // the period is the limit

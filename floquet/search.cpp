@@ -383,7 +383,8 @@ std::vector<PeriodicOrbit> search_stable_orbits(const HybridSystem& system, cons
   Vector lower = options.lower, upper = options.upper;
   if (lower.size() == 0 && upper.size() == 0) {
     const FlowOptions& flow = options.settling.shooting.flow;
-    const auto first = search_box(system, parameters.front(), flow), last = search_box(system, parameters.back(), flow);
+    const auto first = search_box(system, parameters.front(), flow, options.box_periods);
+    const auto last = search_box(system, parameters.back(), flow, options.box_periods);
     lower = first.first.cwiseMin(last.first);
     upper = first.second.cwiseMax(last.second);
   }
