@@ -245,6 +245,12 @@ Skeleton skeleton(const HybridSystem& system, const Vector& p, const SkeletonOpt
   Skeleton out{finder.seeds(), finder.done(), finder.fineness(), {}};
   std::vector<BranchSeed> starts;
   for (const SkeletonSeed& seed : out.seeds) starts.push_back({seed.orbit});
+  // Of orbits that were searched, short ones first: a doubled one is then met where it is born.
+  const auto searched = std::find_if(out.seeds.begin(), out.seeds.end(), [](const SkeletonSeed& seed) {
+    return seed.part >= static_cast<int>(ways);
+  });
+  std::stable_sort(starts.begin() + (searched - out.seeds.begin()), starts.end(),
+                   [](const BranchSeed& a, const BranchSeed& b) { return a.orbit.period < b.orbit.period; });
   // A series towards complete chatter is followed from its beginning, which explains seeds further along it.
   if (!options.families.all)
     std::stable_partition(starts.begin(), starts.end(), [](const BranchSeed& seed) {
