@@ -202,11 +202,35 @@ PeriodicOrbit kept_orbit(const Json& json, const Problem& at) {
   return orbit;
 }
 
+Json fineness_json(const SearchFineness& fineness) {
+  Json json = {{"max_period", fineness.max_period},
+               {"values", fineness.values},
+               {"spacing", fineness.spacing},
+               {"starts", fineness.starts}};
+  json["unstable"] = {{"max_period", fineness.unstable_period}, {"values", fineness.unstable_values}};
+  return json;
+}
+
+/// What fineness_json holds in a sentence.
+std::string fineness_text(const Json& search, const std::string& parameter) {
+  std::string text = fmt::format("orbits up to period {} were searched at {} values of {}, {} apart, as the ends of motions from {} "
+                                 "starts each",
+                                 search.at("max_period").get<int>(), search.at("values").get<int>(), parameter,
+                                 rounded(search.at("spacing"), 4), search.at("starts").get<int>());
+  const Json& unstable = search.at("unstable");
+  if (const int values = unstable.at("values"); values > 0)
+    text += fmt::format(";\nunstable ones up to period {} at {} values", unstable.at("max_period").get<int>(), values);
+  else
+    text += ";\nunstable ones were not (--all)";
+  return text + "\n";
+}
+
 }  // namespace
 
 void put_skeleton(Json& result, const Skeleton& found, std::size_t parameter, int threads) {
   if (result.is_null()) result = Json::object();
-  reserve_members(result, result.size() + 8);
+  reserve_members(result, result.size() + 9);
+  result["search"] = fineness_json(found.fineness);
   result["seeds"] = seeds_json(found.seeds, parameter);
   const std::vector<Branch>& branches = found.graph.branches;
   Json& list = result["branches"] = Json::array_t(branches.size());
@@ -256,12 +280,13 @@ std::vector<CutOff> cut_off_from(const Json& list) {
   return out;
 }
 
-std::string skeleton_text(std::size_t seeds, const std::vector<Branch>& branches, const std::vector<CutOff>& cut_off,
-                          const std::string& parameter) {
+std::string skeleton_text(const Json& search, std::size_t seeds, const std::vector<Branch>& branches,
+                          const std::vector<CutOff>& cut_off, const std::string& parameter) {
   const std::size_t curves = curves_of(branches).size();
   std::string count = curves == 1 ? "1 branch" : fmt::format("{} branches", curves);
   if (curves < branches.size()) count += fmt::format(" ({} of them in two halves, from a seed inside)", branches.size() - curves);
-  std::string text = fmt::format("{}, {}\n", counted(seeds, "seed"), count) + aligned(curves_overview(branches, parameter)) +
+  std::string text = fmt::format("{}, {}\n", counted(seeds, "seed"), count) + fineness_text(search, parameter) + "\n" +
+                     aligned(curves_overview(branches, parameter)) +
                      "\n" + aligned(special_points_overview(branches, parameter)) + cascades_text(cascades(branches), parameter);
   if (cut_off.empty()) return text;
   text += fmt::format("\nnot followed ({}):\n", cut_off.size());
@@ -269,7 +294,9 @@ std::string skeleton_text(std::size_t seeds, const std::vector<Branch>& branches
   std::map<std::string, std::size_t> seeds_left;
   std::size_t points_left = 0;
   for (const CutOff& cut : cut_off) {
-    if (cut.branch == 0)
+    if (cut.branch == 0 && cut.families > 0)
+      text += fmt::format("  {} left out: {} (--all keeps them)\n", cut.families, cut.reason);
+    else if (cut.branch == 0)
       ++seeds_left[cut.reason];
     else if (cut.reason.ends_with(was_interrupted))
       ++points_left;

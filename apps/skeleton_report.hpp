@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is said of a skeleton as a whole: as JSON ("seeds", "branches", "cascades", "cut_off"), and as text.
+// What is said of a skeleton as a whole: as JSON ("search", "seeds", "branches", "cascades",
+// "cut_off"), and as text.
 #pragma once
 
 #include <graze/apps/json.hpp>
@@ -13,7 +14,7 @@
 namespace graze::apps {
 
 /// What a skeleton puts into a result.
-inline constexpr std::array skeleton_keys = {"seeds", "branches", "cascades", "cut_off"};
+inline constexpr std::array skeleton_keys = {"search", "seeds", "branches", "cascades", "cut_off"};
 
 /// Adds these to the result, made on so many threads; `parameter`: index of the continuation parameter. To one that was
 /// interrupted it adds "seed_search", the "parts" of it that are "done", and the "part" of each seed, so that these are not
@@ -32,8 +33,8 @@ SeedsSoFar seeds_from(const Json& result, const Problem& problem, const std::str
 /// "cut_off" read back. @throws Json::exception where something is missing or of another kind.
 std::vector<CutOff> cut_off_from(const Json& list);
 
-/// Branches, special points, cascades, and what was not followed, as tables.
-std::string skeleton_text(std::size_t seeds, const std::vector<Branch>& branches, const std::vector<CutOff>& cut_off,
-                          const std::string& parameter);
+/// How fine the search was (as put_skeleton puts it), branches, special points, cascades, and what was not followed.
+std::string skeleton_text(const Json& search, std::size_t seeds, const std::vector<Branch>& branches,
+                          const std::vector<CutOff>& cut_off, const std::string& parameter);
 
 }  // namespace graze::apps

@@ -3,16 +3,20 @@
 
 #include <graze/continuation/branch_end.hpp>
 #include <graze/continuation/branch_switching.hpp>
+#include <graze/continuation/chatter_series.hpp>
 #include <graze/continuation/grazing_turns.hpp>
 #include <graze/continuation/labels.hpp>
 #include <graze/continuation/task_queues.hpp>
+#include <graze/floquet/attractor.hpp>
 
 #include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <mutex>
 #include <stdexcept>
 
@@ -26,10 +30,34 @@ using Origin = BranchOrigin;
 using Task = BranchTask;
 using Outcome = BranchOutcome;
 
+/// Whether it is stable somewhere.
+bool is_stable(const Branch& branch) {
+  return std::any_of(branch.points.begin(), branch.points.end(), [](const BranchPoint& point) { return point.stable; });
+}
+
+/// Whether it is stable on either side of its special point.
+bool is_stable_beside(const Branch& branch, const SpecialPoint& point) {
+  const auto stable = [&](std::size_t k) { return k < branch.points.size() && branch.points[k].stable; };
+  return stable(point.after_point) || stable(point.after_point + 1);
+}
+
+/// A series towards complete chatter that is not followed further.
+struct ChatterSeries {
+  int period = 0, impacts = 0;  ///< of the last family that was followed
+  double from = 0.0, to = 0.0;  ///< the last grazing but one, and where they accumulate
+
+  /// Whether an orbit belongs to one of its further families, or to one of several times their period.
+  bool explains(const PeriodicOrbit& orbit, double value) const {
+    const bool inside = value >= std::min(from, to) && value <= std::max(from, to);
+    return inside && orbit.period % period == 0 && orbit.impacts == orbit.isolated_impacts &&
+           orbit.impacts * period > impacts * orbit.period;
+  }
+};
+
 class Graph {
  public:
-  Graph(const HybridSystem& system, const ContinuationOptions& options)
-      : system_(system), options_(options), parameter_(parameter_index(system.parameters, options.parameter)),
+  Graph(const HybridSystem& system, const ContinuationOptions& options, const FamilyChoice& choice)
+      : system_(system), options_(options), choice_(choice), parameter_(parameter_index(system.parameters, options.parameter)),
         low_(std::min(*options.from, options.to)), high_(std::max(*options.from, options.to)) {
     if (options.progress) {
       options_.progress = [this, tell = options.progress](const Branch& branch) {
@@ -49,7 +77,8 @@ class Graph {
         cut_off_rest(fmt::format("{} branches are the limit", options_.max_branches));
         break;
       }
-      const std::vector<Task> round = tasks_.next_round(round_size);
+      std::vector<Task> round = tasks_.next_round(round_size);
+      if (!choice_.all) std::erase_if(round, [&](const Task& task) { return leaves_out(task); });
       std::vector<Outcome> outcomes(round.size());
       const std::size_t known = graph_.branches.size();
       arena.execute([&] {
@@ -77,6 +106,8 @@ class Graph {
     }
     graph_.interrupted = cancelled();
     if (graph_.interrupted) cut_off_rest(was_interrupted);
+    if (!choice_.all && !graph_.interrupted) keep_stable();
+    for (const auto& [reason, count] : left_out_) graph_.cut_off.push_back({0, "left out", reason, count});
     return std::move(graph_);
   }
 
@@ -90,6 +121,108 @@ class Graph {
     CutOff entry{parent.id, parent.special_points[task.special].label, std::move(reason), families};
     const auto same = [&](const CutOff& other) { return other.label == entry.label && other.reason == entry.reason; };
     if (std::none_of(graph_.cut_off.begin(), graph_.cut_off.end(), same)) graph_.cut_off.push_back(std::move(entry));
+  }
+
+  /// Whether a task is not wanted (FamilyChoice). It is counted.
+  bool leaves_out(const Task& task) {
+    const auto because = [&](std::string reason) {
+      ++left_out_[std::move(reason)];
+      return true;
+    };
+    const bool seed = task.origin == Origin::seed;
+    const Branch* parent = seed ? nullptr : &graph_.branches[task.parent];
+    const int impacts = seed ? task.orbit.isolated_impacts : parent->points.front().isolated_impacts;
+    if (impacts > choice_.most_impacts * (seed ? task.orbit.period : parent->period))
+      return because(fmt::format("more than {} impacts in a forcing period", choice_.most_impacts));
+    if (seed && std::any_of(series_.begin(), series_.end(), [&](const ChatterSeries& series) {
+          return series.explains(task.orbit, value_of(task.orbit));
+        }))
+      return because("of a series towards complete chatter");
+    const bool promising = seed ? task.orbit.stable() : is_stable_beside(*parent, parent->special_points[task.special]);
+    if (promising || fruitless_ < choice_.patience) return false;
+    return because(fmt::format("beyond unstable orbits; {} branches in a row were stable nowhere", choice_.patience));
+  }
+
+  std::size_t place_of(int id) const {
+    const auto with_id = [&](const Branch& branch) { return branch.id == id; };
+    return static_cast<std::size_t>(std::find_if(graph_.branches.begin(), graph_.branches.end(), with_id) -
+                                    graph_.branches.begin());
+  }
+
+  /// Drops what FamilyChoice does not keep.
+  void keep_stable() {
+    std::vector<Branch>& branches = graph_.branches;
+    std::vector<char> kept(branches.size());
+    for (std::size_t k = 0; k < branches.size(); ++k) {
+      const Branch& branch = branches[k];
+      if (branch.parent) {
+        const Branch& parent = branches[place_of(branch.parent->branch)];
+        for (const SpecialPoint& point : parent.special_points)
+          if (point.label == branch.parent->label && is_stable_beside(parent, point)) kept[k] = 1;
+      }
+      if (!is_stable(branch)) continue;
+      kept[k] = 1;
+      if (branch.stop != BranchStop::grazing || !branch.points.back().stable || !ends_[k]) continue;
+      if (const KnownEdge* edge = edge_beyond(edges_, k, branch.special_points.back(), *ends_[k])) kept[edge->branch] = 1;
+    }
+    // A parent comes before its children.
+    for (std::size_t k = branches.size(); k-- > 0;)
+      if (kept[k] && branches[k].parent) kept[place_of(branches[k].parent->branch)] = 1;
+    std::vector<Branch> list;
+    for (std::size_t k = 0; k < branches.size(); ++k)
+      if (kept[k]) list.push_back(std::move(branches[k]));
+    if (const auto dropped = static_cast<int>(branches.size() - list.size()); dropped > 0)
+      left_out_["stable nowhere, and no bound of what is stable"] = dropped;
+    const auto is_there = [&](const CutOff& cut) {
+      return cut.branch == 0 || std::any_of(list.begin(), list.end(), [&](const Branch& b) { return b.id == cut.branch; });
+    };
+    std::erase_if(graph_.cut_off, [&](const CutOff& cut) { return !is_there(cut); });
+    branches = std::move(list);
+  }
+
+  /// The grazing at the end of the branch `index` as the last of a series towards complete chatter, if it is that.
+  std::optional<SeriesLimit> series_at(std::size_t index) const {
+    std::array<double, grazings_of_series> values{};
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      const Branch& branch = graph_.branches[index];
+      if (branch.stop != BranchStop::grazing) return std::nullopt;
+      const SpecialPoint& end = branch.special_points.back();
+      const auto kind = end.details.find("kind");
+      if (kind == end.details.end() || std::get<std::string>(kind->second) != "gained") return std::nullopt;
+      values[k] = end.value;
+      if (k + 1 == values.size()) break;
+      if (!branch.parent) return std::nullopt;
+      index = place_of(branch.parent->branch);
+      const Branch& parent = graph_.branches[index];
+      if (parent.special_points.back().label != branch.parent->label || !is_partner(branch, parent) ||
+          parent.period != branch.period)
+        return std::nullopt;
+    }
+    return limit_of_series(values);
+  }
+
+  /// Notes the series, and goes on with the orbits that stick beyond its accumulation.
+  void end_series(std::size_t index, const SeriesLimit& found, int generation) {
+    const Branch& branch = graph_.branches[index];
+    const Branch& parent = graph_.branches[place_of(branch.parent->branch)];
+    const SpecialPoint& end = branch.special_points.back();
+    series_.push_back({branch.period, branch.points.back().impacts, parent.special_points.back().value, found.value});
+    cut_off({Origin::beyond_grazing, {}, 1, index, branch.special_points.size() - 1},
+            fmt::format("a series towards complete chatter, one impact more at each grazing, their distances in the ratio {:.3g}, "
+                        "which accumulates at {} = {:.9g}: it is not followed impact by impact",
+                        found.ratio, options_.parameter, found.value));
+    // As far beyond the accumulation as the last family lies before it.
+    const double beyond = std::clamp(found.value + (found.value - parent.special_points.back().value), low_, high_);
+    Vector p = branch.parameters;
+    p[static_cast<Eigen::Index>(parameter_)] = beyond;
+    AttractorOptions settling;
+    settling.recurrence = 1e-4;
+    settling.lyapunov.flow = options_.shooting.flow;
+    settling.lyapunov.cancelled = options_.cancelled;
+    if (!mode_at(system_, 0.0, end.orbit.state, p)) return;
+    const Attractor attractor = approach_attractor(system_, p, end.orbit.state, settling);
+    if (attractor.orbit && attractor.orbit->isolated_impacts < attractor.orbit->impacts)
+      add_seed({*attractor.orbit}, generation);
   }
 
   /// The partner born on the grazing at the end of this branch, or null.
@@ -354,7 +487,10 @@ class Graph {
     generations_.push_back(generation);
     const std::size_t index = graph_.branches.size() - 1;
     const Branch& branch = graph_.branches[index];
-    if (branch.stop == BranchStop::grazing) {
+    fruitless_ = is_stable(branch) ? 0 : fruitless_ + 1;
+    if (const std::optional<SeriesLimit> found = choice_.all ? std::nullopt : series_at(index)) {
+      end_series(index, *found, generation);
+    } else if (branch.stop == BranchStop::grazing) {
       const Task beyond{Origin::beyond_grazing, {}, 1, index, branch.special_points.size() - 1, generation};
       tasks_.add(beyond);
       add_multiples(beyond);
@@ -398,6 +534,7 @@ class Graph {
 
   const HybridSystem& system_;
   ContinuationOptions options_;
+  FamilyChoice choice_;
   std::size_t parameter_;
   double low_, high_;
   std::mutex progress_;
@@ -409,16 +546,19 @@ class Graph {
   std::vector<int> seeds_;  ///< of each branch: the seed it came from, or 0
   std::vector<KnownEdge> edges_;
   std::vector<GrazingEdge> spread_;  ///< orbits that touch, at grazings where multiples have been looked for
+  std::vector<ChatterSeries> series_;
+  std::map<std::string, int> left_out_;  ///< reasons of FamilyChoice, and how often each was met
+  int fruitless_ = 0;                    ///< branches in a row that were stable nowhere
   int last_seed_ = 0, last_id_ = 0;
 };
 
 }  // namespace
 
 BranchGraph follow_branches(const HybridSystem& system, const std::vector<BranchSeed>& seeds, const ContinuationOptions& options,
-                            const std::vector<Branch>& so_far) {
+                            const std::vector<Branch>& so_far, const FamilyChoice& choice) {
   if (options.max_multiple < 1)
     throw std::invalid_argument(fmt::format("max_multiple is {}; allowed is 1 and more", options.max_multiple));
-  return Graph(system, options).all(seeds, so_far);
+  return Graph(system, options, choice).all(seeds, so_far);
 }
 
 }  // namespace graze

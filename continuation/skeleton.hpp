@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Skeleton: every branch of periodic orbits in a range of one parameter that hangs together with a set of seeds, stable and
-// unstable: the orbits without impact, the attractors of sweeps both ways and from rest, and orbits found by global search.
+// unstable: the orbits without impact, the attractors of sweeps both ways and from rest, stable orbits found from many starts at
+// values so close that a closed branch of a hundredth of the range is met, and unstable orbits found by global search.
 #pragma once
 
 #include <graze/continuation/branch_graph.hpp>
@@ -14,7 +15,7 @@ struct Skeleton;
 
 struct SkeletonSeed {
   PeriodicOrbit orbit;
-  std::string origin;  ///< "given", "settled" or "searched"
+  std::string origin;  ///< "given", "settled" (sweeps and rest) or "searched"
   int part = -1;       ///< of the search for seeds, see Skeleton::searched; -1: given
 };
 
@@ -23,8 +24,12 @@ struct SkeletonOptions {
   ContinuationOptions continuation = {};
   int settled_values = 601;  ///< values of the parameter at which attractors are looked for, ends included
   int settle = 3200;  ///< forcing periods of transient at each, at most: one that returns close to itself is looked at before
-  int searched_values = 7;  ///< values at which orbits are searched, ends left out
-  int searched_period = 4;  ///< orbits of period 1 up to this one are searched
+  /// Values, ends included, at which stable orbits of every period are searched from many starts (StableSearchOptions::starts).
+  int stable_values = 121;
+  StableSearchOptions stable_search = {};
+  FamilyChoice families = {};  ///< unstable orbits are searched if it is all
+  int searched_values = 7;  ///< values, ends included, at which unstable orbits are searched
+  int searched_period = 4;  ///< of period 1 up to this one
   SearchOptions search = {};
   /// See ContinuationOptions::max_multiple; 0: as far as max_period goes (none where that is not set).
   int max_multiple = 0;
@@ -43,9 +48,19 @@ struct SkeletonOptions {
 /// @throws std::invalid_argument for an autonomous system.
 std::vector<SkeletonSeed> skeleton_seeds(const HybridSystem& system, const Vector& p, const SkeletonOptions& options);
 
+/// How fine the search for seeds was.
+struct SearchFineness {
+  int values = 0;        ///< at which stable orbits were searched, up to `max_period`
+  double spacing = 0.0;  ///< of these values
+  int starts = 0;        ///< at each
+  int max_period = 0;
+  int unstable_values = 0, unstable_period = 0;  ///< the same of unstable orbits; 0: they were not searched
+};
+
 struct Skeleton {
   std::vector<SkeletonSeed> seeds;
   std::vector<char> searched;  ///< of each part of the search for seeds, in their order: whether it is done
+  SearchFineness fineness;
   BranchGraph graph;
 };
 

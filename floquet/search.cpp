@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/attractor_in_lanes.hpp>
 #include <graze/floquet/search.hpp>
 #include <graze/floquet/search_box.hpp>
+#include <graze/lib/lane_pool.hpp>
 
 #include <fmt/format.h>
 #include <nlopt.hpp>
@@ -326,23 +328,89 @@ class LowDiscrepancy {
   Vector step_, point_;
 };
 
+/// @throws std::invalid_argument for a box that is none.
+void check_box(const HybridSystem& system, const Vector& lower, const Vector& upper) {
+  const auto n = static_cast<Eigen::Index>(system.states);
+  const bool sizes = lower.size() == n && upper.size() == n;
+  if (!sizes || !lower.allFinite() || !upper.allFinite() || !((upper - lower).minCoeff() > 0.0))
+    throw std::invalid_argument("the search box needs a finite lower and a larger upper bound for each state");
+}
+
+/// How near a motion has to return before Newton's method is tried (relative to 1 + |x|).
+constexpr double settling_recurrence = 1e-4;
+
+LaneTask<> settle_to(LanePlace& lane, const HybridSystem& system, const MotionFrom& start, const AttractorOptions& settling,
+                     std::shared_ptr<const PeriodicOrbit>& reached) {
+  if (!mode_at(system, 0.0, start.state, start.p)) co_return;
+  const Attractor attractor = co_await approach_attractor_in_lanes(lane, system, start.p, start.state, settling);
+  reached = attractor.orbit;
+}
+
 }  // namespace
+
+std::vector<PeriodicOrbit> settled_orbits(const HybridSystem& system, const std::vector<MotionFrom>& starts,
+                                          const SettlingOptions& options) {
+  AttractorOptions settling;
+  settling.transient = options.periods;
+  settling.recurrence = settling_recurrence;
+  settling.max_period = options.max_period;
+  settling.periods_on_orbit = 0;
+  settling.lyapunov.cancelled = options.cancelled;
+  settling.lyapunov.flow = options.shooting.flow;
+  std::vector<std::shared_ptr<const PeriodicOrbit>> reached(starts.size());
+  ManyMotions many(system, options.shooting.flow);
+  LanePool pool(many);
+  pool.run(starts.size(),
+           [&](std::size_t i, LanePlace& lane) { return settle_to(lane, system, starts[i], settling, reached[i]); });
+  std::vector<PeriodicOrbit> found;
+  for (const auto& orbit : reached) {
+    if (!orbit) continue;
+    const auto same = [&](const PeriodicOrbit& other) {
+      return other.parameters == orbit->parameters && same_orbit(other, *orbit);
+    };
+    if (std::any_of(found.begin(), found.end(), same)) continue;
+    // From the lanes it comes without events.
+    PeriodicOrbit whole =
+        orbit->events.empty() ? shoot(system, orbit->parameters, orbit->states, orbit->period, options.shooting) : *orbit;
+    if (whole.converged() && whole.admissible == Admissibility::admissible) found.push_back(std::move(whole));
+  }
+  return found;
+}
+
+std::vector<PeriodicOrbit> search_stable_orbits(const HybridSystem& system, const std::vector<Vector>& parameters,
+                                                const StableSearchOptions& options) {
+  if (parameters.empty()) return {};
+  Vector lower = options.lower, upper = options.upper;
+  if (lower.size() == 0 && upper.size() == 0) {
+    const FlowOptions& flow = options.settling.shooting.flow;
+    const auto first = search_box(system, parameters.front(), flow, options.box_periods);
+    const auto last = search_box(system, parameters.back(), flow, options.box_periods);
+    lower = first.first.cwiseMin(last.first);
+    upper = first.second.cwiseMax(last.second);
+  }
+  check_box(system, lower, upper);
+  std::mt19937_64 random(options.seed);
+  LowDiscrepancy sequence(lower.size(), random);
+  std::vector<MotionFrom> starts;
+  for (const Vector& p : parameters) {
+    forcing_period(system, p);
+    for (int k = 0; k < options.starts; ++k) starts.push_back({p, lower + (upper - lower).cwiseProduct(sequence.next())});
+  }
+  return settled_orbits(system, starts, options.settling);
+}
 
 SearchResult search_orbits(const HybridSystem& system, const Vector& p, int period, const SearchOptions& options) {
   if (period < 1) throw std::invalid_argument(fmt::format("period n is {}; allowed is a whole number from 1", period));
   forcing_period(system, p);
   Vector lower = options.lower, upper = options.upper;
   if (lower.size() == 0 && upper.size() == 0) std::tie(lower, upper) = search_box(system, p, options.shooting.flow);
-  const auto n = static_cast<Eigen::Index>(system.states);
-  const bool sizes = lower.size() == n && upper.size() == n;
-  if (!sizes || !lower.allFinite() || !upper.allFinite() || !((upper - lower).minCoeff() > 0.0))
-    throw std::invalid_argument("the search box needs a finite lower and a larger upper bound for each state");
+  check_box(system, lower, upper);
   Search search(system, p, period, lower, upper, options);
   std::mt19937_64 random(options.seed);
   from_recurrences(search, forcing_period(system, p), period, random, lower, upper);
   if (!search.finished()) from_nlopt(search, lower, upper, options.seed, options.cancelled);
   search.forget_patience();
-  LowDiscrepancy sequence(n, random);
+  LowDiscrepancy sequence(lower.size(), random);
   for (int k = 0; !search.finished(); ++k) {
     if (k % 3 == 2 && search.try_near_known(random, (upper - lower).norm())) continue;
     search.try_state_in_turn(lower + (upper - lower).cwiseProduct(sequence.next()));

@@ -32,6 +32,36 @@ struct SearchResult {
   bool complete = false;  ///< ended by patience, not by max_starts or cancellation
 };
 
+/// Where a motion starts, with its parameters.
+struct MotionFrom {
+  Vector p, state;
+};
+
+struct SettlingOptions {
+  int max_period = 64;
+  int periods = 300;  ///< forcing periods after which a motion that has not settled is given up
+  std::function<bool()> cancelled = {};
+  ShootingOptions shooting = {};
+};
+
+/// The stable admissible orbits on which these motions settle, each once, in the order of the motions; these are carried side by
+/// side in SIMD lanes where the lanes know the oscillator. Starts beyond a barrier are left out.
+std::vector<PeriodicOrbit> settled_orbits(const HybridSystem& system, const std::vector<MotionFrom>& starts,
+                                          const SettlingOptions& options = {});
+
+struct StableSearchOptions {
+  Vector lower = {}, upper = {};  ///< the box; empty: what holds search_box at the first and at the last value
+  int starts = 128;  ///< at each value. An orbit whose basin has the share s of the box is missed with probability (1 - s)^starts.
+  int box_periods = 300;  ///< of search_box
+  unsigned seed = 1;
+  SettlingOptions settling = {};
+};
+
+/// The stable orbits at each of these parameter sets, from starts that are spread evenly over the box (other ones at each set):
+/// a small part of what search_orbits costs. @throws std::invalid_argument as search_orbits does.
+std::vector<PeriodicOrbit> search_stable_orbits(const HybridSystem& system, const std::vector<Vector>& parameters,
+                                                const StableSearchOptions& options = {});
+
 /// All orbits of least period `period` found in the box. @throws std::invalid_argument for an empty box or an autonomous system.
 SearchResult search_orbits(const HybridSystem& system, const Vector& p, int period, const SearchOptions& options = {});
 

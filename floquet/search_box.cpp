@@ -6,13 +6,12 @@
 
 namespace graze {
 
-std::pair<Vector, Vector> search_box(const HybridSystem& system, const Vector& p, const FlowOptions& options) {
+std::pair<Vector, Vector> search_box(const HybridSystem& system, const Vector& p, const FlowOptions& options, int periods) {
   const auto n = static_cast<Eigen::Index>(system.states);
   const double T = forcing_period(system, p);
   Propagator propagator(system, p, {}, options);
   double size = 0.0;
   Transition transition;
-  constexpr int periods = 300;
   const auto run_from = [&](Vector x, int counted_from) {
     for (int k = 0; k < periods; ++k) {
       carry(propagator, 0.0, T, x, {.sensitivity = Sensitivity::none}, transition);

@@ -11,6 +11,8 @@ namespace graze {
 
 /// A box that holds the bounded motions: as large as motions from rest get, as those get in the long run that start off the
 /// barriers and hit them, and as the distance of the barriers, all times 1.5.
-std::pair<Vector, Vector> search_box(const HybridSystem& system, const Vector& p, const FlowOptions& options = {});
+/// Each motion is carried for so many forcing periods, unless it has settled before.
+std::pair<Vector, Vector> search_box(const HybridSystem& system, const Vector& p, const FlowOptions& options = {},
+                                     int periods = 300);
 
 }  // namespace graze

@@ -40,7 +40,7 @@ struct Options {
   StartOptions start;
   std::string parameter = "eta";
   std::optional<double> from, to;
-  bool skeleton = false;
+  bool skeleton = false, all = false;
   int max_period = 16, max_branches = 500, seed = 1;
   std::optional<int> multiples;
   std::optional<double> max_step;
@@ -73,6 +73,7 @@ SkeletonOptions skeleton_options(const Options& options, const Problem& problem,
   following.max_period = options.max_period;
   following.max_branches = options.max_branches;
   following.threads = console.thread_count();
+  out.families.all = options.all;
   out.max_multiple = options.multiples.value_or(options.max_period);
   if (options.max_step) following.trace.max_step = *options.max_step;
   following.cancelled = interrupted;
@@ -92,6 +93,7 @@ SkeletonOptions skeleton_options(const Options& options, const Problem& problem,
 Json skeleton_json(const Options& options) {
   Json json = {{"max_period", options.max_period}, {"max_branches", options.max_branches}, {"seed", options.seed}};
   json["multiples"] = options.multiples.value_or(options.max_period);
+  json["all"] = options.all;
   if (options.max_step) json["max_step"] = *options.max_step;
   return json;
 }
@@ -201,7 +203,7 @@ Status add_skeleton(Result& result, Earlier& earlier, const Options& options, co
   }
   if (earlier.branches.empty() && status == Status::done) status = Status::failed;
   result.table = branches_table(earlier.branches);
-  result.text += skeleton_text(result.json["seeds"].size(), earlier.branches, earlier.cut_off, options.parameter);
+  result.text += skeleton_text(result.json["search"], result.json["seeds"].size(), earlier.branches, earlier.cut_off, options.parameter);
   return status;
 }
 
@@ -342,6 +344,8 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_count(app, "--max-period", options->max_period, 1, "longest period that is followed (default 16)");
   add_count(app, "--multiples", options->multiples, 1,
             "at grazings of a hard contact, follow families of up to N times the period (default: to --max-period; 1: none)");
+  add_flag(app, "--all", options->all,
+           "keep branches that are stable nowhere, too: search for unstable orbits, follow whatever begins anywhere");
   add_count(app, "--max-branches", options->max_branches, 1, "most branches; what is cut off is listed (default 500)");
   add_count(app, "--seed", options->seed, 0, "of the global search (default 1)");
   add_number(app, "--max-step", options->max_step, "largest step of arclength");
@@ -360,9 +364,13 @@ Command diagram_command() {
       "the whole picture of a range: sweeps up and down on the skeleton of branches, exponents below",
       "First the skeleton. Seeds are the orbits without impact, what the motion settles on (from rest, sweeping up, sweeping "
       "down), and\n"
-      "orbits of period 1 to 4 from a global search. From them everything is followed both ways, through folds, period "
-      "doublings and\n"
-      "grazings. A family is kept once. What was not followed is listed, and cascades of period doublings with the ratios of "
+      "stable orbits of every period up to --max-period from many starts at 121 values. From them branches are followed both "
+      "ways,\n"
+      "through folds, period doublings and grazings. Kept are those that are stable somewhere, and those that bound them: on "
+      "which they\n"
+      "are born or end. A series towards complete chatter is followed to its accumulation, not impact by impact. --all keeps and "
+      "follows\n"
+      "all, and searches for unstable orbits of period 1 to 4 too. A family is kept once. What was not followed is listed, and cascades of period doublings with the ratios of "
       "their intervals.\n"
       "Then the attractors are followed up and down, with exponents: --start and --settle say from where. Chaotic windows are "
       "listed, and\n"

@@ -171,7 +171,12 @@ TEST_CASE("of an interrupted skeleton there are no empty pictures, and one line 
   left.push_back({3, "PD1", was_interrupted});
   left.push_back({4, "GR2", std::string("families of several times its period: ") + was_interrupted});
   left.push_back({5, "PD2", "period 32 is above the limit, 16"});
-  const std::string text = skeleton_text(730, {}, left, "eta");
+  const Json search = {{"max_period", 16},
+                       {"values", 121},
+                       {"spacing", 0.0025},
+                       {"starts", 128},
+                       {"unstable", {{"max_period", 0}, {"values", 0}}}};
+  const std::string text = skeleton_text(search, 730, {}, left, "eta");
   CHECK_THAT(text, Contains("1454 ways from seeds (two from each) and 2 special points: it was interrupted\n") &&
                        Contains("PD2 of branch 5: period 32"));
   CHECK(text.find(was_interrupted) == text.rfind(was_interrupted));

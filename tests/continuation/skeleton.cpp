@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The skeleton of the published range: what must be in it, and every special point computed a second way.
+#include <graze/continuation/chatter_series.hpp>
 #include <graze/continuation/grazing.hpp>
 #include <graze/continuation/multiplier_condition.hpp>
 #include <graze/continuation/skeleton.hpp>
@@ -11,8 +12,11 @@
 
 #include <catch2/catch.hpp>
 
+#include <array>
+#include <cmath>
 #include <numbers>
 #include <set>
+#include <string>
 
 using namespace graze;
 using namespace graze::support;
@@ -290,4 +294,135 @@ TEST_CASE("a branch that was followed both ways from a seed inside the range is 
   for (const BranchPoint& point : down.points) CHECK((point.value - 0.93) * (down.points.back().value - 0.93) >= -1e-14);
   // Without the other half it is a curve of its own.
   CHECK(curves_of({graph.branches[1], graph.branches[2]}).size() == 2);
+}
+
+namespace {
+
+/// A rigid stop over a range of eta, with what is kept by default in graze diagram.
+Skeleton stable_skeleton(const Vector& p, double from, double to, int max_period) {
+  SkeletonOptions options;
+  options.continuation.from = from;
+  options.continuation.to = to;
+  options.continuation.max_period = max_period;
+  options.continuation.max_branches = 500;
+  options.continuation.threads = 2;
+  options.settled_values = 61;
+  options.families.all = false;
+  return skeleton(make_oscillator("linear", "newton"), p, options);
+}
+
+bool is_stable_somewhere(const Branch& branch) {
+  return std::any_of(branch.points.begin(), branch.points.end(), [](const BranchPoint& point) { return point.stable; });
+}
+
+}  // namespace
+
+TEST_CASE("a stable isola on which no sweep ends is in the skeleton") {
+  const Vector p = parameters(make_oscillator("linear", "newton"), {{"r", 1.0}, {"k_r", 0.8}});
+  const Skeleton found = stable_skeleton(p, 0.4, 4.0, 2);
+  CHECK(has(found, PointType::LP, 2.217669127453647, 1e-11));
+  CHECK(has(found, PointType::LP, 2.772618713704250, 1e-11));
+}
+
+TEST_CASE("stable orbits of every period up to the longest are searched, as fine as a hundredth of the range") {
+  const Vector p = parameters(make_oscillator("linear", "newton"), {{"b", 0.02}, {"r", 0.2}, {"k_r", 0.7}});
+  const Skeleton found = stable_skeleton(p, 5.0, 14.0, 6);
+  CHECK(found.fineness.max_period == 6);
+  CHECK(found.fineness.spacing == Approx((14.0 - 5.0) / (found.fineness.values - 1)));
+  CHECK(found.fineness.spacing < 0.01 * (14.0 - 5.0));
+  CHECK(found.fineness.unstable_values == 0);
+  // In closed form, with 40 digits.
+  for (const double value : {5.155619720995, 6.224562405290}) CHECK(has(found, PointType::GR, value, 1e-11));
+  for (const double value : {7.394134417878, 8.778738262578}) CHECK(has(found, PointType::PD, value, 1e-11));
+  for (const double value : {8.174281036223, 9.504968780561}) CHECK(has(found, PointType::LP, value, 1e-11));
+}
+
+TEST_CASE("of all families those that are stable somewhere are kept to the last digit, with what bounds them") {
+  SkeletonOptions options;
+  options.continuation.from = 0.65;
+  options.continuation.to = 0.95;
+  options.continuation.max_period = 8;
+  options.continuation.max_branches = 500;
+  options.continuation.threads = 2;
+  const HybridSystem system = make_oscillator("linear", "newton");
+  const Vector p = default_parameters(system.parameters);
+  const Skeleton all = skeleton(system, p, options);
+  options.families.all = false;
+  const Skeleton stable = skeleton(system, p, options);
+  const auto unstable_of = [](const Skeleton& found) {
+    return std::count_if(found.graph.branches.begin(), found.graph.branches.end(),
+                         [](const Branch& branch) { return !is_stable_somewhere(branch); });
+  };
+  CHECK(unstable_of(stable) < unstable_of(all));
+  for (const Branch& branch : all.graph.branches) {
+    if (!is_stable_somewhere(branch)) continue;
+    for (const SpecialPoint& point : branch.special_points) {
+      if (point.type == PointType::EP) continue;
+      INFO("branch " << branch.id << ", " << point.label << " at " << point.value);
+      CHECK(has(stable, point.type, point.value, 1e-12));
+    }
+  }
+  std::set<int> ids;
+  for (const Branch& branch : stable.graph.branches) {
+    if (branch.parent) CHECK(ids.contains(branch.parent->branch));
+    ids.insert(branch.id);
+    // The families on both sides of a grazing that ends a stable stretch.
+    if (branch.stop != BranchStop::grazing || !branch.points.back().stable) continue;
+    const SpecialPoint& end = branch.special_points.back();
+    CHECK(std::any_of(stable.graph.branches.begin(), stable.graph.branches.end(), [&](const Branch& other) {
+      return other.id != branch.id && ((other.parent && other.parent->label == end.label) ||
+                                       (branch.parent && branch.parent->branch == other.id) ||
+                                       (other.stop == BranchStop::grazing && std::abs(other.stop_value - end.value) < 1e-9));
+    }));
+  }
+  // It is said what was left out.
+  const auto left_out = [](const Skeleton& found) {
+    return std::count_if(found.graph.cut_off.begin(), found.graph.cut_off.end(),
+                         [](const CutOff& cut) { return cut.branch == 0 && cut.families > 0; });
+  };
+  CHECK(left_out(stable) > 0);
+  CHECK(left_out(all) == 0);
+}
+
+TEST_CASE("distances that shrink in a constant ratio accumulate, those of a power law do not") {
+  std::array<double, grazings_of_series> values{};
+  for (std::size_t k = 0; k < values.size(); ++k) values[k] = 2.0 - 0.3 * std::pow(0.7, static_cast<double>(values.size() - k));
+  const std::optional<SeriesLimit> limit = limit_of_series(values);
+  REQUIRE(limit);
+  CHECK(limit->ratio == Approx(0.7).epsilon(1e-12));
+  CHECK(limit->value == Approx(2.0).epsilon(1e-12));
+  for (const double power : {1.0, 2.0, 0.5})
+    for (const double first : {3.0, 10.0, 100.0}) {
+      for (std::size_t k = 0; k < values.size(); ++k)
+        values[k] = 2.0 - std::pow(first + static_cast<double>(values.size() - k), -power);
+      CHECK_FALSE(limit_of_series(values));
+    }
+  for (std::size_t k = 0; k < values.size(); ++k) values[k] = 0.1 * static_cast<double>(k);
+  CHECK_FALSE(limit_of_series(values));
+}
+
+TEST_CASE("a series towards complete chatter is followed to its accumulation, and the orbits that stick beyond it") {
+  const Vector p = parameters(make_oscillator("linear", "newton"), {{"b", 0.02}, {"r", 0.5}, {"k_r", 0.7}});
+  const Skeleton found = stable_skeleton(p, 0.42, 0.45, 1);
+  const auto sticks = [](const BranchPoint& point) { return point.isolated_impacts < point.impacts; };
+  int most = 0;
+  double sticks_up_to = 0.0;
+  for (const Branch& branch : found.graph.branches) {
+    const bool chatters = std::any_of(branch.points.begin(), branch.points.end(), sticks);
+    for (const BranchPoint& point : branch.points) {
+      if (!chatters) most = std::max(most, point.impacts);
+      if (sticks(point)) sticks_up_to = std::max(sticks_up_to, point.value);
+    }
+  }
+  CHECK(most >= 8);
+  CHECK(most <= 12);
+  CHECK(sticks_up_to > 0.4267);  // there the chatter is complete
+  std::string reason;
+  for (const CutOff& cut : found.graph.cut_off)
+    if (cut.reason.find("accumulates") != std::string::npos) reason = cut.reason;
+  REQUIRE_FALSE(reason.empty());
+  const double accumulates = std::stod(reason.substr(reason.find("at eta = ") + 9));
+  CHECK(std::abs(accumulates - sticks_up_to) < 2e-5);  // the last family followed lies 5e-4 before it
+  const double ratio = std::stod(reason.substr(reason.find("in the ratio ") + 13));
+  CHECK(std::abs(ratio - 0.7) < 0.02);  // the coefficient of restitution
 }

@@ -18,6 +18,9 @@
 
 #include <catch2/catch.hpp>
 
+#include <set>
+#include <utility>
+
 using namespace graze;
 using namespace graze::support;
 
@@ -280,4 +283,36 @@ TEST_CASE("the search finds orbits that are in a stiff contact at phase 0, where
   CHECK(orbit.impacts == 2);
   CHECK(orbit.stable());
   CHECK(orbit.admissible == Admissibility::admissible);
+}
+
+TEST_CASE("stable orbits are found from many starts, each once, at each of several values") {
+  const HybridSystem system = make_oscillator("linear", "newton");
+  std::vector<Vector> values;
+  for (const double eta : {2.3, 2.5, 2.7}) values.push_back(parameters(system, {{"r", 1.0}, {"k_r", 0.8}, {"eta", eta}}));
+  const std::vector<PeriodicOrbit> found = search_stable_orbits(system, values);
+  // The orbit without impact, and one of an isola.
+  REQUIRE(found.size() == 6);
+  for (const Vector& p : values) {
+    std::multiset<std::pair<int, int>> kinds;
+    for (const PeriodicOrbit& orbit : found) {
+      if (orbit.parameters != p) continue;
+      CHECK(orbit.converged());
+      CHECK(orbit.stable());
+      CHECK(orbit.events.size() == static_cast<std::size_t>(orbit.impacts));
+      kinds.insert({orbit.impacts, orbit.period});
+    }
+    CHECK(kinds == std::multiset<std::pair<int, int>>{{0, 1}, {1, 2}});
+    // The full search has the same stable ones.
+    for (const int period : {1, 2})
+      for (const PeriodicOrbit& orbit : search_orbits(system, p, period, {.patience = 500}).orbits) {
+        if (!orbit.stable() || orbit.admissible != Admissibility::admissible) continue;
+        CHECK(std::any_of(found.begin(), found.end(), [&](const PeriodicOrbit& other) {
+          return other.parameters == p && same_orbit(other, orbit);
+        }));
+      }
+  }
+  CHECK(search_stable_orbits(system, {}).empty());
+  StableSearchOptions empty_box;
+  empty_box.lower = empty_box.upper = Vector::Zero(2);
+  CHECK_THROWS_AS(search_stable_orbits(system, values, empty_box), std::invalid_argument);
 }
