@@ -213,8 +213,8 @@ Json fineness_json(const SearchFineness& fineness) {
 
 /// What fineness_json holds in a sentence.
 std::string fineness_text(const Json& search, const std::string& parameter) {
-  std::string text = fmt::format("orbits up to period {} were searched at {} values of {}, {} apart, as the ends of motions from {} "
-                                 "starts each",
+  std::string text = fmt::format("orbits up to period {} were searched at {} values of {}, {} apart, as the ends of motions "
+                                 "from {} starts each",
                                  search.at("max_period").get<int>(), search.at("values").get<int>(), parameter,
                                  rounded(search.at("spacing"), 4), search.at("starts").get<int>());
   const Json& unstable = search.at("unstable");

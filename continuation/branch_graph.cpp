@@ -143,10 +143,13 @@ class Graph {
     return because(fmt::format("beyond unstable orbits; {} branches in a row were stable nowhere", choice_.patience));
   }
 
-  std::size_t place_of(int id) const {
-    const auto with_id = [&](const Branch& branch) { return branch.id == id; };
-    return static_cast<std::size_t>(std::find_if(graph_.branches.begin(), graph_.branches.end(), with_id) -
-                                    graph_.branches.begin());
+  /// Where the parent of a branch is; empty for a branch without one, or of which an earlier run has not left one.
+  std::optional<std::size_t> parent_of(const Branch& branch) const {
+    if (!branch.parent) return std::nullopt;
+    const auto with_id = [&](const Branch& other) { return other.id == branch.parent->branch; };
+    const auto found = std::find_if(graph_.branches.begin(), graph_.branches.end(), with_id);
+    if (found == graph_.branches.end()) return std::nullopt;
+    return static_cast<std::size_t>(found - graph_.branches.begin());
   }
 
   /// Drops what FamilyChoice does not keep.
@@ -155,11 +158,9 @@ class Graph {
     std::vector<char> kept(branches.size());
     for (std::size_t k = 0; k < branches.size(); ++k) {
       const Branch& branch = branches[k];
-      if (branch.parent) {
-        const Branch& parent = branches[place_of(branch.parent->branch)];
-        for (const SpecialPoint& point : parent.special_points)
-          if (point.label == branch.parent->label && is_stable_beside(parent, point)) kept[k] = 1;
-      }
+      if (const auto parent = parent_of(branch))
+        for (const SpecialPoint& point : branches[*parent].special_points)
+          if (point.label == branch.parent->label && is_stable_beside(branches[*parent], point)) kept[k] = 1;
       if (!is_stable(branch)) continue;
       kept[k] = 1;
       if (branch.stop != BranchStop::grazing || !branch.points.back().stable || !ends_[k]) continue;
@@ -167,7 +168,7 @@ class Graph {
     }
     // A parent comes before its children.
     for (std::size_t k = branches.size(); k-- > 0;)
-      if (kept[k] && branches[k].parent) kept[place_of(branches[k].parent->branch)] = 1;
+      if (const auto parent = kept[k] ? parent_of(branches[k]) : std::nullopt) kept[*parent] = 1;
     std::vector<Branch> list;
     for (std::size_t k = 0; k < branches.size(); ++k)
       if (kept[k]) list.push_back(std::move(branches[k]));
@@ -191,8 +192,9 @@ class Graph {
       if (kind == end.details.end() || std::get<std::string>(kind->second) != "gained") return std::nullopt;
       values[k] = end.value;
       if (k + 1 == values.size()) break;
-      if (!branch.parent) return std::nullopt;
-      index = place_of(branch.parent->branch);
+      const std::optional<std::size_t> before = parent_of(branch);
+      if (!before) return std::nullopt;
+      index = *before;
       const Branch& parent = graph_.branches[index];
       if (parent.special_points.back().label != branch.parent->label || !is_partner(branch, parent) ||
           parent.period != branch.period)
@@ -201,18 +203,18 @@ class Graph {
     return limit_of_series(values);
   }
 
-  /// Notes the series, and goes on with the orbits that stick beyond its accumulation.
+  /// Notes the series, and goes on with the orbits that stick beyond the value where it accumulates.
   void end_series(std::size_t index, const SeriesLimit& found, int generation) {
     const Branch& branch = graph_.branches[index];
-    const Branch& parent = graph_.branches[place_of(branch.parent->branch)];
     const SpecialPoint& end = branch.special_points.back();
-    series_.push_back({branch.period, branch.points.back().impacts, parent.special_points.back().value, found.value});
+    const double before = found.value - (found.value - end.value) / found.ratio;  // the last grazing but one
+    series_.push_back({branch.period, branch.points.back().impacts, before, found.value});
     cut_off({Origin::beyond_grazing, {}, 1, index, branch.special_points.size() - 1},
             fmt::format("a series towards complete chatter, one impact more at each grazing, their distances in the ratio {:.3g}, "
                         "which accumulates at {} = {:.9g}: it is not followed impact by impact",
                         found.ratio, options_.parameter, found.value));
     // As far beyond the accumulation as the last family lies before it.
-    const double beyond = std::clamp(found.value + (found.value - parent.special_points.back().value), low_, high_);
+    const double beyond = std::clamp(2.0 * found.value - before, low_, high_);
     Vector p = branch.parameters;
     p[static_cast<Eigen::Index>(parameter_)] = beyond;
     AttractorOptions settling;

@@ -17,7 +17,7 @@ namespace graze {
 
 namespace {
 
-constexpr std::size_t ways = 3;        // to settle: see attractors()
+constexpr std::size_t ways = 3;         // to settle: see attractors()
 constexpr std::size_t block_size = 10;  // values of the search for stable orbits that share a box
 
 /// Events in a forcing period up to which transients are as long and values as many as the options say. Above, they shrink: at low
@@ -240,7 +240,8 @@ Skeleton skeleton(const HybridSystem& system, const Vector& p, const SkeletonOpt
   check_forced(system);
   SeedFinder finder(system, p, options);
   finder.search_all([&] {
-    if (options.keep) options.keep([&] { return Skeleton{finder.seeds(), finder.done(), finder.fineness(), {options.so_far, {}, true}}; });
+    if (options.keep)
+      options.keep([&] { return Skeleton{finder.seeds(), finder.done(), finder.fineness(), {options.so_far, {}, true}}; });
   });
   Skeleton out{finder.seeds(), finder.done(), finder.fineness(), {}};
   std::vector<BranchSeed> starts;

@@ -203,7 +203,8 @@ Status add_skeleton(Result& result, Earlier& earlier, const Options& options, co
   }
   if (earlier.branches.empty() && status == Status::done) status = Status::failed;
   result.table = branches_table(earlier.branches);
-  result.text += skeleton_text(result.json["search"], result.json["seeds"].size(), earlier.branches, earlier.cut_off, options.parameter);
+  result.text += skeleton_text(result.json["search"], result.json["seeds"].size(), earlier.branches, earlier.cut_off,
+                               options.parameter);
   return status;
 }
 
@@ -370,8 +371,9 @@ Command diagram_command() {
       "which they\n"
       "are born or end. A series towards complete chatter is followed to its accumulation, not impact by impact. --all keeps and "
       "follows\n"
-      "all, and searches for unstable orbits of period 1 to 4 too. A family is kept once. What was not followed is listed, and cascades of period doublings with the ratios of "
-      "their intervals.\n"
+      "all, and searches for unstable orbits of period 1 to 4 too. A family is kept once. What was not followed is listed, and "
+      "cascades of\n"
+      "period doublings with the ratios of their intervals.\n"
       "Then the attractors are followed up and down, with exponents: --start and --settle say from where. Chaotic windows are "
       "listed, and\n"
       "stable orbits of the sweeps that lie on no branch, where there are any.\n"

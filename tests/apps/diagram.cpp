@@ -119,23 +119,25 @@ TEST_CASE("diagram lists what it did not follow") {
 }
 
 TEST_CASE("diagram says how fine it searched and what it left out, which --all keeps") {
-  const Outcome said = small({"--max-period", "4"});
+  const TemporaryFolder folder;
+  const Outcome said = small({"--max-period", "4", "--json", folder.file("some.json")});
   CHECK(said.code == 0);
   CHECK_THAT(said.out, Contains("orbits up to period 4 were searched at 121 values of eta, 3.333e-05 apart, as the ends of motions "
                                 "from 128 starts each"));
-  const Json some = json_of(small({"--max-period", "4", "--json", "-"}));
+  const Json some = Json::parse(read_file(folder.file("some.json")));
   CHECK(some["options"]["all"] == false);
   CHECK(some["search"]["max_period"] == 4);
   CHECK(some["search"]["values"] == 121);
   CHECK(some["search"]["spacing"].get<double>() == Approx(0.004 / 120));
   CHECK(some["search"]["unstable"]["values"] == 0);
-  const Json all = json_of(small({"--max-period", "4", "--all", "--json", "-"}));
+  const Outcome said_of_all = small({"--max-period", "4", "--all", "--json", folder.file("all.json")});
+  const Json all = Json::parse(read_file(folder.file("all.json")));
   CHECK(all["options"]["all"] == true);
   CHECK(all["search"]["unstable"]["values"].get<int>() > 0);
   CHECK(all["search"]["unstable"]["max_period"] == 4);
   CHECK(all["branches"].size() > some["branches"].size());
   CHECK_THAT(said.out, Contains("unstable ones were not (--all)"));
-  CHECK_THAT(small({"--max-period", "4", "--all"}).out, Contains("unstable ones up to period 4 at 7 values"));
+  CHECK_THAT(said_of_all.out, Contains("unstable ones up to period 4 at 7 values"));
   // The points of the one are among those of the other.
   for (const Json& branch : some["branches"])
     for (const Json& point : branch["special_points"]) {
