@@ -74,9 +74,13 @@ Placed place_points(const Family& family, const AnswerBranch& branch, std::vecto
     const AnswerPoint& point = branch.points[i];
     const std::vector<Place> found = places(family, point.value, point.states,
                                             std::max(state_tolerance * size, by_doubling * from_origin(family, point.states)));
+    // The first of those that agree: a closed family ends with the orbit with which it begins.
+    double nearest = 1e300;
+    for (const Place& place : found)
+      if (place.sigma >= placed.last - slack) nearest = std::min(nearest, place.distance);
     const Place* best = nullptr;
     for (const Place& place : found)
-      if (place.sigma >= placed.last - slack && (!best || place.distance < best->distance)) best = &place;
+      if (!best && place.sigma >= placed.last - slack && place.distance <= 10.0 * nearest + 1e-10 * size) best = &place;
     placed.sigmas.push_back(best ? best->sigma : std::numeric_limits<double>::quiet_NaN());
     if (!best) {
       if (!found.empty()) {
@@ -271,6 +275,7 @@ class Check {
   }
 
   Verdict skeleton(int most_periods) {
+    most_periods_ = most_periods;
     if (!answer_.failure.empty()) {
       complain("", "no answer", answer_.failure);
       return verdict_;
@@ -338,7 +343,7 @@ class Check {
       if (family->end == End::halved && child) reached.insert(family->end_value);
       if (!child) {
         // Of later generations none is asked for.
-        if (branch.id == answer_.branches.front().id && reached.count(value) == 0)
+        if (branch.id == answer_.branches.front().id && reached.count(value) == 0 && family->frame.periods <= most_periods_)
           complain("", "child missing",
                    text("no branch is doubled at %s; the family goes to %.17g (%s)", reported->label.c_str(), family->end_value,
                         name(family->end)));
@@ -498,7 +503,7 @@ class Check {
   const Frame& frame_;
   const Range range_;
   const Answer& answer_;
-  int most_impacts_;
+  int most_impacts_, most_periods_ = std::numeric_limits<int>::max();
   Verdict verdict_;
   std::set<int> done_;
 };
