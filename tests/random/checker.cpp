@@ -11,7 +11,7 @@ namespace graze::reference {
 
 namespace {
 
-/// What a located value may be off, relative to its own size or to a tenth of the range.
+/// Largest error of a located value, relative to its own size or to a tenth of the range.
 constexpr double value_tolerance = 3e-12;
 /// Nearer than this, relative, a reported point is taken for the one that is asked for, and its value is judged.
 constexpr double same_point = 1e-6;
@@ -208,7 +208,7 @@ void compare_end(const Family& family, const AnswerBranch& branch, const Placed&
                                branch.stop.c_str(), left, family.end_value)});
 }
 
-/// What can be demanded of every branch without knowing its family.
+/// Demands on every branch that need no reference: range, labels, stop reason, impacts of doubled branches.
 void check_alone(const Range& range, const Answer& answer, std::vector<Complaint>& out) {
   std::set<std::string> labels;
   const double rounding = 1e-13 * (1.0 + std::fabs(range.low) + std::fabs(range.high));
@@ -401,7 +401,7 @@ class Check {
     ++verdict_.families;
   }
 
-  /// What begins at the grazing where the first branch ends is among the branches: as one that is born there, or that ends there.
+  /// A grazing that ends the first branch is the birth or the end of another one.
   void check_beyond(const AnswerBranch& branch) {
     if (branch.stop != "grazing" || branch.special_points.empty()) return;
     const AnswerSpecial& last = branch.special_points.back();
