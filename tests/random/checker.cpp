@@ -21,7 +21,7 @@ constexpr double state_tolerance = 1e-6;
 /// distance from the doubling is right within this share.
 constexpr double by_doubling = 0.6, near_doubling = 1e-2;
 /// Largest step between neighbouring points in the events' coordinates, with the weights of the family's arclength.
-constexpr double largest_gap = 1.0;
+constexpr double largest_gap = 1.5;
 /// Likewise from where a family begins (the given orbit, or the doubling) to the first point.
 constexpr double largest_start = 0.1;
 /// Points of a branch among which one is sought whose events can be told from its states: next to a grazing they cannot.
