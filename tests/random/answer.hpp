@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the program has answered, as plain data: the part of graze.branch/1 that is checked.
+// The program's answer as plain data: the checked part of graze.branch/1.
 #pragma once
 
 #include <array>

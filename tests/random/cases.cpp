@@ -121,7 +121,7 @@ Case random_case(std::uint64_t seed, std::uint64_t index, std::optional<std::siz
     OneImpactForm<double> form = one_impact(out.frame.base, out.frame.periods);
     Values<double> speeds = form.speeds();
     if (place < near_places) {
-      // Next to a point: the amplitude is what makes the orbit one of that speed.
+      // Next to a point: the forcing amplitude is chosen so that the orbit has that speed.
       const double at = place == 0 ? form.fold_speed() : form.flip_speed();
       const double speed = place == 2 ? 100.0 * closeness : at * (1.0 + (which == 0 ? closeness : -closeness));
       const double xi = form.amplitude_of(speed) / impactless_amplitude(form.q) * form.q[XI];

@@ -29,15 +29,15 @@ struct Verdict {
   int unresolved = 0;      ///< branches whose family could not be told
 };
 
-/// The whole answer: the branch of the case's start, what is doubled on it, every other branch against the family of its first
-/// points, and what can be demanded of each alone. Families with more impacts than `most_impacts` are left out.
+/// The whole answer: the branch of the case's start, the branches doubled on it, and every other branch against the family of its
+/// first points. Families with more impacts than `most_impacts` are left out.
 Verdict check(const Case& one, const Answer& answer, int most_impacts = 16);
 
 /// The answer of a whole skeleton: every branch as above, and every family with one impact in up to `most_periods` periods is
 /// among them, whole and once.
 Verdict check_skeleton(const SkeletonCase& one, const Answer& answer, int most_impacts = 16);
 
-/// What a right answer about a family would be.
+/// The right answer about a family.
 AnswerBranch answer_of(const Family& family, int id);
 
 }  // namespace graze::reference

@@ -8,8 +8,8 @@
 
 namespace graze::reference {
 
-/// y of the orbit at the frame's parameter p; nothing if the flights do not have `frame.impacts` impacts, or if what they have is
-/// further than `tolerance` from an orbit.
+/// y of the orbit at p. Nothing if the flights do not have `frame.impacts` impacts, or if the orbit's states differ from the
+/// given ones by more than `tolerance`.
 std::optional<Values<double>> events_of(const Frame& frame, double p, const std::vector<State>& states, double tolerance);
 
 /// An orbit of up to `most_periods` periods on which the motion from rest (at the barrier, if that lies below 0) settles, with at

@@ -101,9 +101,12 @@ template <class Condition> std::optional<Root> refined(const Chord& chord, doubl
   return Root{b, change, *y};
 }
 
-/// z with J(-1) z = 0: by inverse iteration.
+/// z with J(-1) z = 0: by inverse iteration, with a shift, for J may be singular to the last bit.
 Values<Quad> antiperiodic(const Frame& frame, const Values<Quad>& y) {
-  const Table<Quad> J = jacobian(frame, y, Quad(-1));
+  Table<Quad> J = jacobian(frame, y, Quad(-1));
+  Quad size(0);
+  for (const Quad& entry : J.entries) size = std::max(size, magnitude(entry));
+  for (std::size_t k = 0; k < frame.size(); ++k) J(k, k) += Quad(1e-29) * size;
   Values<Quad> z;
   for (std::size_t k = 0; k < frame.size(); ++k) z.push_back(Quad(1) / Quad(static_cast<double>(k) + 1.5));
   for (int k = 0; k < 3; ++k) {

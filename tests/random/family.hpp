@@ -25,7 +25,7 @@ enum class End {
   bound,     ///< the parameter leaves its range
   grazing,   ///< the last point is a GR
   closed,    ///< back at the start
-  sticking,  ///< k_r = 0 and the mass no longer leaves the barrier: nothing is said of what follows
+  sticking,  ///< k_r = 0 and the mass no longer leaves the barrier: the reference ends here
   halved,    ///< both halves of a doubled orbit have become the same: at a PD of the family it was doubled from
   broken     ///< the reference itself gives up: too many steps, or none that converges
 };
@@ -33,7 +33,7 @@ enum class End {
 struct Located {
   Kind kind{};
   Quad value{};
-  double error = 0.0;  ///< of the value: what the last secant changed
+  double error = 0.0;  ///< of the value: the last change by a secant
   double sigma = 0.0;  ///< arclength, as that of the samples
   Values<Quad> orbit;
   bool gained = false;

@@ -16,7 +16,7 @@
 
 namespace graze::reference {
 
-/// What a family has in common: every parameter but one, the periods and the impacts.
+/// The constants of a family: every parameter but one, the periods and the impacts.
 struct Frame {
   Parameters<double> base{};
   std::size_t name = ETA;  ///< of the parameter that changes
@@ -158,7 +158,7 @@ std::optional<Values<Real>> corrected(const Frame& frame, Values<Real> y, const 
   return std::nullopt;
 }
 
-/// M = product of S_i Phi_i. Its trace and determinant, by what the impacts do to states: S = [-k_r, 0; (a+ + k_r a-)/v, -k_r].
+/// M = product of S_i Phi_i. Its trace and determinant, with the jump of states S = [-k_r, 0; (a+ + k_r a-)/v, -k_r].
 template <class Real> struct Invariants { Real trace, determinant; };
 
 template <class Real> Invariants<Real> monodromy(const Frame& frame, const Values<Real>& y) {

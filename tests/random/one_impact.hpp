@@ -48,7 +48,7 @@ template <class Real> struct OneImpactForm {
   }
   /// Of the impactless motion, with which an orbit has speed v.
   Real amplitude_of(Real v) const { return root((q[R] - alpha * v) * (q[R] - alpha * v) + slope * v * slope * v); }
-  /// Those with v > 0, the slower one first. Nothing is said about what they do between two impacts.
+  /// Those with v > 0, the slower one first. Admissibility is not checked.
   Values<Real> speeds() const {
     Values<Real> out;
     if (discriminant() < Real(0)) return out;

@@ -29,7 +29,7 @@ Answer answered(const Plan& plan, const std::string& command, const std::string&
   } else if (code == 2) {
     throw std::runtime_error("misuse, exit code 2: " + line);
   } else {
-    // 1: a numerical stop; what there is is given all the same.
+    // 1: a numerical stop; the partial result is checked.
     out = parse_answer(text);
     if (!out.failure.empty()) out.failure += ", exit code " + std::to_string(code);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Runs the program on cases and counts what the checker says.
+// Runs the program on random cases and counts the checker's complaints.
 #pragma once
 
 #include "checker.hpp"
@@ -28,7 +28,7 @@ struct Summary {
 /// The answer to a command and its arguments, in a process of its own.
 Answer answered(const Plan& plan, const std::string& command, const std::string& arguments);
 
-/// Writes one line for each case that fails: number, what is wrong, command.
+/// Writes one line for each case that fails: number, complaints, command.
 Summary run(const Plan& plan, std::ostream& out);
 
 }  // namespace graze::reference
