@@ -20,6 +20,8 @@ std::string_view branch_stop_name(BranchStop reason) {
     return "grazing";
   case BranchStop::step_too_small:
     return "step_too_small";
+  case BranchStop::chatter:
+    return "chatter";
   case BranchStop::returned:
     return "returned";
   case BranchStop::start_failed:

@@ -19,6 +19,7 @@ enum class BranchStop {
   point_limit,
   grazing,         ///< it ends where a hard contact grazes: its last special point of type GR
   step_too_small,  ///< the corrector fails at the smallest step: see `message`
+  chatter,         ///< the mass no longer sticks, or begins to: the chatter before it becomes incomplete, or complete
   returned,        ///< back at its start, or at its parent branch
   start_failed,
   interrupted

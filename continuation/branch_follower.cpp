@@ -141,6 +141,12 @@ Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& 
   if (end == Verdict::reject) return Verdict::reject;
   BranchPoint point = problem.branch_point(after.u, branch.points.back().arclength + after.arclength - before.arclength);
   if (!point.multipliers.valid || leaves_branch(system_, branch, point)) return Verdict::reject;
+  // Where a chatter becomes incomplete infinitely many impacts come apart, each with a grazing of its own.
+  const bool sticks = point.isolated_impacts < point.impacts;
+  if (hard_contacts_ && sticks != (branch.points.back().isolated_impacts < branch.points.back().impacts)) {
+    chatter_ends_ = after.arclength - before.arclength <= 1e-7;
+    return chatter_ends_ ? Verdict::stop : Verdict::reject;
+  }
   // One grazing at a time: a step across several is halved, down to where they cannot be told apart. Contacts that touch together
   // (an orbit symmetric between two barriers) are one.
   const int change = std::abs(point.isolated_impacts - branch.points.back().isolated_impacts);
@@ -336,7 +342,7 @@ Curve BranchFollower::follow_signature(SignatureProblem& problem, const BranchSt
 }
 
 std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const BranchStart& start, Branch& branch) {
-  interrupted_ = returned_ = clear_of_soft_ = false;
+  interrupted_ = returned_ = chatter_ends_ = clear_of_soft_ = false;
   fastest_ = 0.0;
   refused_.reset();
   grazing_.reset();
@@ -402,6 +408,10 @@ std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const C
   } else if (returned_) {
     stop(BranchStop::returned,
          fmt::format("the doubled orbit has returned to its parent near {} = {:.12g}", branch.parameter, end.value));
+  } else if (chatter_ends_) {
+    const bool sticks = end.isolated_impacts < end.impacts;
+    stop(BranchStop::chatter, fmt::format("at {} = {:.12g} the chatter {} complete, and the mass {}", branch.parameter, end.value,
+                                          sticks ? "is no longer" : "becomes", sticks ? "does not stick beyond" : "sticks beyond"));
   } else if (why == TraceStop::monitor) {
     stop(BranchStop::reached_bound, fmt::format("the end of the range, {} = {:.12g}, was reached", branch.parameter, end.value));
   } else if (why == TraceStop::closed) {

@@ -84,7 +84,7 @@ class BranchFollower {
   bool hard_contacts_ = false;
   // Of the branch being followed.
   Vector last_;  ///< unknowns of its last point
-  bool interrupted_ = false, returned_ = false;
+  bool interrupted_ = false, returned_ = false, chatter_ends_ = false;
   /// Next to the value and the place along the step where a stiff contact's grazing is a corner.
   struct Corner {
     double value, place;

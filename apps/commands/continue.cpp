@@ -41,7 +41,7 @@ struct Options {
 /// A branch that ended as it should, and not because the computation could not go on.
 bool ended_well(const Branch& branch) {
   return branch.stop == BranchStop::reached_bound || branch.stop == BranchStop::parameter_range ||
-         branch.stop == BranchStop::grazing || branch.stop == BranchStop::returned;
+         branch.stop == BranchStop::grazing || branch.stop == BranchStop::chatter || branch.stop == BranchStop::returned;
 }
 
 ContinuationOptions continuation_options(const Options& options, double start, Progress& progress) {

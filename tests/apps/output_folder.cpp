@@ -28,7 +28,7 @@ const std::vector<std::vector<std::string>> commands_with_out = {
     {"locate", "--type", "GR", "--near", "0.71"},
     {"lyapunov", "--periods", "100"},
     {"sweep", "--from", "0.9", "--to", "0.91", "--step", "0.005"},
-    {"diagram", "--skeleton", "--from", "0.746", "--to", "0.747", "--max-period", "1"},
+    {"diagram", "--skeleton", "--all", "--from", "0.746", "--to", "0.747", "--max-period", "1"},
     {"attractors", "--random", "4", "--x=-1:1", "--v=-1:1"},
     {"verify"},
     {"trajectory"},

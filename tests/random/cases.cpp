@@ -168,7 +168,7 @@ SkeletonCase random_skeleton(std::uint64_t seed, std::uint64_t index, std::optio
 }
 
 std::string arguments(const SkeletonCase& one) {
-  return " --skeleton" + settings(one.frame) + " --param " + std::string(parameter_names[one.frame.name]) + " --from " +
+  return " --skeleton --all" + settings(one.frame) + " --param " + std::string(parameter_names[one.frame.name]) + " --from " +
          exact(one.range.low) + " --to " + exact(one.range.high) + " --max-period " + std::to_string(one.most_periods);
 }
 
