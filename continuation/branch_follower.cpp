@@ -94,6 +94,9 @@ bool BranchFollower::take(BranchProblem& problem, const CurvePoint& before, cons
       if (long_step) return false;
       continue;
     }
+    // A fold beyond the end of the range: the branch leaves the range and comes back within the step.
+    const bool outside = special->point.value < low_ || special->point.value > high_;
+    if (outside && test.type == PointType::LP && long_step) return false;
     met.push_back(std::move(*special));
     if (corner_) {  // at its tip, which lies within the smallest step of the grazing, on the side of the contact
       SpecialPoint& tip = met.back().point;

@@ -441,16 +441,20 @@ class Follower {
       const auto height = [&](const Values<Quad>& y) { return polished_summit(frame, y, top.leg, Quad(top.time)).height; };
       const std::optional<Root> root = refined(chord, *lambda, height);
       if (!root) return broken();
-      end_at(End::grazing, *lambda);
-      Located point = located(Kind::GR, chord, *root, last.sigma, size);
-      point.gained = true;
-      point.which = static_cast<std::size_t>(top.leg);
-      point.before = frame.impacts;
-      point.after = frame.impacts + 1;
-      const std::optional<int> own = family_side(chord, *root);
-      const std::optional<int> other = added_side(frame, root->y, polished_summit(frame, root->y, top.leg, Quad(top.time)));
-      if (own && other) point.persistence = *own != *other;
-      grazing = point;
+      // Where the orbit closes after a part of its period once the impact is lost, its other turns touch with that one.
+      const bool with_lost = end == End::grazing && count_lost(frame, root->y) > 0;
+      if (!with_lost) {
+        end_at(End::grazing, *lambda);
+        Located point = located(Kind::GR, chord, *root, last.sigma, size);
+        point.gained = true;
+        point.which = static_cast<std::size_t>(top.leg);
+        point.before = frame.impacts;
+        point.after = frame.impacts + 1;
+        const std::optional<int> own = family_side(chord, *root);
+        const std::optional<int> other = added_side(frame, root->y, polished_summit(frame, root->y, top.leg, Quad(top.time)));
+        if (own && other) point.persistence = *own != *other;
+        grazing = point;
+      }
     }
     if (frame.at(next.back())[K_R] == 0.0 && pressing(frame, next) >= 0.0) {
       const std::optional<double> lambda = bisected(chord, [&](const Values<double>& y) { return pressing(frame, y); });
