@@ -8,9 +8,7 @@
 // SIAM 2000, section 3.2). A may be exactly singular.
 #pragma once
 
-#include <graze/lib/vector.hpp>
-
-#include <Eigen/LU>
+#include <graze/continuation/orbit_lu.hpp>
 
 #include <cmath>
 
@@ -29,12 +27,12 @@ template <class SquareMatrix> NullVectors<SquareMatrix> null_vectors(const Squar
   const double shift = 1e-13 * A.cwiseAbs().maxCoeff() + 1e-100;
   SquareMatrix shifted = A;
   shifted.diagonal().array() += shift;
-  const Eigen::PartialPivLU<SquareMatrix> direct(shifted), adjoint(SquareMatrix(shifted.adjoint()));
+  const OrbitLU<SquareMatrix> lu(shifted);
   null.right.resize(n);
   for (Eigen::Index i = 0; i < n; ++i) null.right[i] = 1.0 + 0.5 * std::cos(1.7 * static_cast<double>(i) + 0.3);
   for (int iteration = 0; iteration < 6; ++iteration) {
-    null.left = adjoint.solve(null.right).normalized();
-    null.right = direct.solve(null.left).normalized();
+    null.left = lu.solve_adjoint(null.right).normalized();
+    null.right = lu.solve(null.left).normalized();
   }
   return null;
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/continuation/orbit_lu.hpp>
 #include <graze/continuation/trace.hpp>
 
 #include <algorithm>
@@ -62,7 +63,7 @@ NewtonReport correct(const ZeroProblem& problem, const Vector& direction, Vector
   Vector right(problem.unknowns);
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
     right << -residual, 0.0;
-    const Vector step = bordered(jacobian, weighted).partialPivLu().solve(right);
+    const Vector step = OrbitLU<Matrix>(bordered(jacobian, weighted)).solve(right);
     if (!step.allFinite()) {
       report.status = NewtonStatus::singular;
       return report;
@@ -95,7 +96,7 @@ Vector tangent_at(const ZeroProblem& problem, const Vector& u, const Vector& ori
   if (!problem.evaluate(u, residual, &jacobian)) return {};
   Vector right = Vector::Zero(problem.unknowns);
   right[problem.unknowns - 1] = 1.0;
-  Vector tangent = bordered(jacobian, weights.cwiseProduct(orientation)).partialPivLu().solve(right);
+  Vector tangent = OrbitLU<Matrix>(bordered(jacobian, weights.cwiseProduct(orientation))).solve(right);
   if (!tangent.allFinite()) tangent = Eigen::FullPivLU<Matrix>(jacobian).kernel().col(0);
   const double length = weighted_norm(weights, tangent);
   if (!(length > 0.0) || !std::isfinite(length)) return {};
