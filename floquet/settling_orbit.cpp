@@ -101,6 +101,7 @@ std::optional<PeriodicOrbit> stable_orbit_of(Propagator& propagator, const std::
     if (const auto half = between_halves(states, near_halves);
         !half.empty() && in_front_of_barriers(half) && growth_along(propagator, half) <= growth_at_doubling)
       orbit = shoot_from(half);
+  if (orbit.multipliers.values.empty()) return std::nullopt;  // nobody knows whether it is stable
   if (orbit.converged() && has_doubled(orbit.states.size(), orbit.multipliers.values.front(), states.size())) {
     const double mu = orbit.multipliers.values.front().real();
     const std::size_t three_times = 3 * orbit.states.size() + 1;
