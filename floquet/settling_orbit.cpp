@@ -58,8 +58,14 @@ template <class Orbit> class NearOrbit {
 
 const auto never = [] { return false; };
 
-/// True if the motion from x comes closer to the orbit.
+/// Whether the motion from x is this orbit and stays held at a stop: nothing happens on it, and a disturbance is forgotten at once.
+bool rests_for_ever(const PeriodicOrbit& orbit, const Vector& x) {
+  return orbit.events.empty() && orbit.multipliers.values.front() == 0.0 && orbit.state == x;
+}
+
+/// True if the motion from x comes closer to the orbit, or rests on it: then there is no distance left to shrink.
 bool approaches(Propagator& propagator, const PeriodicOrbit& orbit, const Vector& x) {
+  if (rests_for_ever(orbit, x)) return true;
   NearOrbit motion(orbit, x, std::abs(orbit.multipliers.values.front()), static_cast<std::size_t>(orbit.period));
   carry_watched(propagator, motion, never);
   return motion.comes_closer();
@@ -95,6 +101,7 @@ std::optional<PeriodicOrbit> stable_orbit_of(Propagator& propagator, const std::
     if (const auto half = between_halves(states, near_halves);
         !half.empty() && in_front_of_barriers(half) && growth_along(propagator, half) <= growth_at_doubling)
       orbit = shoot_from(half);
+  if (orbit.multipliers.values.empty()) return std::nullopt;  // nobody knows whether it is stable
   if (orbit.converged() && has_doubled(orbit.states.size(), orbit.multipliers.values.front(), states.size())) {
     const double mu = orbit.multipliers.values.front().real();
     const std::size_t three_times = 3 * orbit.states.size() + 1;
@@ -233,6 +240,18 @@ LaneTask<LaneOrbit> shoot_next_to_doubling(LanePlace& lane, const std::vector<St
 
 }  // namespace
 
+namespace {
+
+/// Whether a motion begins held at a stop. The lanes' matrix of a period there does not tell what a disturbance does.
+bool is_held(const HybridSystem& system, const Vector& p, const Vector& state) {
+  const std::optional<std::size_t> mode = mode_at(system, 0.0, state, p);
+  return mode && std::any_of(system.events.begin(), system.events.end(), [&](const Event& event) {
+           return event.accumulation && event.accumulation->sticking_mode == *mode;
+         });
+}
+
+}  // namespace
+
 LaneTask<SettlingLook> look_for_orbit_in_lanes(LanePlace& lane, const HybridSystem& system, const Vector& p, const Vector& state,
                                                int max_period, double nearness, const FlowOptions& flow, RefusedOrbits* refused) {
   SettlingLook out;
@@ -246,6 +265,11 @@ LaneTask<SettlingLook> look_for_orbit_in_lanes(LanePlace& lane, const HybridSyst
   }
   const std::vector<int> returns = returns_of(states, nearness, max_period);
   if (!returns.empty()) out.closest = returns.front();
+  if (out.closest == 1 && is_held(system, p, state)) {
+    Propagator propagator(system, p, {}, flow);
+    out.orbit = stable_orbit_near(propagator, {state}, passed_by);
+    if (out.orbit) co_return out;
+  }
   for (const int n : worth_a_try(returns)) {
     const std::vector<StatePair> around(states.begin(), states.begin() + n);
     const LaneOrbit orbit = co_await shoot_next_to_doubling(lane, around);
