@@ -39,7 +39,7 @@ double error(const Json& given, double value) { return std::abs(given.get<double
 TEST_CASE("orbit that settles on a stable 1/2 and gives an unstable 1/1 says so") {
   const Json json = json_of({"orbit", problem("hertz-damped"), "--set", "eta=0.85"});
   CHECK(json["orbit"]["stable"] == false);
-  CHECK_THAT(json["message"].get<std::string>(), Contains("repeats after 2 forcing periods (z = 2/2, stable)"));
+  CHECK_THAT(json["message"].get<std::string>(), Contains("repeats after 2 forcing periods (z = 1/2, stable)"));
   CHECK_THAT(json["message"].get<std::string>(), Contains("the orbit given (z = 1/1, unstable) is another one"));
   CHECK_THAT(call("orbit", "hertz-damped", {"--set", "eta=0.85"}).out, Contains("(z = 1/1, unstable) is another one"));
   CHECK_FALSE(json_of({"orbit", problem("hertz-damped"), "--set", "eta=0.925"}).contains("message"));
