@@ -103,8 +103,9 @@ void average(const HybridSystem& system, const Vector& p, Attractor& attractor, 
 std::optional<Lingering> lingering(const HybridSystem& system, const Vector& p, const Vector& begin, int round,
                                    const Attractor& attractor, const AttractorOptions& options) {
   const double T = forcing_period(system, p);
-  if (attractor.conservative || attractor.type == AttractorType::periodic || attractor.time_average.stop == LyapunovStop::interrupted ||
-      attractor.time_average.termination != Termination::time || !may_linger(attractor, round, T))
+  if (attractor.conservative || attractor.type == AttractorType::periodic ||
+      attractor.time_average.stop == LyapunovStop::interrupted || attractor.time_average.termination != Termination::time ||
+      !may_linger(attractor, round, T))
     return std::nullopt;
   Propagator propagator(system, p, {}, options.lyapunov.flow);
   const int most = periods_of_look(options, periods_each(attractor.time_average));

@@ -112,7 +112,8 @@ std::optional<PeriodicOrbit> stable_orbit_of(Propagator& propagator, const std::
   }
   const double scale = 1.0 + state_size(states.front());
   const bool near = orbit.converged() && nearest_distance(orbit.states, states.front()) < 2.0 * worth_trying * scale;
-  if (near && orbit.stable() && attracts(orbit.multipliers.values.front()) && orbit.admissible == Admissibility::admissible) return orbit;
+  const bool attracting = near && orbit.stable() && attracts(orbit.multipliers.values.front());
+  if (attracting && orbit.admissible == Admissibility::admissible) return orbit;
   return std::nullopt;
 }
 

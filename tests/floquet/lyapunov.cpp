@@ -83,8 +83,9 @@ TEST_CASE("where nothing dissipates there is no attractor, but an island, an ell
     options.recurrence = recurrence;
     if (recurrence > 0.0) options.periods_on_orbit = 0;
     options.lyapunov.max_periods = 40000;
-    const auto found =
-        find_each_attractor(system, {{p, vector({-0.68771149, 0.365807336})}, {p, vector({-0.6, 0.0})}, {p, vector({-0.713629246008893, 0.0})}}, options);
+    const std::vector<AverageStart> starts = {
+        {p, vector({-0.68771149, 0.365807336})}, {p, vector({-0.6, 0.0})}, {p, vector({-0.713629246008893, 0.0})}};
+    const auto found = find_each_attractor(system, starts, options);
     const std::vector<ConservativeMotion> motions = {ConservativeMotion::island, ConservativeMotion::chaotic_sea,
                                                      ConservativeMotion::elliptic_orbit};
     for (std::size_t i = 0; i < found.size(); ++i) {
