@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <iterator>
 #include <memory>
 
@@ -31,6 +32,12 @@ constexpr double growth_too_early = 30.0;
 /// oscillator that came to one, one had a step shorter than 1/64.) Where they become shorter and shorter it creeps to a minimum
 /// of the residual where there is no orbit, as before a fold: twelve halvings of each step took most of the time of all tries.
 constexpr int few_halvings = 6;
+
+/// Whether an orbit with this first multiplier attracts. Where nothing dissipates moduli are one, up to their rounding.
+bool attracts(const std::complex<double>& first) {
+  constexpr double rounding = 1e-13;
+  return std::abs(first) < 1.0 - rounding;
+}
 
 /// Returns that orbit_of_close_returns tries.
 constexpr std::size_t most_tries = 3;
@@ -112,7 +119,8 @@ std::optional<PeriodicOrbit> stable_orbit_of(Propagator& propagator, const std::
   }
   const double scale = 1.0 + state_size(states.front());
   const bool near = orbit.converged() && nearest_distance(orbit.states, states.front()) < 2.0 * worth_trying * scale;
-  if (near && orbit.stable() && orbit.admissible == Admissibility::admissible) return orbit;
+  const bool attracting = near && orbit.stable() && attracts(orbit.multipliers.values.front());
+  if (attracting && orbit.admissible == Admissibility::admissible) return orbit;
   return std::nullopt;
 }
 
@@ -184,7 +192,7 @@ Verdict verdict(const LaneOrbit& orbit, const Vector& state) {
   const double scale = 1.0 + state.lpNorm<Eigen::Infinity>();
   if (!orbit.converged || !(nearest_distance(orbit.states, state) < 2.0 * worth_trying * scale)) return Verdict::no;
   if (orbit.delicate) return Verdict::delicate;
-  return orbit.stable() ? Verdict::yes : Verdict::no;
+  return orbit.stable() && attracts(orbit.multipliers[0]) ? Verdict::yes : Verdict::no;
 }
 
 PeriodicOrbit plain_orbit(const HybridSystem& system, const Vector& p, const LaneOrbit& found) {
