@@ -15,22 +15,6 @@ namespace graze::apps {
 
 namespace {
 
-std::string conservative_sentence(const Attractor& attractor) {
-  const std::string_view none = "nothing dissipates along this motion, so there is no attractor";
-  switch (attractor.motion) {
-  case ConservativeMotion::unknown:
-    break;
-  case ConservativeMotion::elliptic_orbit:
-    return fmt::format("elliptic orbit: {}; its multipliers are on the unit circle\n", none);
-  case ConservativeMotion::island:
-    return fmt::format("island: {}; its tangent grows no faster than linearly\n", none);
-  case ConservativeMotion::chaotic_sea:
-    return fmt::format("chaotic sea: {}; the first exponent is positive by {} standard errors\n", none,
-                       rounded(attractor.exponents[0] / attractor.standard_errors[0], 3));
-  }
-  return fmt::format("undecided: {}; the average is too short to tell an island from the chaotic sea\n", none);
-}
-
 Json number_json(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 }  // namespace
@@ -69,10 +53,6 @@ void write_attractor(const Attractor& attractor, JsonText& json) {
   const auto if_periodic = [&](int count) { return attractor.period > 0 ? std::optional(count) : std::nullopt; };
   json.begin_object();
   json.member("type", attractor_type_name(attractor.type));
-  if (attractor.conservative) {
-    json.member("conservative", true);
-    json.member("motion", conservative_motion_name(attractor.motion));
-  }
   json.member("period", if_periodic(attractor.period));
   json.member("impacts", if_periodic(attractor.impacts));
   json.member("state", attractor.state);
@@ -93,10 +73,6 @@ Attractor attractor_of(const Json& json) {
     if (json.at("type") == attractor_type_name(type)) out.type = type;
   if (json.at("period").is_number()) out.period = json["period"];
   if (json.at("impacts").is_number()) out.impacts = json["impacts"];
-  out.conservative = json.value("conservative", false);
-  for (const ConservativeMotion motion :
-       {ConservativeMotion::elliptic_orbit, ConservativeMotion::island, ConservativeMotion::chaotic_sea})
-    if (json.value("motion", "") == conservative_motion_name(motion)) out.motion = motion;
   out.state = vector_from(json.at("state"));
   out.termination = Termination::time;
   out.isolated_impacts = json.value("isolated_impacts", out.impacts);
@@ -116,8 +92,6 @@ std::string attractor_text(const Attractor& attractor, int max_period) {
   } else if (attractor.type == AttractorType::chaotic) {
     text = fmt::format("chaotic: the first exponent is positive by {} standard errors\n",
                        rounded(attractor.exponents[0] / attractor.standard_errors[0], 3));
-  } else if (attractor.conservative) {
-    text = conservative_sentence(attractor);
   } else {
     text =
         fmt::format("undecided: no stable orbit of up to {} forcing periods (--max-period) is reached, nor is the first exponent "

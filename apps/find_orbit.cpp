@@ -44,13 +44,6 @@ std::string attractor(const Problem& problem, const Settled& settled) {
                      orbit.converged() ? fmt::format(" ({}, {})", z_label(orbit), orbit.stable() ? "stable" : "unstable") : "");
 }
 
-/// That the orbit returned is another one than what was `reached`.
-std::string another_orbit(const FoundOrbits& found, const std::string& reached) {
-  const PeriodicOrbit& orbit = found.orbits.front();
-  return fmt::format("{}; the orbit given ({}, {}) is another one", reached, z_label(orbit),
-                     orbit.stable() ? "stable" : "unstable");
-}
-
 }  // namespace
 
 void add_problem_options(CLI::App& app, StartOptions& options) {
@@ -197,19 +190,12 @@ FoundOrbits find_orbits(const Problem& problem, const OrbitOptions& options, con
     reached = attractor(problem, settled);
   } else {
     reached = fmt::format("the transient ended after {}: {}", periods(settled.periods), termination_text(settled.termination));
-    // Starts all over state space would fail likewise, each after all steps that one may take.
-    if (settled.termination == Termination::integration_failed && settled.periods == 0) {
-      found.message = reached + "; no orbit was searched for, as not even the first forcing period can be carried out "
-                                "(--search does so all the same)";
-      return found;
-    }
   }
   console.note(fmt::format("{}; searching for orbits of period {}", reached, period));
   FoundOrbits searched = search_for_orbits(problem, options, console);
   searched.settled = found.settled;
   if (searched.status == Status::failed && fallback) take(searched, {*fallback}, "settled");
   if (searched.status == Status::failed) searched.message += "; " + reached;
-  if (searched.status == Status::done) searched.note = another_orbit(searched, reached);
   return searched;
 }
 

@@ -60,7 +60,6 @@ struct FoundOrbits {
   std::vector<PeriodicOrbit> orbits;  ///< the first one is the orbit; admissible ones stand before others
   std::string origin;                 ///< "settled" or "search"
   std::string message;                ///< why there is none, and what was found instead
-  std::string note;                   ///< of orbits that are not what the motion settled on: what that is
   std::optional<Settled> settled;
 };
 

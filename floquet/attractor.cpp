@@ -17,20 +17,6 @@ std::string_view attractor_type_name(AttractorType type) {
   return "undecided";
 }
 
-std::string_view conservative_motion_name(ConservativeMotion motion) {
-  switch (motion) {
-  case ConservativeMotion::unknown:
-    break;
-  case ConservativeMotion::elliptic_orbit:
-    return "elliptic orbit";
-  case ConservativeMotion::island:
-    return "island";
-  case ConservativeMotion::chaotic_sea:
-    return "chaotic sea";
-  }
-  return "unknown";
-}
-
 void describe_orbit(Attractor& attractor, const PeriodicOrbit& orbit) {
   attractor.type = AttractorType::periodic;
   attractor.termination = Termination::time;

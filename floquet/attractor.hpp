@@ -4,10 +4,6 @@
 // Periodic is what Newton's method proves: the settled state is near a stable orbit, and goes on coming closer at the rate of its
 // multipliers. Its exponents are then ln|mu_i| / (n T) to all digits, and the time average stands beside them. Chaotic: the first
 // exponent is positive by several standard errors. Else undecided.
-//
-// Where nothing dissipates along a motion, volumes stay and it settles on nothing: no attractor is claimed, the type stays
-// undecided. What kind of motion it is, is told apart by the growth of its tangent: linear in an island of invariant curves
-// (ln N over N periods), exponential in the chaotic sea.
 #pragma once
 
 #include <graze/floquet/lyapunov.hpp>
@@ -25,13 +21,6 @@ enum class AttractorType { undecided, periodic, chaotic };
 
 /// "undecided", "periodic", "chaotic".
 std::string_view attractor_type_name(AttractorType type);
-
-/// A motion along which nothing dissipates: on a periodic orbit with multipliers on the unit circle, on or between invariant
-/// curves, in chaos.
-enum class ConservativeMotion { unknown, elliptic_orbit, island, chaotic_sea };
-
-/// "unknown", "elliptic orbit", "island", "chaotic sea".
-std::string_view conservative_motion_name(ConservativeMotion motion);
 
 struct AttractorOptions {
   int transient = 1000;  ///< forcing periods
@@ -57,8 +46,6 @@ struct Attractor {
   std::shared_ptr<const PeriodicOrbit> orbit;
   std::vector<double> exponents, standard_errors;  ///< of a periodic one from its multipliers, without error
   LyapunovSpectrum time_average;
-  bool conservative = false;  ///< nothing dissipated along the average: there is no attractor, but a `motion`
-  ConservativeMotion motion = ConservativeMotion::unknown;
   Termination termination = Termination::failed;  ///< of the transient; time: all is well
 };
 

@@ -75,7 +75,7 @@ void average(const HybridSystem& system, const Vector& p, Attractor& attractor, 
              const AttractorOptions& options) {
   LyapunovSpectrum average = lyapunov_spectrum(system, p, attractor.state, averaging);
   // Where it was broken off says nothing: the rest may have come to something else.
-  if (average.stop == LyapunovStop::interrupted) return take_average(system, p, std::move(average), options, attractor);
+  if (average.stop == LyapunovStop::interrupted) return take_average(std::move(average), options, attractor);
   std::vector<Vector> ends = later_states(system, p, average, averaging);
   attractor.time_average = std::move(average);
   attractor.state = attractor.time_average.state;
@@ -95,17 +95,15 @@ void average(const HybridSystem& system, const Vector& p, Attractor& attractor, 
     for (auto& orbit : orbits)  // one that has settled tells that the chaos was transient
       if (orbit) return settle_on(attractor, std::move(*orbit));
   }
-  take_average(system, p, std::move(attractor.time_average), options, attractor);
+  take_average(std::move(attractor.time_average), options, attractor);
 }
 
-/// Of the motion that was averaged from `begin` on: null where it cannot linger. (Where nothing dissipates it stays where it is:
-/// following it on leads nowhere.)
+/// Of the motion that was averaged from `begin` on: null where it cannot linger.
 std::optional<Lingering> lingering(const HybridSystem& system, const Vector& p, const Vector& begin, int round,
                                    const Attractor& attractor, const AttractorOptions& options) {
   const double T = forcing_period(system, p);
-  if (attractor.conservative || attractor.type == AttractorType::periodic ||
-      attractor.time_average.stop == LyapunovStop::interrupted || attractor.time_average.termination != Termination::time ||
-      !may_linger(attractor, round, T))
+  if (attractor.type == AttractorType::periodic || attractor.time_average.stop == LyapunovStop::interrupted ||
+      attractor.time_average.termination != Termination::time || !may_linger(attractor, round, T))
     return std::nullopt;
   Propagator propagator(system, p, {}, options.lyapunov.flow);
   const int most = periods_of_look(options, periods_each(attractor.time_average));

@@ -58,11 +58,10 @@ LaneTask<bool> average(LanePlace& lane, const HybridSystem& system, const Vector
       settle_on(attractor, std::move(*looked.orbit));
       co_return false;
     }
-    take_average(system, p, std::move(average).result(), options, attractor);
+    take_average(std::move(average).result(), options, attractor);
     if (again || !wants_confirmation(options, attractor)) break;
   }
-  // Where averages were broken off says nothing, and where nothing dissipates there is nothing to settle on.
-  if (stop() || attractor.conservative) co_return false;
+  if (stop()) co_return false;  // where averages were broken off says nothing
   const int periods = periods_of_look(options, periods_each(attractor.time_average));
   SettlingLook looked = co_await look(lane, system, p, attractor.state, periods, options);
   if (looked.orbit) {

@@ -32,7 +32,6 @@ void AveragedMotion::end_interval(int interval, Growths& growths) {
   }
   if (std::isfinite(log_det) && std::isfinite(liouville_))
     liouville_residual_ = std::max(liouville_residual_, std::abs(log_det - liouville_) / interval);
-  conservative_ = conservative_ && liouville_ == 0.0;
   averaged_ += interval;
   log_before_ = log_now;
   det_ = {};

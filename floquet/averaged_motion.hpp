@@ -37,8 +37,6 @@ class AveragedMotion {
   std::int64_t impacts() const { return impacts_; }
   /// Largest difference per period between ln|det| and Liouville's identity.
   double liouville_residual() const { return liouville_residual_; }
-  /// Whether no interval changed volumes, by Liouville's identity: exactly, as nothing dissipates along the motion.
-  bool conservative() const { return conservative_; }
   /// Other than `time`: it ended so.
   Termination termination() const { return termination_; }
 
@@ -58,7 +56,6 @@ class AveragedMotion {
   std::array<bool, 2> lost_{};
   std::int64_t averaged_ = 0, impacts_ = 0;
   double liouville_residual_ = 0.0;
-  bool conservative_ = true;
   Termination termination_ = Termination::time;
 };
 

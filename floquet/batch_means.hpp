@@ -2,7 +2,6 @@
 // BatchMeans: mean of a correlated series with its standard error. The series is cut into batches of equal length, between 32 and
 // 64 of them; when there are 64, neighbours are joined and the length doubles. The means of batches much longer than the
 // correlation time are as good as independent: error^2 = variance of the batch means / number of batches.
-// A series whose later half differs from its earlier half by more than that has a trend, which belongs into the error.
 #pragma once
 
 #include <algorithm>
@@ -46,15 +45,6 @@ class BatchMeans {
   std::int64_t until_batch_ends() const { return length_ - in_open_; }
   /// Infinite until there are enough batches.
   double standard_error() const { return error_; }
-  /// Half of what the batches of the earlier half are above those of the later one on the mean. Of a steady series it has the
-  /// size of the standard error; of one with a trend, such as 1/k, it stays as large as the mean, however long the series is.
-  double drift() const {
-    const std::size_t half = batches_.size() / 2;
-    if (half == 0) return 0.0;
-    double apart = 0.0;
-    for (std::size_t i = 0; i < half; ++i) apart += batches_[i] - batches_[batches_.size() - 1 - i];
-    return 0.5 * apart / static_cast<double>(half);
-  }
   /// What the ends of the series leave open: where terms alternate by much (the growth along an orbit of several periods), the
   /// mean depends on how many there are. The spread of a term over their number, as good as nothing in chaos.
   double edge() const { return count_ > 1 ? std::sqrt(variance()) / static_cast<double>(count_) : 0.0; }
@@ -107,13 +97,5 @@ class BatchMeans {
   double batch_sum_ = 0.0, batch_squares_ = 0.0;    // likewise, of the means of batches beyond that of the first
   double open_ = 0.0, error_ = std::numeric_limits<double>::infinity();
 };
-
-/// So many standard errors of drift are a trend: chance gives as much once in 370 series.
-inline constexpr double drift_of_trend = 3.0;
-
-/// What a drift adds to the standard error, in squares: nothing where it is no trend.
-inline double trend(double standard_error, double drift) {
-  return std::abs(drift) > drift_of_trend * standard_error ? drift : 0.0;
-}
 
 }  // namespace graze

@@ -116,13 +116,10 @@ LyapunovSpectrum lyapunov_spectrum(const HybridSystem& system, const Vector& p, 
     return lost[i] ? -std::numeric_limits<double>::infinity() : means[i].mean() / interval_time;
   };
   const auto error = [&](std::size_t i) {
-    if (lost[i]) return 0.0;
-    const double spread = means[i].standard_error();
-    return std::hypot(std::hypot(spread, trend(spread, means[i].drift())), means[i].edge()) / interval_time;
+    return lost[i] ? 0.0 : std::hypot(means[i].standard_error(), means[i].edge()) / interval_time;
   };
   out.stop = LyapunovStop::budget;
   std::int64_t aligned = 0;
-  bool changes_volumes = false;
   while (out.periods + options.interval <= options.max_periods) {
     if (options.cancelled && options.cancelled()) {
       out.stop = LyapunovStop::interrupted;
@@ -162,7 +159,6 @@ LyapunovSpectrum lyapunov_spectrum(const HybridSystem& system, const Vector& p, 
       before[i] = now;
     }
     out.periods += options.interval;
-    changes_volumes = changes_volumes || liouville != 0.0;
     if (std::isfinite(sum) && std::isfinite(liouville))
       out.liouville_residual = std::max(out.liouville_residual, std::abs(sum - liouville) / options.interval);
     if (options.progress) options.progress(out.periods);
@@ -175,7 +171,6 @@ LyapunovSpectrum lyapunov_spectrum(const HybridSystem& system, const Vector& p, 
       break;
     }
   }
-  out.conservative = out.periods > 0 && !changes_volumes;
   const auto correlation = [&](std::size_t i) { return lost[i] ? 0.0 : means[i].correlation_time() * options.interval; };
   hand_over(means.size(), exponent, error, correlation, out);
   return out;

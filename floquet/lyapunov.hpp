@@ -66,7 +66,6 @@ struct LyapunovSpectrum {
   std::vector<double> correlation_times;          ///< of each one's growth, in forcing periods (1/2 for independent periods)
   double kaplan_yorke = 0.0;                      ///< dimension j + (lambda_1 + ... + lambda_j) / |lambda_{j+1}|
   double liouville_residual = -1.0;               ///< largest |sum ln R_ii - Liouville's identity| per period; -1: not applicable
-  bool conservative = false;                      ///< no interval changed volumes, by Liouville's identity
   std::int64_t periods = 0;
   std::int64_t impacts = 0;    ///< impacts and entries into contact on the way
   Vector state;                ///< at forcing phase 0, at the end

@@ -124,12 +124,10 @@ class Average {
     out_.impacts = 0;
     out_.periods = 0;
     out_.termination = Termination::time;
-    out_.conservative = true;
     for (const AveragedMotion& motion : motions_) {
       out_.impacts += motion.impacts();
       out_.periods += motion.averaged();
       out_.liouville_residual = std::max(out_.liouville_residual, motion.liouville_residual());
-      out_.conservative = out_.conservative && motion.averaged() > 0 && motion.conservative();
       for (std::size_t i = 0; i < 2; ++i) lost_[i] = lost_[i] || motion.lost(i);
       if (motion.termination() != Termination::time) out_.termination = motion.termination();
     }
@@ -165,21 +163,19 @@ class Average {
   }
   /// The motions are independent of each other, but for the ends of their series: near an orbit they do not part. Where they do
   /// not agree as well as each one's own error says (some have settled, or what correlates them in time lasts longer than they),
-  /// their spread counts. A trend is common to all of them: it is looked for in their mean.
+  /// their spread counts.
   double standard_error(std::size_t i) const {
     if (lost_[i]) return 0.0;
     const auto n = static_cast<double>(motions_.size());
-    double squares = 0.0, edges = 0.0, mean = 0.0, drift = 0.0, apart = 0.0;
+    double squares = 0.0, edges = 0.0, mean = 0.0, apart = 0.0;
     for (const AveragedMotion& motion : motions_) {
       squares += motion.means(i).standard_error() * motion.means(i).standard_error();
       edges += motion.means(i).edge() / n;
       mean += motion.means(i).mean() / n;
-      drift += motion.means(i).drift() / n;
     }
     for (const AveragedMotion& motion : motions_) apart += (motion.means(i).mean() - mean) * (motion.means(i).mean() - mean);
     const double spread = motions_.size() > 1 ? apart / (n - 1.0) / n : 0.0;
-    const double square = std::max(squares / (n * n), spread), common = trend(std::sqrt(square), drift);
-    return std::sqrt(square + common * common + edges * edges) / interval_time_;
+    return std::sqrt(std::max(squares / (n * n), spread) + edges * edges) / interval_time_;
   }
 
   const LyapunovOptions& options_;

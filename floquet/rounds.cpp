@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <utility>
 
 namespace graze {
@@ -31,36 +30,6 @@ void push_off(const HybridSystem& system, const Vector& p, int round, Vector& st
     state = pushed;
     return;
   }
-}
-
-/// Whether the motion at `state` stays on an orbit whose multipliers are on the unit circle, and not real.
-bool on_elliptic_orbit(const HybridSystem& system, const Vector& p, const Vector& state, const AttractorOptions& options) {
-  constexpr double on_it = 1e-6;   // relative distance of the state from the orbit; an average keeps it as small
-  constexpr double circle = 1e-6;  // of a modulus from one: the error of multipliers that nearly meet is the root of rounding
-  Propagator propagator(system, p, {}, options.lyapunov.flow);
-  const Returns returns = close_returns(propagator, state, options.max_period, on_it);
-  if (returns.periods.empty()) return false;
-  ShootingOptions shooting;
-  shooting.flow = options.lyapunov.flow;
-  const PeriodicOrbit orbit = shoot(system, p, state, returns.periods.front(), shooting);
-  const double scale = 1.0 + state.lpNorm<Eigen::Infinity>();
-  if (!orbit.converged() || (orbit.state - state).lpNorm<Eigen::Infinity>() > on_it * scale) return false;
-  const std::complex<double> first = orbit.multipliers.values.front();
-  return first.imag() != 0.0 && std::abs(std::abs(first) - 1.0) < circle;
-}
-
-/// Of a motion along which nothing dissipates. Among invariant curves a tangent vector grows linearly, by ln N in N periods;
-/// twice that leaves room for a steep shear. `positive`: its first exponent is, beyond its error.
-ConservativeMotion conservative_motion(const HybridSystem& system, const Vector& p, bool positive,
-                                       const AttractorOptions& options, const Attractor& attractor) {
-  constexpr double room = 2.0;
-  constexpr double long_enough = 2000.0;  // periods in which chaos with an exponent of 0.0076 per period has outgrown that
-  const auto periods = static_cast<double>(periods_each(attractor.time_average));
-  if (attractor.exponents.empty() || periods < 2.0) return ConservativeMotion::unknown;
-  const double growth = attractor.exponents[0] * periods * forcing_period(system, p);
-  if (growth > room * std::log(periods)) return positive ? ConservativeMotion::chaotic_sea : ConservativeMotion::unknown;
-  if (on_elliptic_orbit(system, p, attractor.state, options)) return ConservativeMotion::elliptic_orbit;
-  return periods < long_enough ? ConservativeMotion::unknown : ConservativeMotion::island;
 }
 
 }  // namespace
@@ -101,17 +70,14 @@ bool goes_on(const Lingering& watch, const HybridSystem& system, const Vector& p
   return true;
 }
 
-void take_average(const HybridSystem& system, const Vector& p, LyapunovSpectrum average, const AttractorOptions& options,
-                  Attractor& attractor) {
+void take_average(LyapunovSpectrum average, const AttractorOptions& options, Attractor& attractor) {
   attractor.time_average = std::move(average);
   attractor.state = attractor.time_average.state;
   attractor.exponents = attractor.time_average.exponents;
   attractor.standard_errors = attractor.time_average.standard_errors;
   const bool positive =
       !attractor.exponents.empty() && attractor.exponents[0] > options.significance * attractor.standard_errors[0];
-  attractor.conservative = attractor.time_average.conservative;
-  attractor.type = positive && !attractor.conservative ? AttractorType::chaotic : AttractorType::undecided;
-  if (attractor.conservative) attractor.motion = conservative_motion(system, p, positive, options, attractor);
+  attractor.type = positive ? AttractorType::chaotic : AttractorType::undecided;
 }
 
 bool wants_confirmation(const AttractorOptions& options, const Attractor& attractor) {

@@ -41,8 +41,7 @@ int motions_in_chaos(const LyapunovOptions& averaging);
 int motions_in_company(const LyapunovOptions& averaging);
 
 /// What the time average over a motion that was not known to be periodic says, if it has not settled.
-void take_average(const HybridSystem& system, const Vector& p, LyapunovSpectrum average, const AttractorOptions& options,
-                  Attractor& attractor);
+void take_average(LyapunovSpectrum average, const AttractorOptions& options, Attractor& attractor);
 
 /// Many looks at an average find it positive by chance, or for a while: where one stopped as soon as it was, another has to say
 /// the same.

@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <iterator>
 #include <memory>
 
@@ -32,12 +31,6 @@ constexpr double growth_too_early = 30.0;
 /// oscillator that came to one, one had a step shorter than 1/64.) Where they become shorter and shorter it creeps to a minimum
 /// of the residual where there is no orbit, as before a fold: twelve halvings of each step took most of the time of all tries.
 constexpr int few_halvings = 6;
-
-/// Whether an orbit with this first multiplier attracts. Where nothing dissipates moduli are one, up to their rounding.
-bool attracts(const std::complex<double>& first) {
-  constexpr double rounding = 1e-13;
-  return std::abs(first) < 1.0 - rounding;
-}
 
 /// Returns that orbit_of_close_returns tries.
 constexpr std::size_t most_tries = 3;
@@ -65,14 +58,8 @@ template <class Orbit> class NearOrbit {
 
 const auto never = [] { return false; };
 
-/// Whether the motion from x is this orbit and stays held at a stop: nothing happens on it, and a disturbance is forgotten at once.
-bool rests_for_ever(const PeriodicOrbit& orbit, const Vector& x) {
-  return orbit.events.empty() && orbit.multipliers.values.front() == 0.0 && orbit.state == x;
-}
-
-/// True if the motion from x comes closer to the orbit, or rests on it: then there is no distance left to shrink.
+/// True if the motion from x comes closer to the orbit.
 bool approaches(Propagator& propagator, const PeriodicOrbit& orbit, const Vector& x) {
-  if (rests_for_ever(orbit, x)) return true;
   NearOrbit motion(orbit, x, std::abs(orbit.multipliers.values.front()), static_cast<std::size_t>(orbit.period));
   carry_watched(propagator, motion, never);
   return motion.comes_closer();
@@ -108,7 +95,6 @@ std::optional<PeriodicOrbit> stable_orbit_of(Propagator& propagator, const std::
     if (const auto half = between_halves(states, near_halves);
         !half.empty() && in_front_of_barriers(half) && growth_along(propagator, half) <= growth_at_doubling)
       orbit = shoot_from(half);
-  if (orbit.multipliers.values.empty()) return std::nullopt;  // nobody knows whether it is stable
   if (orbit.converged() && has_doubled(orbit.states.size(), orbit.multipliers.values.front(), states.size())) {
     const double mu = orbit.multipliers.values.front().real();
     const std::size_t three_times = 3 * orbit.states.size() + 1;
@@ -119,8 +105,7 @@ std::optional<PeriodicOrbit> stable_orbit_of(Propagator& propagator, const std::
   }
   const double scale = 1.0 + state_size(states.front());
   const bool near = orbit.converged() && nearest_distance(orbit.states, states.front()) < 2.0 * worth_trying * scale;
-  const bool attracting = near && orbit.stable() && attracts(orbit.multipliers.values.front());
-  if (attracting && orbit.admissible == Admissibility::admissible) return orbit;
+  if (near && orbit.stable() && orbit.admissible == Admissibility::admissible) return orbit;
   return std::nullopt;
 }
 
@@ -192,7 +177,7 @@ Verdict verdict(const LaneOrbit& orbit, const Vector& state) {
   const double scale = 1.0 + state.lpNorm<Eigen::Infinity>();
   if (!orbit.converged || !(nearest_distance(orbit.states, state) < 2.0 * worth_trying * scale)) return Verdict::no;
   if (orbit.delicate) return Verdict::delicate;
-  return orbit.stable() && attracts(orbit.multipliers[0]) ? Verdict::yes : Verdict::no;
+  return orbit.stable() ? Verdict::yes : Verdict::no;
 }
 
 PeriodicOrbit plain_orbit(const HybridSystem& system, const Vector& p, const LaneOrbit& found) {
@@ -248,18 +233,6 @@ LaneTask<LaneOrbit> shoot_next_to_doubling(LanePlace& lane, const std::vector<St
 
 }  // namespace
 
-namespace {
-
-/// Whether a motion begins held at a stop. The lanes' matrix of a period there does not tell what a disturbance does.
-bool is_held(const HybridSystem& system, const Vector& p, const Vector& state) {
-  const std::optional<std::size_t> mode = mode_at(system, 0.0, state, p);
-  return mode && std::any_of(system.events.begin(), system.events.end(), [&](const Event& event) {
-           return event.accumulation && event.accumulation->sticking_mode == *mode;
-         });
-}
-
-}  // namespace
-
 LaneTask<SettlingLook> look_for_orbit_in_lanes(LanePlace& lane, const HybridSystem& system, const Vector& p, const Vector& state,
                                                int max_period, double nearness, const FlowOptions& flow, RefusedOrbits* refused) {
   SettlingLook out;
@@ -273,11 +246,6 @@ LaneTask<SettlingLook> look_for_orbit_in_lanes(LanePlace& lane, const HybridSyst
   }
   const std::vector<int> returns = returns_of(states, nearness, max_period);
   if (!returns.empty()) out.closest = returns.front();
-  if (out.closest == 1 && is_held(system, p, state)) {
-    Propagator propagator(system, p, {}, flow);
-    out.orbit = stable_orbit_near(propagator, {state}, passed_by);
-    if (out.orbit) co_return out;
-  }
   for (const int n : worth_a_try(returns)) {
     const std::vector<StatePair> around(states.begin(), states.begin() + n);
     const LaneOrbit orbit = co_await shoot_next_to_doubling(lane, around);

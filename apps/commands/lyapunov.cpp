@@ -48,11 +48,6 @@ AttractorOptions attractor_options(const Options& options, const Problem& proble
   return out;
 }
 
-/// No average can tell its exponent from zero, however long it is.
-bool is_neutral(const Attractor& attractor) {
-  return attractor.motion == ConservativeMotion::elliptic_orbit || attractor.motion == ConservativeMotion::island;
-}
-
 int run(const Options& options, const Console& console) {
   const OutputFolder folder(options.output, "lyapunov", options.start.file);
   for (const auto& [name, value] : {std::pair{"--standard-error", options.standard_error}, {"--change", options.change}})
@@ -89,7 +84,7 @@ int run(const Options& options, const Console& console) {
     status = Status::failed;
     message = "the motion could not be carried on";
   } else if (attractor.type != AttractorType::periodic && attractor.time_average.stop == LyapunovStop::budget &&
-             options.standard_error != 0.0 && !is_neutral(attractor)) {
+             options.standard_error != 0.0) {
     // Not a failure, and no other exit code: an average and its error of so many periods are a result. But it says so.
     message = fmt::format("the budget of {} forcing periods is used up before {}; --periods gives more", options.periods,
                           options.change ? "the exponents have settled to --change" : "every standard error is below its bound");

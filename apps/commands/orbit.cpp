@@ -26,7 +26,7 @@ int run(const Options& options, const Console& console) {
   result.json = result_head("orbit/1", "orbit", problem, options_json(problem, options.orbit));
   folder.check_free_for(result.json);
   const FoundOrbits found = find_orbits(problem, options.orbit, console);
-  set_status(result.json, found.status, found.status == Status::done ? found.note : found.message);
+  set_status(result.json, found.status, found.message);
   result.json["orbit"] =
       found.status != Status::failed && !found.orbits.empty() ? orbit_json(found.orbits.front()) : Json(nullptr);
   if (found.origin != "settled") {
@@ -37,7 +37,6 @@ int run(const Options& options, const Console& console) {
 
   result.table = orbits_table(found.orbits, false);
   result.text = describe(problem) + "\n\n";
-  if (!found.note.empty()) result.text += found.note + "\n\n";
   if (found.orbits.size() > 1) result.text += "orbits found\n" + aligned(orbits_table(found.orbits, true)) + "\n";
   if (options.orbit.search)
     for (const PeriodicOrbit& orbit : found.orbits) result.text += orbit_text(orbit) + "\n";

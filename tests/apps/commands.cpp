@@ -36,21 +36,6 @@ double error(const Json& given, double value) { return std::abs(given.get<double
 
 }  // namespace
 
-TEST_CASE("orbit that settles on a stable 1/2 and gives an unstable 1/1 says so") {
-  const Json json = json_of({"orbit", problem("hertz-damped"), "--set", "eta=0.85"});
-  CHECK(json["orbit"]["stable"] == false);
-  CHECK_THAT(json["message"].get<std::string>(), Contains("repeats after 2 forcing periods (z = 1/2, stable)"));
-  CHECK_THAT(json["message"].get<std::string>(), Contains("the orbit given (z = 1/1, unstable) is another one"));
-  CHECK_THAT(call("orbit", "hertz-damped", {"--set", "eta=0.85"}).out, Contains("(z = 1/1, unstable) is another one"));
-  CHECK_FALSE(json_of({"orbit", problem("hertz-damped"), "--set", "eta=0.925"}).contains("message"));
-}
-
-TEST_CASE("orbit whose first forcing period cannot be carried out ends with the reason, not in a search of minutes") {
-  const Outcome outcome = call("orbit", "hertz-damped", {"--set", "xi=1e12"});
-  CHECK(outcome.code == 1);
-  CHECK_THAT(outcome.err, Contains("not even the first forcing period can be carried out"));
-}
-
 TEST_CASE("every command has help with an example that it understands") {
   CHECK(commands().size() >= 8);
   for (const Command& command : commands()) {

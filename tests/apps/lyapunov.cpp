@@ -57,23 +57,6 @@ TEST_CASE("lyapunov in chaos: positive by many standard errors, and a budget tha
   CHECK_THAT(short_of.out, Contains("averaged over 300 forcing periods"));
 }
 
-TEST_CASE("lyapunov on an island: no chaos and no attractor, in JSON and in a sentence") {
-  const std::vector<std::string> island = {"--set", "b=0",   "--set",   "k_r=1",
-                                           "--set", "eta=2.8", "--set", "r=-0.1",
-                                           "--start=-0.68771149,0.365807336"};
-  const Json json = spectrum(island, "newton-elastic");
-  CHECK(json["attractor"]["type"] == "undecided");
-  CHECK(json["attractor"]["conservative"] == true);
-  CHECK(json["attractor"]["motion"] == "island");
-  const Attractor back = attractor_of(json["attractor"]);
-  CHECK(back.conservative);
-  CHECK(back.motion == ConservativeMotion::island);
-  std::vector<std::string> told = {"lyapunov", problem("newton-elastic")};
-  told.insert(told.end(), island.begin(), island.end());
-  CHECK_THAT(call(told).out, Contains("island: nothing dissipates along this motion, so there is no attractor"));
-  CHECK_FALSE(spectrum({"--set", "eta=0.711", "--standard-error", "1e-3"}, "newton-elastic")["attractor"].contains("motion"));
-}
-
 TEST_CASE("lyapunov where a direction is forgotten: minus infinity is null in JSON") {
   const Json json = spectrum({"--set", "k_r=0", "--set", "r=1"}, "newton-elastic");
   CHECK(json["exponents"].back().is_null());

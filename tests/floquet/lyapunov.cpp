@@ -42,66 +42,6 @@ TEST_CASE("batch means: where terms alternate, their ends are no secret") {
   CHECK(means.edge() == Approx(2.0 / 125.0).epsilon(0.01));
 }
 
-TEST_CASE("batch means: a series that falls as 1/k has a trend, and a steady one has none") {
-  BatchMeans falling, steady;
-  std::mt19937 random(1);
-  std::normal_distribution<double> noise;
-  constexpr int first = 60, count = 4096;
-  for (int k = 0; k < count; ++k) {
-    falling.add(std::log1p(1.0 / (first + k)));
-    steady.add(1.0 + noise(random));
-  }
-  // Sums of ln((k + 1) / k) over the halves; the batches end with the series.
-  const double earlier = std::log((first + count / 2.0) / first), all = std::log((first + count) / double(first));
-  CHECK(falling.mean() == Approx(all / count).epsilon(1e-12));
-  CHECK(falling.drift() == Approx((2.0 * earlier - all) / count).epsilon(1e-12));
-  CHECK(trend(0.25 * falling.standard_error(), falling.drift()) == falling.drift());  // of sixteen such series
-  CHECK(trend(steady.standard_error(), steady.drift()) == 0.0);
-}
-
-TEST_CASE("the tangent's growth in an island falls as ln N over N, and is no chaos by any number of standard errors") {
-  const HybridSystem system = make_oscillator("linear", "newton");
-  const Vector p = parameters(system, {{"b", 0.0}, {"k_r", 1.0}, {"eta", 2.8}, {"r", -0.1}});
-  const Vector start = vector({-0.68771149, 0.365807336});
-  for (const int motions : {1, 16, 32}) {
-    LyapunovOptions options;
-    options.motions = motions;
-    options.standard_error = 0.0;  // all periods
-    options.max_periods = 40000;
-    const LyapunovSpectrum spectrum = lyapunov_spectrum(system, p, start, options);
-    INFO(motions << " motions, " << spectrum.exponents[0] << " +- " << spectrum.standard_errors[0]);
-    CHECK(spectrum.conservative);
-    CHECK(spectrum.exponents[0] < 5.0 * spectrum.standard_errors[0]);
-  }
-}
-
-TEST_CASE("where nothing dissipates there is no attractor, but an island, an elliptic orbit or a chaotic sea") {
-  const HybridSystem system = make_oscillator("linear", "newton");
-  const Vector p = parameters(system, {{"b", 0.0}, {"k_r", 1.0}, {"eta", 2.8}, {"r", -0.1}});
-  for (const double recurrence : {0.0, 1e-6}) {  // the latter in lanes beside others
-    AttractorOptions options;
-    options.recurrence = recurrence;
-    if (recurrence > 0.0) options.periods_on_orbit = 0;
-    options.lyapunov.max_periods = 40000;
-    const std::vector<AverageStart> starts = {
-        {p, vector({-0.68771149, 0.365807336})}, {p, vector({-0.6, 0.0})}, {p, vector({-0.713629246008893, 0.0})}};
-    const auto found = find_each_attractor(system, starts, options);
-    const std::vector<ConservativeMotion> motions = {ConservativeMotion::island, ConservativeMotion::chaotic_sea,
-                                                     ConservativeMotion::elliptic_orbit};
-    for (std::size_t i = 0; i < found.size(); ++i) {
-      INFO("start " << i << ", recurrence " << recurrence);
-      CHECK(found[i].type == AttractorType::undecided);
-      CHECK(found[i].conservative);
-      CHECK(conservative_motion_name(found[i].motion) == conservative_motion_name(motions[i]));
-    }
-  }
-  // A little damping, and it is an attractor again.
-  const Vector damped = parameters(system, {{"b", 0.05}, {"eta", 0.711}, {"r", 2.0}, {"k_r", 1.0}});
-  const Attractor chaos = find_attractor(system, damped, vector({0.0, 0.0}));
-  CHECK(chaos.type == AttractorType::chaotic);
-  CHECK_FALSE(chaos.conservative);
-}
-
 TEST_CASE("motions that stay together at a stable orbit are not sixteen witnesses of chaos") {
   // A linear stop at which the norm of a tangent vector alternates by seventy from period to period; the orbit's exponent is
   // -2.7e-5, and 125 periods of each motion end on the larger half.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Orbits that chatter and stick (Newton's law, k_r < 1, low frequency): found, with multipliers that are exactly zero.
 #include <graze/floquet/search.hpp>
-#include <graze/floquet/settling_orbit.hpp>
 #include <graze/floquet/settle.hpp>
 #include <graze/lib/oscillator.hpp>
 
@@ -120,21 +119,6 @@ TEST_CASE("a mass held against its stop for good: a disturbance is forgotten whe
   const PeriodicOrbit lossless = shoot(system, parameters(system, {{"r", -2.0}, {"k_r", 1.0}, {"xi", 0.3}}), held, 1);
   CHECK_FALSE(lossless.multipliers.valid);
   CHECK_FALSE(lossless.stable());
-}
-
-TEST_CASE("a mass that rests on a pressed stop has settled on its orbit") {
-  const Vector rest{{-1.0, 0.0}};
-  const auto settled_at = [&](double k_r) {
-    const Vector p = parameters(rigid(), {{"xi", 0.7}, {"r", -1.0}, {"k_r", k_r}, {"eta", 0.8}, {"b", 0.02}});
-    Propagator propagator(rigid(), p);
-    return orbit_of_close_returns(propagator, rest, 4, 1e-3);
-  };
-  const auto orbit = settled_at(0.8);
-  REQUIRE(orbit.has_value());
-  CHECK(orbit->period == 1);
-  CHECK(orbit->impacts == 0);
-  for (const double exponent : orbit->multipliers.exponents) CHECK(exponent == -std::numeric_limits<double>::infinity());
-  CHECK_FALSE(settled_at(1.0).has_value());  // a bounce loses nothing
 }
 
 TEST_CASE("strong damping: a multiplier far below the rounding of its matrix is that of Liouville's identity") {
