@@ -34,14 +34,21 @@ void take(FoundOrbits& found, std::vector<PeriodicOrbit> orbits, const char* ori
   if (any) found.status = Status::done;
 }
 
+/// The orbit that the settled motion repeats, if it does.
+std::optional<PeriodicOrbit> settled_orbit(const Problem& problem, const Settled& settled) {
+  if (settled.suspected_period == 0) return std::nullopt;
+  PeriodicOrbit orbit = shoot(problem.system, problem.parameters, settled.state, settled.suspected_period);
+  if (!orbit.converged()) return std::nullopt;
+  return orbit;
+}
+
 /// What the settled motion is, in words.
-std::string attractor(const Problem& problem, const Settled& settled) {
+std::string attractor(const Settled& settled, const std::optional<PeriodicOrbit>& orbit) {
   if (settled.suspected_period == 0)
     return fmt::format("the motion settled at {} after {} repeats after no period up to {}", shown(settled.state),
                        periods(settled.periods), SettleOptions{}.max_period);
-  const PeriodicOrbit orbit = shoot(problem.system, problem.parameters, settled.state, settled.suspected_period);
   return fmt::format("the motion settled at {} repeats after {}{}", shown(settled.state), periods(settled.suspected_period),
-                     orbit.converged() ? fmt::format(" ({}, {})", z_label(orbit), orbit.stable() ? "stable" : "unstable") : "");
+                     orbit ? fmt::format(" ({}, {})", z_label(*orbit), orbit->stable() ? "stable" : "unstable") : "");
 }
 
 }  // namespace
@@ -174,7 +181,7 @@ FoundOrbits find_orbits(const Problem& problem, const OrbitOptions& options, con
                                 periods(settle_of(problem, options.start)), shown(settled.state));
     return found;
   }
-  std::optional<PeriodicOrbit> fallback;
+  std::optional<PeriodicOrbit> fallback, attained;
   std::string reached;
   if (settled.termination == Termination::time) {
     ShootingOptions shooting;
@@ -187,13 +194,16 @@ FoundOrbits find_orbits(const Problem& problem, const OrbitOptions& options, con
       return found;
     }
     if (wanted) fallback = std::move(orbit);
-    reached = attractor(problem, settled);
+    attained = settled_orbit(problem, settled);
+    reached = attractor(settled, attained);
   } else {
     reached = fmt::format("the transient ended after {}: {}", periods(settled.periods), termination_text(settled.termination));
   }
   console.note(fmt::format("{}; searching for orbits of period {}", reached, period));
   FoundOrbits searched = search_for_orbits(problem, options, console);
   searched.settled = found.settled;
+  searched.settled_on = std::move(attained);
+  searched.remark = reached;
   if (searched.status == Status::failed && fallback) take(searched, {*fallback}, "settled");
   if (searched.status == Status::failed) searched.message += "; " + reached;
   return searched;
@@ -205,6 +215,12 @@ void add_origin(Json& result, const FoundOrbits& found) {
     result["settled"] = {{"state", to_json(found.settled->state)},
                          {"periods", found.settled->periods},
                          {"suspected_period", found.settled->suspected_period}};
+  if (found.settled_on)
+    result["settled"]["orbit"] = {{"period", found.settled_on->period},
+                                  {"impacts", found.settled_on->impacts},
+                                  {"stable", found.settled_on->stable()},
+                                  {"is_result", !found.orbits.empty() && same_orbit(found.orbits.front(), *found.settled_on)}};
+  if (!found.remark.empty()) result["remark"] = found.remark;
 }
 
 }  // namespace graze::apps

@@ -61,6 +61,8 @@ struct FoundOrbits {
   std::string origin;                 ///< "settled" or "search"
   std::string message;                ///< why there is none, and what was found instead
   std::optional<Settled> settled;
+  std::optional<PeriodicOrbit> settled_on;  ///< what it repeats, if that was not of the period wanted
+  std::string remark;                       ///< what the motion settled on, where a search had to follow
 };
 
 /// Orbits at the parameters of the problem, with finite-difference checks on those returned.

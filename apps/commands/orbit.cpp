@@ -42,6 +42,10 @@ int run(const Options& options, const Console& console) {
     for (const PeriodicOrbit& orbit : found.orbits) result.text += orbit_text(orbit) + "\n";
   else if (!found.orbits.empty())
     result.text += orbit_text(found.orbits.front());
+  if (!found.orbits.empty() && !found.remark.empty())
+    result.text += fmt::format("\n  {}: found by a search, {}\n", found.remark,
+                               found.orbits.front().stable() ? "the orbit above was not reached from the start"
+                                                             : "the orbit above is not what the motion settles on");
   if (found.status != Status::done) console.err << "graze orbit: " << found.message << "\n";
   return deliver(result, options.output, "orbit", exit_code(found.status), console);
 }
