@@ -58,7 +58,12 @@ void write_attractor(const Attractor& attractor, JsonText& json) {
   json.member("state", attractor.state);
   if (!attractor.multipliers.empty()) {
     write_sticking(attractor.impacts, attractor.isolated_impacts, json);
+    if (attractor.rests) json.member("rests", true);
     json.member("multipliers", attractor.multipliers);
+  }
+  if (attractor.conservative) {
+    json.member("conservative", true);
+    json.member("motion", conservative_motion_name(attractor.motion));
   }
   json.end_object();
 }
@@ -76,18 +81,50 @@ Attractor attractor_of(const Json& json) {
   out.state = vector_from(json.at("state"));
   out.termination = Termination::time;
   out.isolated_impacts = json.value("isolated_impacts", out.impacts);
+  out.rests = json.value("rests", false);
+  out.conservative = json.value("conservative", false);
+  using enum ConservativeMotion;
+  for (const ConservativeMotion motion : {neutral, island, chaotic_sea})
+    if (json.value("motion", "") == conservative_motion_name(motion)) out.motion = motion;
   if (json.contains("multipliers")) out.multipliers = multipliers_from(json["multipliers"]).values;
   return out;
 }
 
 std::string attractor_name(const Attractor& attractor) {
+  if (attractor.motion == ConservativeMotion::neutral)
+    return "neutral " + (attractor.rests ? std::string("rest") : z_label(attractor.impacts, attractor.period));
+  if (attractor.motion != ConservativeMotion::unknown) return std::string(conservative_motion_name(attractor.motion));
   if (attractor.type != AttractorType::periodic) return std::string(attractor_type_name(attractor.type));
+  if (attractor.rests) return "at rest";
   return z_label(attractor.impacts, attractor.isolated_impacts, attractor.period);
 }
 
+namespace {
+
+const char* conservative_text(ConservativeMotion motion) {
+  switch (motion) {
+  case ConservativeMotion::unknown:
+    break;
+  case ConservativeMotion::neutral:
+    return "the orbit is elliptic, and motions beside it stay beside it";
+  case ConservativeMotion::island:
+    return "the motion is quasi-periodic: its tangent has grown no faster than by shear";
+  case ConservativeMotion::chaotic_sea:
+    return "the tangent of the motion has grown by more than shear makes it";
+  }
+  return "the average is too short to tell an island from the chaotic sea";
+}
+
+}  // namespace
+
 std::string attractor_text(const Attractor& attractor, int max_period) {
   std::string text;
-  if (attractor.type == AttractorType::periodic) {
+  if (attractor.conservative) {
+    text = fmt::format("{}: nothing dissipates here (Liouville's sum is zero), so there is no attractor; {}\n",
+                       attractor_name(attractor), conservative_text(attractor.motion));
+  } else if (attractor.rests) {
+    text = "at rest: " + rest_text(attractor.exponents) + "\n";
+  } else if (attractor.type == AttractorType::periodic) {
     text = fmt::format("periodic, {}: exponents ln|mu| / (nT) of its multipliers\n", attractor_name(attractor));
   } else if (attractor.type == AttractorType::chaotic) {
     text = fmt::format("chaotic: the first exponent is positive by {} standard errors\n",

@@ -61,7 +61,7 @@ void add_row(Json& layer, const MapPoint* points, int columns) {
 }  // namespace
 
 bool sticks(const MapPoint& point) {
-  return point.type == MapType::periodic && point.impacts > 0 && point.lambda_1 == -std::numeric_limits<double>::infinity();
+  return point.type == MapType::periodic && point.lambda_1 == -std::numeric_limits<double>::infinity();
 }
 
 std::vector<MapCounts> count_map(const MapPlan& plan, const MapRows& rows) {
@@ -85,7 +85,7 @@ MapRows counting(const MapPlan& plan, const MapRows& rows, std::vector<MapCounts
 
 std::string map_point_name(const MapCounts::key_type& kind) {
   const auto& [type, period, impacts, sticking] = kind;
-  if (sticking) return fmt::format("z = ∞/{}", period);
+  if (sticking) return impacts == 0 ? "at rest" : fmt::format("z = ∞/{}", period);
   if (type == MapType::periodic) return impacts == 0 && period == 1 ? "impactless" : z_label(impacts, period);
   return type == MapType::not_run ? "not computed" : std::string(map_type_name(type));
 }

@@ -107,6 +107,13 @@ std::string z_label_of(const Json& orbit) {
   return "z = " + label(impacts, orbit.value("isolated_impacts", impacts), orbit.at("period"));
 }
 
+std::string rest_text(const std::vector<double>& exponents) {
+  const bool bounces = !exponents.empty() && std::isfinite(exponents.front());
+  return bounces ? "the mass rests on the pressed stop for ever; the stop gives all energy back, so that a disturbance bounces "
+                   "for ever too, its speed shrinking at the first exponent (-2b/3), its height at the second (-4b/3)"
+                 : "the mass rests on the pressed stop for ever; a disturbance ends in the same rest, forgotten";
+}
+
 void add_sticking(Json& out, int impacts, int isolated) {
   if (isolated >= impacts) return;
   out["sticking"] = true;
@@ -146,6 +153,8 @@ Json orbit_json(const PeriodicOrbit& orbit) {
               {"admissible", orbit.admissible == Admissibility::admissible},
               {"stable", orbit.stable()}};
   add_sticking(out, orbit.impacts, orbit.isolated_impacts);
+  if (orbit.rests) out["rests"] = true;
+  if (orbit.conservative) out.update({{"conservative", true}, {"neutral", orbit.neutral()}});
   out["multipliers"] = multipliers_json(orbit.multipliers);
   out["exponents"] = exponents_json(orbit.multipliers);
   out["zero_multipliers"] =
@@ -164,12 +173,14 @@ std::string orbit_text(const PeriodicOrbit& orbit, const std::string& stability)
   std::string text = fmt::format("orbit {}: {} impact{} in {} forcing period{}, {}, {}\n", z_label(orbit), orbit.impacts,
                                  orbit.impacts == 1 ? "" : "s", orbit.period, orbit.period == 1 ? "" : "s",
                                  !stability.empty() ? stability
+                                 : orbit.neutral()  ? "neutral (nothing dissipates)"
                                  : orbit.stable()   ? "stable"
                                                     : "unstable",
                                  admissible ? "admissible" : "NOT ADMISSIBLE (it passes through the barrier)");
   text +=
       fmt::format("  state at forcing phase 0   x = {}   x' = {}\n", rounded(orbit.state[0], 15), rounded(orbit.state[1], 15));
   text += fmt::format("  duration                   {}\n", rounded(orbit.duration, 15));
+  if (orbit.rests) text += "  " + rest_text(orbit.multipliers.exponents) + "\n";
 
   if (multipliers.valid) {
     Table table{{"multiplier", "value", "modulus", "exponent"}, {}};

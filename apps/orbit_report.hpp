@@ -32,6 +32,8 @@ std::string z_label(int impacts, int period);
 std::string z_label(int impacts, int isolated, int period);  ///< of them isolated: sticking, see PeriodicOrbit
 std::string z_label(const PeriodicOrbit& orbit);
 std::string z_label_of(const Json& orbit);  ///< of an orbit, a special point or a periodic attractor as a result has it
+/// What a mass at rest on its stop does, by the exponents of a disturbance (lib/rest.hpp).
+std::string rest_text(const std::vector<double>& exponents);
 /// "sticking": true and "isolated_impacts" (those outside complete chatters), for an orbit that sticks.
 void add_sticking(Json& out, int impacts, int isolated);
 void write_sticking(int impacts, int isolated, JsonText& json);

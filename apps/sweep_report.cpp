@@ -62,7 +62,7 @@ std::vector<SweepRow> rows_from(const Json& rows) {
 
 Table sweep_overview(const std::vector<SweepRow>& rows, const std::string& parameter) {
   Table table{{"direction", parameter + " from", "to", "attractor", "values", "largest exponent from", "to"}, {}};
-  const auto numbers = [](const Attractor& x) { return std::tie(x.type, x.period, x.impacts, x.isolated_impacts); };
+  const auto numbers = [](const Attractor& x) { return std::tie(x.type, x.period, x.impacts, x.isolated_impacts, x.rests); };
   const auto alike = [&numbers](const Attractor& a, const Attractor& b) {  // most of them by their numbers
     return numbers(a) == numbers(b) || attractor_name(a) == attractor_name(b);
   };

@@ -63,8 +63,24 @@ Json sweeping_json(const SweepingOptions& options) {
   return json;
 }
 
+namespace {
+
+/// Rest, where no start is given, lies in front of the barrier at every value that a sweep begins with.
+Vector sweep_start(const Problem& problem, const StartOptions& start, const SweepRange& range) {
+  Vector state = start_state(problem, start.start);
+  if (start.start || problem.start) return state;
+  for (const SweepDirection direction : range.directions) {
+    Problem first = problem;
+    set_parameter(first, range.parameter, direction == SweepDirection::up ? range.from : range.to);
+    state[0] = std::min(state[0], parameter(first, "r"));
+  }
+  return state;
+}
+
+}  // namespace
+
 void check_sweep_start(const Problem& problem, const StartOptions& start, const SweepRange& range) {
-  const Vector state = start_state(problem, start.start);
+  const Vector state = sweep_start(problem, start, range);
   for (const SweepDirection direction : range.directions) {
     Problem first = problem;
     set_parameter(first, range.parameter, direction == SweepDirection::up ? range.from : range.to);
@@ -95,7 +111,7 @@ Swept carry_out_sweeps(const Problem& problem, const StartOptions& start, const 
   };
   stints.begin(so_far.size());
   Swept out{{}, Status::done, {}};
-  out.rows = sweep(problem.system, problem.parameters, start_state(problem, start.start), sweeping, so_far);
+  out.rows = sweep(problem.system, problem.parameters, sweep_start(problem, start, range), sweeping, so_far);
   if (interrupted() && out.rows.size() < expected) {
     out.status = Status::interrupted;
     out.message = fmt::format("{} after {} of {} values", interruption(), out.rows.size(), expected);

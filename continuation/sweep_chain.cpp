@@ -3,6 +3,7 @@
 #include <graze/floquet/attractor_in_lanes.hpp>
 #include <graze/floquet/stroboscopic_states.hpp>
 #include <graze/lib/lane_pool.hpp>
+#include <graze/lib/rest.hpp>
 
 #include <algorithm>
 #include <stdexcept>
@@ -89,22 +90,33 @@ LaneTask<std::optional<Vector>> SweepChain::carry_on(LanePlace& lane, const Vect
   co_return states.back();
 }
 
+/// What the row before has left; a mass that rests there on its stop goes with it where it comes nearer.
+Vector SweepChain::with_its_stop(const Begin& begin, const Vector& p) const {
+  if (mode_at(system_, 0.0, begin.state, p)) return begin.state;
+  const FlowOptions& flow = options_.attractor.lyapunov.flow;
+  Propagator before(system_, parameters(values_[begin.number - 1]), {}, flow), now(system_, p, {}, flow);
+  if (rest_for_ever(before, begin.state) != begin.state) return begin.state;
+  return rest_for_ever(now, begin.state).value_or(begin.state);
+}
+
 LaneTask<SweepRow> SweepChain::find(LanePlace& lane, Begin begin, AttractorOptions finding,
                                     std::function<void(const Vector& state)> hand_on) const {
   SweepRow out = row(begin.number);
   const Vector p = parameters(out.value);
+  if (!begin.at_start) begin.state = with_its_stop(begin, p);
   if (begin.at_start) finding.transient = options_.first_transient;
   const auto cancelled = [&finding] { return finding.lyapunov.cancelled && finding.lyapunov.cancelled(); };
   lane.hurry(true);
   out.end = begin.state;
   if (!begin.settled) {
     const int early = std::min(handed_on_early, finding.transient);
-    std::optional<Vector> end = co_await carry_on(lane, p, begin.state, early);
-    if (!end) co_return out;
-    out.end = std::move(*end);
-    finding.transient -= early;
-    hand_on(out.end);
-    lane.hurry(false);
+    // One that cannot be carried so far may have come to rest on its stop before: it is not handed on until that is known.
+    if (std::optional<Vector> end = co_await carry_on(lane, p, begin.state, early)) {
+      out.end = std::move(*end);
+      finding.transient -= early;
+      hand_on(out.end);
+      lane.hurry(false);
+    }
   }
   const Vector from = out.end;
   out.attractor = co_await approach_attractor_in_lanes(lane, system_, p, from, finding);

@@ -69,6 +69,7 @@ class SweepChain {
                           std::function<void(const Vector& state)> hand_on) const;
 
  private:
+  Vector with_its_stop(const Begin& begin, const Vector& p) const;
   LaneTask<std::optional<Vector>> carry_on(LanePlace& lane, const Vector& p, const Vector& state, int periods) const;
   LaneTask<> sample(LanePlace& lane, const Vector& p, SweepRow& row) const;
   void sample_alone(const Vector& p, std::size_t periods, SweepRow& row) const;

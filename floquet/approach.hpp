@@ -56,6 +56,11 @@ class Approach {
   /// What one more period did.
   void see(Termination termination, const Vector& state) {
     ++periods_;
+    if (termination == Termination::event_limit) {  // it may bounce on its stop for ever, ever lower
+      broken_ = true;
+      asks_ = 1;
+      return;
+    }
     if (termination != Termination::time) return stop(termination);
     out_.state = state;
     asks_ = std::min(watch_.see(state), options_.max_period);
@@ -67,6 +72,7 @@ class Approach {
   /// The orbits that it was seen to pass by at its returns; null at its end, where it looks at all of them again.
   RefusedOrbits* passed_by() { return at_end() ? nullptr : &passed_by_; }
   void answer(std::optional<PeriodicOrbit> orbit) {
+    if (!orbit && broken_) return stop(Termination::event_limit);
     open_ = !orbit && !at_end();
     asks_ = 0;
     if (orbit) settle_on(out_, std::move(*orbit));
@@ -82,7 +88,7 @@ class Approach {
   RefusedOrbits passed_by_;
   Attractor out_;
   int periods_ = 0, asks_ = 0;
-  bool open_ = true;
+  bool open_ = true, broken_ = false;  // broken: the next period has more events than are allowed
 };
 
 }  // namespace graze

@@ -17,12 +17,29 @@ std::string_view attractor_type_name(AttractorType type) {
   return "undecided";
 }
 
+std::string_view conservative_motion_name(ConservativeMotion motion) {
+  switch (motion) {
+  case ConservativeMotion::unknown:
+    break;
+  case ConservativeMotion::neutral:
+    return "neutral";
+  case ConservativeMotion::island:
+    return "island";
+  case ConservativeMotion::chaotic_sea:
+    return "chaotic sea";
+  }
+  return "undecided";
+}
+
 void describe_orbit(Attractor& attractor, const PeriodicOrbit& orbit) {
   attractor.type = AttractorType::periodic;
   attractor.termination = Termination::time;
   attractor.period = orbit.period;
   attractor.impacts = orbit.impacts;
   attractor.isolated_impacts = orbit.isolated_impacts;
+  attractor.rests = orbit.rests;
+  attractor.conservative = orbit.conservative;
+  attractor.motion = orbit.neutral() ? ConservativeMotion::neutral : ConservativeMotion::unknown;
   attractor.state = orbit.state;
   attractor.multipliers = orbit.multipliers.values;
   attractor.exponents = orbit.multipliers.exponents;

@@ -3,7 +3,10 @@
 //
 // Periodic is what Newton's method proves: the settled state is near a stable orbit, and goes on coming closer at the rate of its
 // multipliers. Its exponents are then ln|mu_i| / (n T) to all digits, and the time average stands beside them. Chaotic: the first
-// exponent is positive by several standard errors. Else undecided.
+// exponent is positive by several standard errors, and the tangent has grown by more than shear makes it. Else undecided.
+//
+// Where nothing dissipates there are no attractors. What a motion is by itself is then told beside its type: on or next to an
+// elliptic orbit (neutral: periodic), on an island (quasi-periodic: its type is undecided), in the chaotic sea.
 #pragma once
 
 #include <graze/floquet/lyapunov.hpp>
@@ -21,6 +24,11 @@ enum class AttractorType { undecided, periodic, chaotic };
 
 /// "undecided", "periodic", "chaotic".
 std::string_view attractor_type_name(AttractorType type);
+
+enum class ConservativeMotion { unknown, neutral, island, chaotic_sea };
+
+/// "undecided", "neutral", "island", "chaotic sea".
+std::string_view conservative_motion_name(ConservativeMotion motion);
 
 struct AttractorOptions {
   int transient = 1000;  ///< forcing periods
@@ -40,6 +48,9 @@ struct Attractor {
   AttractorType type = AttractorType::undecided;
   int period = 0, impacts = 0;                    ///< n and p of a periodic one
   int isolated_impacts = 0;                       ///< as in PeriodicOrbit
+  bool rests = false;                             ///< likewise
+  bool conservative = false;                      ///< Liouville's sum is zero along the motion; then it is of this kind:
+  ConservativeMotion motion = ConservativeMotion::unknown;
   Vector state;                                   ///< on it, at forcing phase 0
   std::vector<std::complex<double>> multipliers;  ///< of a periodic one
   /// In full. Null where there is none, or no more (there may be a million of them), or what is above is all that was kept.

@@ -80,7 +80,7 @@ void average(const HybridSystem& system, const Vector& p, Attractor& attractor, 
   attractor.time_average = std::move(average);
   attractor.state = attractor.time_average.state;
   if (ends.size() > 1) ends = that_may_settle(system, p, ends, options.lyapunov.flow);
-  const int most = periods_of_look(options, periods_each(attractor.time_average));
+  const int most = periods_of_look(options, attractor.time_average.periods_each());
   const std::size_t together = options.lyapunov.all_threads ? threads_here() : 1;
   for (std::size_t begin = 0; begin < ends.size(); begin += together) {
     std::vector<std::optional<PeriodicOrbit>> orbits(std::min(together, ends.size() - begin));
@@ -106,13 +106,13 @@ std::optional<Lingering> lingering(const HybridSystem& system, const Vector& p, 
       attractor.time_average.termination != Termination::time || !may_linger(attractor, round, T))
     return std::nullopt;
   Propagator propagator(system, p, {}, options.lyapunov.flow);
-  const int most = periods_of_look(options, periods_each(attractor.time_average));
+  const int most = periods_of_look(options, attractor.time_average.periods_each());
   const Returns returns = close_returns(propagator, attractor.state, most, nearness_of(options));
   if (returns.periods.empty()) return std::nullopt;
   Lingering watch = watch_end(attractor, returns.periods.front(), T, options);
   const auto stop = [&] { return cancelled(options); };
   if (!carry_watched(propagator, watch, stop)) return std::nullopt;
-  watch.look_back(begin, periods_each(attractor.time_average));
+  watch.look_back(begin, attractor.time_average.periods_each());
   if (!carry_watched(propagator, watch, stop)) return std::nullopt;
   return watch;
 }

@@ -62,7 +62,7 @@ LaneTask<bool> average(LanePlace& lane, const HybridSystem& system, const Vector
     if (again || !wants_confirmation(options, attractor)) break;
   }
   if (stop()) co_return false;  // where averages were broken off says nothing
-  const int periods = periods_of_look(options, periods_each(attractor.time_average));
+  const int periods = periods_of_look(options, attractor.time_average.periods_each());
   SettlingLook looked = co_await look(lane, system, p, attractor.state, periods, options);
   if (looked.orbit) {
     settle_on(attractor, std::move(*looked.orbit));
@@ -73,12 +73,12 @@ LaneTask<bool> average(LanePlace& lane, const HybridSystem& system, const Vector
     Lingering watch = watch_end(attractor, looked.closest, T, options);
     co_await carry_watched(lane, watch, stop);
     if (stop()) co_return false;
-    watch.look_back(begin, periods_each(attractor.time_average));
+    watch.look_back(begin, attractor.time_average.periods_each());
     co_await carry_watched(lane, watch, stop);
     if (stop()) co_return false;
     if (goes_on(watch, system, p, round, attractor)) co_return true;
   }
-  const bool too_short = attractor.type == AttractorType::undecided && round < rounds_for_undecided;
+  const bool too_short = attractor.type == AttractorType::undecided && !attractor.conservative && round < rounds_for_undecided;
   co_return too_short;
 }
 

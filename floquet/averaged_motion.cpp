@@ -33,6 +33,7 @@ void AveragedMotion::end_interval(int interval, Growths& growths) {
   if (std::isfinite(log_det) && std::isfinite(liouville_))
     liouville_residual_ = std::max(liouville_residual_, std::abs(log_det - liouville_) / interval);
   averaged_ += interval;
+  log_volume_ += liouville_;
   log_before_ = log_now;
   det_ = {};
   liouville_ = 0.0;

@@ -35,6 +35,8 @@ class AveragedMotion {
   int periods_open() const { return periods_; }
   std::int64_t averaged() const { return averaged_; }
   std::int64_t impacts() const { return impacts_; }
+  /// Liouville's sum over them.
+  double log_volume() const { return log_volume_; }
   /// Largest difference per period between ln|det| and Liouville's identity.
   double liouville_residual() const { return liouville_residual_; }
   /// Other than `time`: it ended so.
@@ -55,7 +57,7 @@ class AveragedMotion {
   std::array<BatchMeans, 2> means_;
   std::array<bool, 2> lost_{};
   std::int64_t averaged_ = 0, impacts_ = 0;
-  double liouville_residual_ = 0.0;
+  double liouville_residual_ = 0.0, log_volume_ = 0.0;
   Termination termination_ = Termination::time;
 };
 

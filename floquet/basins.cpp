@@ -6,6 +6,7 @@
 #include <graze/floquet/settling_orbit.hpp>
 #include <graze/floquet/side_by_side.hpp>
 #include <graze/floquet/spread_order.hpp>
+#include <graze/floquet/stroboscopic_states.hpp>
 #include <graze/lib/in_parallel.hpp>
 
 #include <algorithm>
@@ -163,6 +164,7 @@ class Search {
     }
     /// What one more period did.
     void see(Termination termination, const Vector& state) {
+      if (termination == Termination::event_limit && search_.look_for_rest(run_, this->state())) return close(run_.end);
       if (termination != Termination::time) {
         const bool wrong_start = first_ && k_ == 0 && termination == Termination::inadmissible_start;
         return close(termination == Termination::interrupted ? Run::End::cancelled
@@ -260,7 +262,17 @@ class Search {
   }
 
   bool look_for_orbit(Run& run, int period) const {
-    auto orbit = settling_orbit(system_, p_, run.state, std::min(period, options_.max_period), options_.flow);
+    return take_orbit(run, settling_orbit(system_, p_, run.state, std::min(period, options_.max_period), options_.flow));
+  }
+
+  bool look_for_rest(Run& run, const Vector& state) const {
+    Propagator propagator(system_, p_, {}, options_.flow);
+    // (The state is that of the last period that it was told of.)
+    const auto all = static_cast<std::size_t>(options_.transient) + 1;
+    return take_orbit(run, resting_orbit(propagator, stroboscopic_states(propagator, state, all).back()));
+  }
+
+  bool take_orbit(Run& run, std::optional<PeriodicOrbit> orbit) const {
     if (!orbit) return false;
     run.orbit = std::make_unique<PeriodicOrbit>(std::move(*orbit));
     run.end = Run::End::new_orbit;
@@ -297,8 +309,13 @@ class Search {
     if (found.attractor.type != AttractorType::periodic)
       for (std::size_t i = 0; i < known_.size(); ++i) {
         constexpr double alike = 0.9;
-        const bool same = known_[i].type != AttractorType::periodic && known_[i].cells.share(states) > alike &&
-                          known.cells.share(out_.attractors[i].states) > alike;
+        // Where nothing dissipates each motion is its own: they are told apart by what they are.
+        const Attractor &other = out_.attractors[i].attractor, &its = found.attractor;
+        const bool alike_in_kind =
+            its.conservative && other.conservative && its.motion == other.motion && its.type == other.type;
+        const bool alike_in_cells = known_[i].type != AttractorType::periodic && known_[i].cells.share(states) > alike &&
+                                    known.cells.share(out_.attractors[i].states) > alike;
+        const bool same = alike_in_kind || alike_in_cells;
         if (!same && !known_[i].orbit.holds(states.back())) continue;
         run.attractor = i;
         return;

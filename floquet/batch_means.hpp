@@ -45,6 +45,17 @@ class BatchMeans {
   std::int64_t until_batch_ends() const { return length_ - in_open_; }
   /// Infinite until there are enough batches.
   double standard_error() const { return error_; }
+  /// Mean of the later half of the batches less that of the earlier; 0 until there are enough.
+  double drift() const {
+    if (batches_.size() < most / 4) return 0.0;
+    const std::size_t half = batches_.size() / 2;
+    double earlier = 0.0, later = 0.0;
+    for (std::size_t i = 0; i < half; ++i) {
+      earlier += batches_[i];
+      later += batches_[batches_.size() - 1 - i];
+    }
+    return (later - earlier) / static_cast<double>(half);
+  }
   /// What the ends of the series leave open: where terms alternate by much (the growth along an orbit of several periods), the
   /// mean depends on how many there are. The spread of a term over their number, as good as nothing in chaos.
   double edge() const { return count_ > 1 ? std::sqrt(variance()) / static_cast<double>(count_) : 0.0; }

@@ -116,7 +116,7 @@ LyapunovSpectrum lyapunov_spectrum(const HybridSystem& system, const Vector& p, 
     return lost[i] ? -std::numeric_limits<double>::infinity() : means[i].mean() / interval_time;
   };
   const auto error = [&](std::size_t i) {
-    return lost[i] ? 0.0 : std::hypot(means[i].standard_error(), means[i].edge()) / interval_time;
+    return lost[i] ? 0.0 : with_trend(std::hypot(means[i].standard_error(), means[i].edge()), means[i].drift()) / interval_time;
   };
   out.stop = LyapunovStop::budget;
   std::int64_t aligned = 0;
@@ -159,6 +159,8 @@ LyapunovSpectrum lyapunov_spectrum(const HybridSystem& system, const Vector& p, 
       before[i] = now;
     }
     out.periods += options.interval;
+    out.log_growth = means[0].total();
+    out.log_volume += liouville;
     if (std::isfinite(sum) && std::isfinite(liouville))
       out.liouville_residual = std::max(out.liouville_residual, std::abs(sum - liouville) / options.interval);
     if (options.progress) options.progress(out.periods);
@@ -166,7 +168,9 @@ LyapunovSpectrum lyapunov_spectrum(const HybridSystem& system, const Vector& p, 
       out.stop = LyapunovStop::change;
       break;
     }
-    if (has_new_errors(options, lost[0], means[0]) && precise_enough(options, out.periods, means.size(), exponent, error)) {
+    const bool is_chaos = grows_beyond_shear(out.log_growth, out.log_volume, out.periods);
+    if (has_new_errors(options, lost[0], means[0]) &&
+        precise_enough(options, out.periods, is_chaos, means.size(), exponent, error)) {
       out.stop = LyapunovStop::standard_error;
       break;
     }

@@ -66,10 +66,16 @@ struct LyapunovSpectrum {
   std::vector<double> correlation_times;          ///< of each one's growth, in forcing periods (1/2 for independent periods)
   double kaplan_yorke = 0.0;                      ///< dimension j + (lambda_1 + ... + lambda_j) / |lambda_{j+1}|
   double liouville_residual = -1.0;               ///< largest |sum ln R_ii - Liouville's identity| per period; -1: not applicable
+  double log_growth = 0.0;  ///< ln of what a tangent vector has grown by along a motion: the mean of the motions
+  double log_volume = 0.0;  ///< Liouville's sum along a motion, likewise: exactly zero where nothing dissipates
   std::int64_t periods = 0;
   std::int64_t impacts = 0;    ///< impacts and entries into contact on the way
   Vector state;                ///< at forcing phase 0, at the end
   std::vector<Vector> others;  ///< of the motions beside it (LyapunovOptions::motions), likewise
+  /// Volumes stay as they are along the motion: nothing attracts it, and it attracts nothing.
+  bool conservative() const { return periods > 0 && log_volume == 0.0; }
+  /// Of each motion.
+  std::int64_t periods_each() const { return periods / static_cast<std::int64_t>(1 + others.size()); }
   bool converged() const { return stop == LyapunovStop::standard_error || stop == LyapunovStop::change; }
 };
 

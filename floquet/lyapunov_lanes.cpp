@@ -123,10 +123,13 @@ class Average {
   void gather() {
     out_.impacts = 0;
     out_.periods = 0;
+    out_.log_growth = out_.log_volume = 0.0;
     out_.termination = Termination::time;
     for (const AveragedMotion& motion : motions_) {
       out_.impacts += motion.impacts();
       out_.periods += motion.averaged();
+      out_.log_growth += motion.means(0).total() / static_cast<double>(motions_.size());
+      out_.log_volume += motion.log_volume() / static_cast<double>(motions_.size());
       out_.liouville_residual = std::max(out_.liouville_residual, motion.liouville_residual());
       for (std::size_t i = 0; i < 2; ++i) lost_[i] = lost_[i] || motion.lost(i);
       if (motion.termination() != Termination::time) out_.termination = motion.termination();
@@ -147,8 +150,11 @@ class Average {
   }
 
   bool settled() const {
+    const std::int64_t each = out_.periods / static_cast<std::int64_t>(motions_.size());
+    const bool is_chaos = grows_beyond_shear(out_.log_growth, out_.log_volume, each);
     return precise_enough(
-        options_, out_.periods, 2, [&](std::size_t i) { return exponent(i); }, [&](std::size_t i) { return standard_error(i); });
+        options_, out_.periods, is_chaos, 2, [&](std::size_t i) { return exponent(i); },
+        [&](std::size_t i) { return standard_error(i); });
   }
 
   double exponent(std::size_t i) const {
@@ -167,15 +173,16 @@ class Average {
   double standard_error(std::size_t i) const {
     if (lost_[i]) return 0.0;
     const auto n = static_cast<double>(motions_.size());
-    double squares = 0.0, edges = 0.0, mean = 0.0, apart = 0.0;
+    double squares = 0.0, edges = 0.0, mean = 0.0, apart = 0.0, drift = 0.0;
     for (const AveragedMotion& motion : motions_) {
       squares += motion.means(i).standard_error() * motion.means(i).standard_error();
       edges += motion.means(i).edge() / n;
       mean += motion.means(i).mean() / n;
+      drift += motion.means(i).drift() / n;
     }
     for (const AveragedMotion& motion : motions_) apart += (motion.means(i).mean() - mean) * (motion.means(i).mean() - mean);
     const double spread = motions_.size() > 1 ? apart / (n - 1.0) / n : 0.0;
-    return std::sqrt(std::max(squares / (n * n), spread) + edges * edges) / interval_time_;
+    return with_trend(std::sqrt(std::max(squares / (n * n), spread) + edges * edges), drift) / interval_time_;
   }
 
   const LyapunovOptions& options_;

@@ -7,6 +7,8 @@
 #include <graze/floquet/signature.hpp>
 #include <graze/lib/trajectory.hpp>
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
 
 namespace graze {
@@ -29,6 +31,9 @@ struct OrbitChecks {
   std::optional<FiniteDifferenceCheck> finite_difference;  ///< on request
 };
 
+/// Rounding moves two multipliers that meet on the unit circle by its square root.
+inline constexpr double on_unit_circle = 1e-7;
+
 struct PeriodicOrbit {
   Vector parameters;
   int period = 0;              ///< n forcing periods; 1 for an autonomous orbit
@@ -40,6 +45,8 @@ struct PeriodicOrbit {
   Signature signature;
   int impacts = 0;           ///< p of z = p/n
   int isolated_impacts = 0;  ///< of them, those that are not part of a complete chatter (whose number is a matter of definition)
+  bool rests = false;        ///< the mass is held at its stop all the time (lib/rest.hpp)
+  bool conservative = false;  ///< Liouville's sum is exactly zero along it
   NewtonReport newton;
   Admissibility admissible = Admissibility::not_checked;
   std::vector<EventRecord> events;  ///< along the orbit; times run on from phase 0 to `duration`
@@ -49,6 +56,12 @@ struct PeriodicOrbit {
 
   bool converged() const { return newton.converged(); }
   bool stable() const { return multipliers.stable(); }
+  /// Elliptic (or at rest, or at the border to that) where nothing dissipates: it attracts nothing, and repels nothing.
+  bool neutral() const {
+    return conservative && multipliers.valid &&
+           std::all_of(multipliers.values.begin(), multipliers.values.end(),
+                       [](const auto& mu) { return std::abs(std::abs(mu) - 1.0) < on_unit_circle; });
+  }
 };
 
 }  // namespace graze

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/approach.hpp>
+#include <graze/floquet/exponents.hpp>
 #include <graze/floquet/rounds.hpp>
 
 #include <algorithm>
@@ -11,6 +12,10 @@ namespace graze {
 namespace {
 
 constexpr int most_rounds = 3;
+
+/// Without growth beyond shear for so long, a motion where nothing dissipates is ordered: chaos with an exponent above
+/// ln(1e7) / 1000 = 0.016 a period would have shown.
+constexpr std::int64_t periods_on_island = 1000;
 
 /// By its exponential, what is as small as rounding grows beyond all bounds.
 constexpr double beyond_all_bounds = 40.0;
@@ -45,12 +50,9 @@ std::optional<PeriodicOrbit> look_for_orbit(Propagator& propagator, const Vector
   return settling_orbit(propagator, state, max_period, options.lyapunov.all_threads);
 }
 
-std::int64_t periods_each(const LyapunovSpectrum& average) {
-  return average.periods / static_cast<std::int64_t>(1 + average.others.size());
-}
-
 bool may_linger(const Attractor& attractor, int round, double T) {
-  return round == 0 || growth(attractor, T) * static_cast<double>(periods_each(attractor.time_average)) <= beyond_all_bounds;
+  if (attractor.time_average.conservative()) return false;  // it comes to nothing else
+  return round == 0 || growth(attractor, T) * static_cast<double>(attractor.time_average.periods_each()) <= beyond_all_bounds;
 }
 
 Lingering watch_end(const Attractor& attractor, int period, double T, const AttractorOptions& options) {
@@ -75,9 +77,16 @@ void take_average(LyapunovSpectrum average, const AttractorOptions& options, Att
   attractor.state = attractor.time_average.state;
   attractor.exponents = attractor.time_average.exponents;
   attractor.standard_errors = attractor.time_average.standard_errors;
+  const LyapunovSpectrum& mean = attractor.time_average;
+  const bool is_chaos = grows_beyond_shear(mean.log_growth, mean.log_volume, mean.periods_each());
   const bool positive =
       !attractor.exponents.empty() && attractor.exponents[0] > options.significance * attractor.standard_errors[0];
-  attractor.type = positive ? AttractorType::chaotic : AttractorType::undecided;
+  attractor.type = positive && is_chaos ? AttractorType::chaotic : AttractorType::undecided;
+  attractor.conservative = mean.conservative();
+  attractor.motion = ConservativeMotion::unknown;
+  if (attractor.conservative && is_chaos) attractor.motion = ConservativeMotion::chaotic_sea;
+  if (attractor.conservative && !is_chaos && mean.periods_each() >= periods_on_island)
+    attractor.motion = ConservativeMotion::island;
 }
 
 bool wants_confirmation(const AttractorOptions& options, const Attractor& attractor) {

@@ -20,9 +20,6 @@ inline constexpr int rounds_for_undecided = 2;
 std::optional<PeriodicOrbit> look_for_orbit(Propagator& propagator, const Vector& state, int max_period,
                                             const AttractorOptions& options, RefusedOrbits* refused = nullptr);
 
-/// The periods that each of the motions of an average was carried.
-std::int64_t periods_each(const LyapunovSpectrum& average);
-
 /// Whether a motion that comes back at the end of its average may linger at an orbit. Where it has been followed on already, and
 /// its average since was so long that what leaves an orbit at its exponent, from a distance as small as rounding, was gone (40
 /// times the time in which that grows e-fold), it is chaos that comes back.

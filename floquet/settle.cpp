@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/settle.hpp>
+#include <graze/lib/rest.hpp>
 
 #include <fmt/format.h>
 
@@ -26,8 +27,14 @@ Settled settle(const HybridSystem& system, const Vector& p, const Vector& start,
     result.state = transition.x1;
     return true;
   };
-  for (; result.periods < options.periods; ++result.periods)
-    if (!next_period()) return result;
+  for (; result.periods < options.periods; ++result.periods) {
+    if (next_period()) continue;
+    // Ever lower bounces on a pressed stop that gives all energy back: they end in rest, but never.
+    const auto rest = result.termination == Termination::event_limit ? rest_for_ever(propagator, result.state) : std::nullopt;
+    if (!rest || !comes_to_rest(propagator, result.state, *rest)) return result;
+    result.state = *rest;
+    break;
+  }
   // The state is handed on from before the look at its recurrence, so that the transient has just the length asked for.
   const Vector settled = result.state;
   result.termination = Termination::time;

@@ -7,6 +7,7 @@
 #include <graze/floquet/side_by_side.hpp>
 #include <graze/floquet/stroboscopic_states.hpp>
 #include <graze/floquet/tangent_growth.hpp>
+#include <graze/lib/rest.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -65,6 +66,11 @@ bool approaches(Propagator& propagator, const PeriodicOrbit& orbit, const Vector
   return motion.comes_closer();
 }
 
+/// Where nothing dissipates no motion comes closer to an orbit: it is on it, but for rounding, or it is not.
+bool is_on(const PeriodicOrbit& orbit, const Vector& x) {
+  return nearest_distance(orbit.states, x) < DistanceWatch::on_it * (1.0 + state_size(x));
+}
+
 /// How much the tangent of the motions over one period from each of these states grows in all.
 double growth_along(Propagator& propagator, const std::vector<Vector>& states) {
   const double T = forcing_period(propagator.system(), propagator.parameters());
@@ -95,7 +101,8 @@ std::optional<PeriodicOrbit> stable_orbit_of(Propagator& propagator, const std::
     if (const auto half = between_halves(states, near_halves);
         !half.empty() && in_front_of_barriers(half) && growth_along(propagator, half) <= growth_at_doubling)
       orbit = shoot_from(half);
-  if (orbit.converged() && has_doubled(orbit.states.size(), orbit.multipliers.values.front(), states.size())) {
+  if (orbit.converged() && orbit.multipliers.valid &&
+      has_doubled(orbit.states.size(), orbit.multipliers.values.front(), states.size())) {
     const double mu = orbit.multipliers.values.front().real();
     const std::size_t three_times = 3 * orbit.states.size() + 1;
     const std::vector<Vector> motion = stroboscopic_states(propagator, states.front(), three_times);
@@ -105,7 +112,7 @@ std::optional<PeriodicOrbit> stable_orbit_of(Propagator& propagator, const std::
   }
   const double scale = 1.0 + state_size(states.front());
   const bool near = orbit.converged() && nearest_distance(orbit.states, states.front()) < 2.0 * worth_trying * scale;
-  if (near && orbit.stable() && orbit.admissible == Admissibility::admissible) return orbit;
+  if (near && (orbit.stable() || orbit.neutral()) && orbit.admissible == Admissibility::admissible) return orbit;
   return std::nullopt;
 }
 
@@ -114,7 +121,7 @@ std::optional<PeriodicOrbit> stable_orbit_near(Propagator& propagator, const std
                                                RefusedOrbits& refused) {
   auto orbit = stable_orbit_of(propagator, states);
   if (!orbit || refused.knows(orbit->states, states.front())) return std::nullopt;
-  if (approaches(propagator, *orbit, states.front())) return orbit;
+  if (orbit->conservative ? is_on(*orbit, states.front()) : approaches(propagator, *orbit, states.front())) return orbit;
   refused.add(orbit->states, states.front());
   return std::nullopt;
 }
@@ -151,6 +158,28 @@ std::vector<int> worth_a_try(const std::vector<int>& periods) {
 
 }  // namespace
 
+bool may_rest(const HybridSystem& system, const Vector& p, const Vector& state) {
+  constexpr double near_stop = 0.1;  // relative to 1 + |x|: what bounces there many times a period is nearer
+  return std::any_of(system.events.begin(), system.events.end(), [&](const Event& event) {
+    if (!event.accumulation) return false;
+    Vector rest = state;
+    event.accumulation->reset.map(0.0, state, p, rest);
+    return state_distance(rest, state) < near_stop * (1.0 + state_size(rest)) &&
+           mode_at(system, 0.0, rest, p) == event.accumulation->sticking_mode;
+  });
+}
+
+std::optional<PeriodicOrbit> resting_orbit(Propagator& propagator, const Vector& state) {
+  if (!may_rest(propagator.system(), propagator.parameters(), state)) return std::nullopt;
+  const std::optional<Vector> rest = rest_for_ever(propagator, state);
+  if (!rest || !comes_to_rest(propagator, state, *rest)) return std::nullopt;
+  ShootingOptions shooting;
+  shooting.flow = propagator.options();
+  PeriodicOrbit orbit = shoot(propagator.system(), propagator.parameters(), *rest, 1, shooting);
+  if (!orbit.converged() || !orbit.rests) return std::nullopt;
+  return orbit;
+}
+
 Returns close_returns(Propagator& propagator, const Vector& state, int max_period, double nearness) {
   Returns out{stroboscopic_states(propagator, state, static_cast<std::size_t>(std::max(0, max_period)) + 1), {}};
   out.periods = returns_of(out.states, nearness, max_period);
@@ -159,6 +188,7 @@ Returns close_returns(Propagator& propagator, const Vector& state, int max_perio
 
 std::optional<PeriodicOrbit> orbit_of_close_returns(Propagator& propagator, const Vector& state, int max_period, double nearness,
                                                     RefusedOrbits* refused) {
+  if (auto rest = resting_orbit(propagator, state)) return rest;
   RefusedOrbits own;
   const Returns returns = close_returns(propagator, state, max_period, nearness);
   for (const int n : worth_a_try(returns.periods)) {
@@ -236,6 +266,11 @@ LaneTask<LaneOrbit> shoot_next_to_doubling(LanePlace& lane, const std::vector<St
 LaneTask<SettlingLook> look_for_orbit_in_lanes(LanePlace& lane, const HybridSystem& system, const Vector& p, const Vector& state,
                                                int max_period, double nearness, const FlowOptions& flow, RefusedOrbits* refused) {
   SettlingLook out;
+  if (may_rest(system, p, state)) {
+    Propagator propagator(system, p, {}, flow);
+    out.orbit = resting_orbit(propagator, state);
+    if (out.orbit) co_return out;
+  }
   RefusedOrbits own;
   RefusedOrbits& passed_by = refused ? *refused : own;
   std::vector<StatePair> states = {pair_of(state)};
@@ -284,6 +319,7 @@ std::optional<PeriodicOrbit> settling_orbit(const HybridSystem& system, const Ve
 }
 
 std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector& state, int max_period, bool all_threads) {
+  if (auto rest = resting_orbit(propagator, state)) return rest;
   const HybridSystem& system = propagator.system();
   const Vector& p = propagator.parameters();
   const FlowOptions& flow = propagator.options();
@@ -320,7 +356,7 @@ std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector
       if (!orbits.empty() && leads_nowhere(orbits[i], around)) continue;
       auto orbit = stable_orbit_of(propagator, around);
       if (!orbit || is_refused(*orbit)) continue;
-      if (approaches(propagator, *orbit, state)) return orbit;
+      if (orbit->conservative ? is_on(*orbit, state) : approaches(propagator, *orbit, state)) return orbit;
       refused.add(orbit->states, state);
     }
     worth.clear();

@@ -18,6 +18,11 @@ std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector
 std::optional<PeriodicOrbit> settling_orbit(const HybridSystem& system, const Vector& p, const Vector& state, int max_period,
                                             const FlowOptions& flow = {});
 
+/// The orbit of a mass that rests for ever at its stop (lib/rest.hpp), if the motion at `state` is in it or comes to it. All
+/// that look for an orbit ask this first. `may_rest` tells where there is none, for little.
+std::optional<PeriodicOrbit> resting_orbit(Propagator& propagator, const Vector& state);
+bool may_rest(const HybridSystem& system, const Vector& p, const Vector& state);
+
 /// A return after so many periods need not be as close as after more.
 inline constexpr int short_return = 64;
 

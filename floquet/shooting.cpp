@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/shooting.hpp>
+#include <graze/lib/rest.hpp>
 
 #include <fmt/format.h>
 
@@ -147,23 +148,6 @@ void add_stroboscopic_states(ShootingEquations& equations, const Vector& u, Peri
   }
 }
 
-/// An orbit that sticks all the time has no event at which its monodromy matrix could forget what the stop takes up: a
-/// disturbance ends in the same rest, by impacts that lose energy each time. Where they lose none it goes on for ever, and the
-/// map has no derivative.
-void add_sticking(const ShootingEquations& equations, PeriodicOrbit& orbit) {
-  const Vector& p = equations.parameters();
-  for (const Event& event : equations.system().events) {
-    if (!event.accumulation || event.accumulation->sticking_mode != equations.stretch(0).mode0) continue;
-    Matrix forget(equations.states(), equations.states());
-    event.accumulation->reset.dx(0.0, orbit.state, p, forget);
-    if (event.log_volume_change && !(event.log_volume_change(p) < 0.0))
-      forget.setConstant(std::numeric_limits<double>::quiet_NaN());
-    orbit.monodromy.factors.push_back(forget);
-    orbit.monodromy.log_dets.push_back(std::numeric_limits<double>::quiet_NaN());
-    return;
-  }
-}
-
 }  // namespace
 
 PeriodicOrbit describe_orbit(ShootingEquations& equations, const Vector& u, NewtonReport report) {
@@ -204,7 +188,8 @@ PeriodicOrbit describe_orbit(ShootingEquations& equations, const Vector& u, Newt
     orbit.monodromy.trivial_direction.resize(equations.states());
     equations.propagator().field(equations.stretch(0).mode0, 0.0, orbit.state, orbit.monodromy.trivial_direction);
   }
-  if (sequence.empty()) add_sticking(equations, orbit);
+  orbit.conservative = liouville == 0.0;
+  orbit.rests = sequence.empty() && holding_event(equations.system(), equations.stretch(0).mode0);
   orbit.multipliers = multipliers(orbit.monodromy, orbit.duration);
   if (std::isfinite(log_det) && std::isfinite(liouville)) orbit.checks.liouville = std::abs(log_det - liouville);
   orbit.admissible = resimulate(equations, u, sequence, orbit.monodromy.product().cwiseAbs().maxCoeff());

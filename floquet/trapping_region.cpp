@@ -2,6 +2,7 @@
 #include <graze/floquet/multipliers.hpp>
 #include <graze/floquet/state_distance.hpp>
 #include <graze/floquet/trapping_region.hpp>
+#include <graze/lib/rest.hpp>
 
 #include <Eigen/Cholesky>
 
@@ -60,12 +61,25 @@ std::vector<std::size_t> jumps(const HybridSystem& system, std::vector<std::size
   return events;
 }
 
+/// That of a mass at rest on its stop: bounces so small that they end there, or die out.
+TrappingRegion around_rest(Propagator& propagator, TrappingRegion region, const Matrix& Phi) {
+  const double rate = std::abs(product_eigenvalues({Phi}).front());
+  if (!(rate < 1.0)) return region;
+  region.rate = rate;
+  const Bounces bounces = bounces_to_rest(propagator, region.centres.front());
+  if (!(bounces.height > 0.0)) return region;
+  region.size = std::max(bounces.height, bounces.speed);
+  const Vector scales{{region.size / bounces.height, region.size / bounces.speed}};
+  region.metrics = {Matrix(scales.cwiseAbs2().asDiagonal())};
+  return region;
+}
+
 double norm_in(const Matrix& H, const Vector& d) { return std::sqrt(std::max(0.0, d.dot(H * d))); }
 
 }  // namespace
 
 bool TrappingRegion::holds(const Vector& x) const {
-  if (!(size > 0.0)) return false;
+  if (!(size > 0.0)) return rate < 1.0 && std::find(centres.begin(), centres.end(), x) != centres.end();
   const Eigen::Index n = x.size();
   for (std::size_t k = 0; k < centres.size(); ++k) {
     const Vector& c = centres[k];
@@ -83,7 +97,12 @@ bool TrappingRegion::holds(const Vector& x) const {
 std::vector<StateEllipse> TrappingRegion::ellipses() const {
   constexpr double larger = 1.001;  // than what rounding leaves open
   std::vector<StateEllipse> list;
-  if (!(size > 0.0)) return list;
+  constexpr double nothing_else = 1e300;  // of all numbers, times the square of a distance
+  if (!(size > 0.0)) {
+    if (!(rate < 1.0)) return list;
+    for (const Vector& c : centres) list.push_back({c[0], c[1], nothing_else, 0.0, nothing_else});
+    return list;
+  }
   const double scale = 1.0 / (larger * size * size);
   for (std::size_t k = 0; k < centres.size(); ++k) {
     const Matrix H = scale * metrics[k];
@@ -117,6 +136,7 @@ TrappingRegion trapping_region(const HybridSystem& system, const Vector& p, cons
     x = transition.x1;
   }
   if (!differentiable) return region;
+  if (period == 1 && rest_for_ever(propagator, state) == state) return around_rest(propagator, std::move(region), Phi.front());
   const auto values = product_eigenvalues(Phi);
   const double rate = std::pow(std::abs(values.front()), 1.0 / period);
   if (!(rate < 1.0)) return region;

@@ -6,8 +6,9 @@
 // with Phi_k the transition matrix of period k and q between the orbit's own rate |mu_1|^(1/n) and 1. The region is V_k <= size^2
 // for all k. `size` is found by trial: on the shells of twice, once and half that size motions are carried through one period;
 // each must meet the same events with a jump as the orbit (so that no hard impact grazes inside) and must come closer by at least
-// half of what is left from q to 1. Sampled, not proved, hence the factor of two. An orbit at a hard grazing has no region: size
-// 0.
+// half of what is left from q to 1. Sampled, not proved, hence the factor of two. An orbit at a hard grazing has no region
+// (size 0) but its own states: a motion that is in one of them to the last bit stays on the orbit. The region of a mass at rest
+// on its stop is that of the bounces that die out (lib/rest.hpp).
 #pragma once
 
 #include <graze/lib/many_motions.hpp>
@@ -21,7 +22,7 @@ namespace graze {
 struct TrappingRegion {
   std::vector<Vector> centres;  ///< the orbit's states at forcing phase 0
   std::vector<Matrix> metrics;  ///< H_k
-  double size = 0.0;            ///< |x - c_k| of all states inside is at most this; 0: there is no region
+  double size = 0.0;            ///< |x - c_k| of all states inside is at most this; 0: only the centres are
   double rate = 1.0;            ///< |mu_1|^(1/n): what a period leaves of a distance in the long run; 1: it is not known
 
   /// True if x, a state at forcing phase 0, lies inside.

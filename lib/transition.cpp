@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/lib/lane_width.hpp>
+#include <graze/lib/rest.hpp>
 #include <graze/lib/transition.hpp>
 
 #include <fmt/format.h>
@@ -93,7 +94,9 @@ class Composer {
 
   void record_touch() { out_.touch = {state_.t, state_.x, state_.mode, out_.Phi, out_.Psi}; }
 
-  void finish() {
+  void finish(double t0) {
+    if (tangent_ && out_.event_sequence.empty())
+      if (const Event* holding = holding_event(propagator_.system(), state_.mode)) compose_rest(*holding, t0);
     out_.x1 = state_.x;
     out_.mode1 = state_.mode;
     out_.termination = Termination::time;
@@ -115,6 +118,25 @@ class Composer {
     if (!options_.keep_factors) return;
     out_.factors.push_back(segment.Phi);
     out_.factor_log_dets.push_back(segment.divergence);
+  }
+
+  /// Held from beginning to end: rest.hpp.
+  void compose_rest(const Event& holding, double t0) {
+    const Vector& p = propagator_.parameters();
+    HeldMap held = held_map(propagator_.system(), holding, t0, state_.x, p, state_.t - t0);
+    const auto& dp = holding.accumulation->reset.dp;
+    if (parameters_ > 0 && dp) {  // the stop takes the state of rest with it
+      Matrix rest_dp = Matrix::Zero(state_.x.size(), p.size());
+      dp(t0, state_.x, p, rest_dp);
+      const Matrix forgotten = Matrix::Identity(held.Phi.rows(), held.Phi.cols()) - held.Phi;
+      for (Eigen::Index k = 0; k < parameters_; ++k)
+        out_.Psi.col(k) = forgotten * rest_dp.col(static_cast<Eigen::Index>(propagator_.active()[static_cast<std::size_t>(k)]));
+    }
+    out_.Phi = held.Phi;
+    out_.log_det = out_.liouville = held.log_det;
+    if (!options_.keep_factors) return;
+    out_.factors.push_back(std::move(held.Phi));
+    out_.factor_log_dets.push_back(std::isfinite(held.log_det) ? held.log_det : std::numeric_limits<double>::quiet_NaN());
   }
 
   bool compose_event() {
@@ -197,7 +219,7 @@ void carry(Propagator& propagator, double t0, double t1, const Vector& x0, const
     composer.record_touch();
     if (!composer.coast(std::min(gap.t_resume, t1))) return;
   }
-  if (composer.run(t1, all)) composer.finish();
+  if (composer.run(t1, all)) composer.finish(t0);
 }
 
 }  // namespace graze

@@ -280,6 +280,9 @@ std::string overview(const Basins& basins) {
                           rounded(attractor.state[1], 9)});
   }
   std::string text = aligned(table);
+  const auto conservative = [](const CoexistingAttractor& found) { return found.attractor.conservative; };
+  if (std::any_of(basins.attractors.begin(), basins.attractors.end(), conservative))
+    text += "  nothing dissipates here: these are kinds of motion, not attractors\n";
   text += fmt::format("  of {} admissible starts; x, x' at forcing phase 0", basins.admissible);
   if (basins.lost > 0) text += fmt::format("; {} lost (the motion could not be carried on)", counted(basins.lost, "start"));
   return text + fmt::format("\n  {} forcing periods were computed for them\n", basins.periods);

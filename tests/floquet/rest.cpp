@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A mass that rests on a pressed stop: told for what it is, however it is looked at, for impacts that lose energy and for some
+// that do not.
+#include <graze/floquet/attractor.hpp>
+#include <graze/floquet/basins.hpp>
+#include <graze/floquet/settle.hpp>
+#include <graze/floquet/settling_orbit.hpp>
+#include <graze/lib/oscillator.hpp>
+#include <graze/lib/rest.hpp>
+
+#include "support/checks.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <limits>
+
+using namespace graze;
+using namespace graze::support;
+
+namespace {
+
+constexpr double minus_infinity = -std::numeric_limits<double>::infinity();
+
+const HybridSystem& rigid() {
+  static const HybridSystem system = make_oscillator("linear", "newton");
+  return system;
+}
+
+/// The stop at r = -1 is pressed by at least 0.3.
+Vector pressed(double k_r, double b = 0.02) {
+  return parameters(rigid(), {{"k_r", k_r}, {"b", b}, {"xi", 0.7}, {"eta", 0.8}, {"r", -1.0}});
+}
+
+const Vector rest = Vector{{-1.0, 0.0}};
+
+AttractorOptions quick() {
+  AttractorOptions options;
+  options.transient = 200;
+  options.recurrence = 1e-4;
+  options.periods_on_orbit = 0;
+  return options;
+}
+
+}  // namespace
+
+TEST_CASE("a mass on a pressed stop rests for ever where the pressing never vanishes, and only there") {
+  for (const double xi : {0.0, 0.5, 0.999, -0.999, 1.001, -1.001, 1.5}) {
+    INFO("xi " << xi);
+    Vector p = pressed(0.8);
+    p[oscillator_parameter::xi] = xi;
+    Propagator propagator(rigid(), p);
+    CHECK(rest_for_ever(propagator, rest).has_value() == (std::abs(xi) < 1.0));
+  }
+}
+
+TEST_CASE("what rests is an attractor with exponents minus infinity, and not undecided with exponent 0") {
+  for (const double k_r : {0.0, 0.5, 0.8, 0.99})
+    for (const bool in_lanes : {true, false}) {
+      INFO("k_r " << k_r << ", lanes " << in_lanes);
+      AttractorOptions options = quick();
+      if (!in_lanes) options.lyapunov.flow.kind = FlowKind::alone;
+      const Attractor found = find_each_attractor(rigid(), {{pressed(k_r), rest}}, options).front();
+      REQUIRE(found.type == AttractorType::periodic);
+      CHECK(found.rests);
+      CHECK(found.state == rest);
+      CHECK(found.exponents == std::vector<double>{minus_infinity, minus_infinity});
+    }
+}
+
+TEST_CASE("the time average of a mass at rest is minus infinity, too") {
+  AttractorOptions options;
+  options.transient = 20;
+  options.periods_on_orbit = 100;
+  const Attractor found = find_attractor(rigid(), pressed(0.8), rest, options);
+  CHECK(found.time_average.exponents == std::vector<double>{minus_infinity, minus_infinity});
+}
+
+TEST_CASE("where impacts lose nothing a disturbance of rest dies out by damping alone, at -2b/3 and -4b/3") {
+  constexpr double b = 0.02;
+  const Vector p = pressed(1.0, b);
+  const Attractor found = find_each_attractor(rigid(), {{p, rest}}, quick()).front();
+  REQUIRE(found.type == AttractorType::periodic);
+  CHECK(found.rests);
+  REQUIRE(found.exponents.size() == 2);
+  CHECK(found.exponents[0] == Approx(-2.0 * b / 3.0).epsilon(1e-12));
+  CHECK(found.exponents[1] == Approx(-4.0 * b / 3.0).epsilon(1e-12));
+  // The speed of a bouncing mass, from a simulation: at the same forcing phase, where the pressing is the same.
+  Propagator propagator(rigid(), p);
+  const double T = forcing_period(rigid(), p);
+  Vector x{{-1.0, -0.01}};
+  Transition run;
+  std::vector<double> speeds;
+  constexpr int periods = 10;
+  for (int k = 0; k <= periods; ++k) {
+    carry(propagator, 0.0, T, x, {.sensitivity = Sensitivity::none, .keep_events = true}, run);
+    REQUIRE(run.termination == Termination::time);
+    speeds.push_back(run.events.front().normal_speed);
+    x = run.x1;
+  }
+  CHECK(std::log(speeds.back() / speeds.front()) / (periods * T) == Approx(-2.0 * b / 3.0).epsilon(0.02));
+}
+
+TEST_CASE("a mass that bounces ever lower on its pressed stop comes to rest, and is not lost") {
+  for (const double k_r : {1.0, 0.9999, 0.9})
+    for (const bool in_lanes : {true, false}) {
+      INFO("k_r " << k_r << ", lanes " << in_lanes);
+      AttractorOptions options = quick();
+      if (!in_lanes) options.lyapunov.flow.kind = FlowKind::alone;
+      const Attractor found = find_each_attractor(rigid(), {{pressed(k_r), Vector{{-1.5, 0.2}}}}, options).front();
+      CHECK(found.termination == Termination::time);
+      CHECK(found.rests);
+      CHECK(found.state == rest);
+    }
+  const Settled settled = settle(rigid(), pressed(1.0), Vector{{-1.5, 0.2}}, {.periods = 1000});
+  CHECK(settled.termination == Termination::time);
+  CHECK(settled.state == rest);
+}
+
+TEST_CASE("starts that end at rest are recognised at once") {
+  for (const double k_r : {0.8, 1.0}) {
+    INFO("k_r " << k_r);
+    Matrix starts(2, 64);
+    for (Eigen::Index i = 0; i < starts.cols(); ++i)
+      starts.col(i) << -1.0 - 0.1 * static_cast<double>(i % 8), 0.1 * static_cast<double>(i / 8) - 0.4;
+    const Basins basins = find_attractors(rigid(), pressed(k_r), starts, {});
+    REQUIRE(basins.attractors.size() == 1);
+    CHECK(basins.attractors.front().attractor.rests);
+    CHECK(basins.attractors.front().count == 64);
+    CHECK(basins.periods < 64 * 100);  // of 1000 that a start may take
+  }
+}
+
+TEST_CASE("where nothing dissipates, rest is neutral") {
+  const Attractor found = find_attractor(rigid(), pressed(1.0, 0.0), rest, {.transient = 10, .periods_on_orbit = 0});
+  CHECK(found.rests);
+  CHECK(found.conservative);
+  CHECK(found.motion == ConservativeMotion::neutral);
+  CHECK(found.exponents == std::vector<double>{0.0, 0.0});
+}
