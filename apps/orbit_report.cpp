@@ -111,7 +111,7 @@ std::string rest_text(const std::vector<double>& exponents) {
   const bool bounces = !exponents.empty() && std::isfinite(exponents.front());
   return bounces ? "the mass rests on the pressed stop for ever; the stop gives all energy back, so that a disturbance bounces "
                    "for ever too, its speed shrinking at the first exponent (-2b/3), its height at the second (-4b/3)"
-                 : "the mass rests on the pressed stop for ever; a disturbance ends in the same rest, forgotten";
+                 : "the mass rests on the pressed stop for ever; every disturbance dies out in finite time";
 }
 
 void add_sticking(Json& out, int impacts, int isolated) {

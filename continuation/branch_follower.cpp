@@ -39,9 +39,7 @@ std::vector<CurvePoint> images_of(const BranchProblem& problem, const CurvePoint
 }  // namespace
 
 BranchFollower::BranchFollower(const HybridSystem& system, const ContinuationOptions& options, double low, double high)
-    : system_(system), options_(options), low_(low), high_(high),
-      hard_contacts_(
-          std::any_of(system.events.begin(), system.events.end(), [](const Event& event) { return !event.continuous; })) {}
+    : system_(system), options_(options), low_(low), high_(high), hard_contacts_(has_hard_contacts(system)) {}
 
 bool BranchFollower::interrupted_now() {
   interrupted_ = interrupted_ || (options_.cancelled && options_.cancelled());
@@ -129,8 +127,7 @@ Verdict BranchFollower::end_at_half(BranchProblem& problem, const CurvePoint& be
   if (!correct(problem.zero_problem(), chord, last.u, options_.trace).converged()) return Verdict::reject;
   last.tangent = tangent_at(problem.zero_problem(), last.u, before.tangent);
   BranchPoint point = problem.branch_point(last.u, branch.points.back().arclength + last.arclength - before.arclength);
-  auto* events = dynamic_cast<SignatureProblem*>(&problem);
-  if (last.tangent.size() == 0 || !point.multipliers.valid || (events && events->violation(last.u))) return Verdict::reject;
+  if (last.tangent.size() == 0 || !point.multipliers.valid || !problem.is_motion(last.u)) return Verdict::reject;
   if (point.isolated_impacts != branch.points.back().isolated_impacts) return Verdict::reject;
   if (!take(problem, before, last, std::move(point), {}, branch)) return Verdict::reject;
   after = std::move(last);

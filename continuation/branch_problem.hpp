@@ -33,6 +33,10 @@ class BranchProblem {
   /// w^H (dK/du_i) v for every unknown u_i (the value last), by central differences at u.
   virtual Eigen::VectorXcd cyclic_derivative(const Vector& u, std::complex<double> sigma, const Eigen::VectorXcd& w,
                                              const Eigen::VectorXcd& v) = 0;
+  /// Whether the solution u is a motion: one of a fixed signature may pass through a barrier.
+  virtual bool is_motion(const Vector&) { return true; }
+  /// The hard events that the unknowns belong to, in order; empty for states at fixed phases.
+  virtual std::vector<std::size_t> sequence() const { return {}; }
   /// Size of the orbit's states, 1 + |x|: errors of the equations are relative to it.
   virtual double state_scale(const Vector& u) const = 0;
 

@@ -56,8 +56,7 @@ std::optional<BranchStart> doubled_start(const SpecialPoint& pd, OrbitProblem& p
   const HybridSystem& system = parent.system();
   Vector u = parent.pack(pd.orbit.nodes, pd.orbit.duration, pd.value);
   std::optional<EventNodes> nodes;
-  const bool hard = std::any_of(system.events.begin(), system.events.end(), [](const Event& event) { return !event.continuous; });
-  if (hard && !parent.equations().autonomous()) nodes = event_nodes(parent.orbit(u, {}));
+  if (has_hard_contacts(system) && !parent.equations().autonomous()) nodes = event_nodes(parent.orbit(u, {}));
   std::optional<SignatureProblem> by_events;
   if (nodes && impacts(system, {0, nodes->sequence}) == pd.orbit.impacts) {
     by_events.emplace(system, pd.orbit.parameters, parent.period(), nodes->sequence, parent.parameter(), parent.scale(),
@@ -69,7 +68,6 @@ std::optional<BranchStart> doubled_start(const SpecialPoint& pd, OrbitProblem& p
   if (located.v.size() == 0) return std::nullopt;
   if (by_events && !located.newton.converged()) return std::nullopt;
   const BranchProblem::Doubled doubled = problem.doubled(by_events ? located.u : u);
-  auto* events = dynamic_cast<SignatureProblem*>(doubled.problem.get());
   Vector direction = Vector::Zero(doubled.u.size());
   const Vector v = located.v.real();
   direction.head(2 * v.size()) << v, -v;
@@ -85,8 +83,8 @@ std::optional<BranchStart> doubled_start(const SpecialPoint& pd, OrbitProblem& p
     start.orientation = start.u - doubled.u;
     // A correction as long as the push has found something else.
     if (!(weighted_norm(zero.weights, start.orientation) < 1.5 * push)) continue;
-    if (events && events->violation(start.u)) continue;
-    if (events) start.sequence = events->equations().sequence();
+    if (!doubled.problem->is_motion(start.u)) continue;
+    start.sequence = doubled.problem->sequence();
     // With other impacts than twice those of its parent it lies beyond a grazing, or on another family.
     const BranchPoint first = doubled.problem->branch_point(start.u, 0.0);
     if (first.impacts != 2 * pd.orbit.impacts) continue;

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -61,6 +62,10 @@ std::string_view event_kind_name(EventKind kind) {
     break;
   }
   return "other";
+}
+
+bool has_hard_contacts(const HybridSystem& system) {
+  return std::any_of(system.events.begin(), system.events.end(), [](const Event& event) { return !event.continuous; });
 }
 
 double forcing_period(const HybridSystem& system, const Vector& p) {

@@ -126,6 +126,9 @@ struct HybridSystem {
   InitialMode initial_mode;                      ///< empty: mode 0 always
 };
 
+/// Whether the state or its field jumps at some event: orbits on the two sides of a grazing are then different families.
+bool has_hard_contacts(const HybridSystem& system);
+
 /// Forcing period 2 pi / frequency. @throws std::invalid_argument for an autonomous system.
 double forcing_period(const HybridSystem& system, const Vector& p);
 
