@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // graze attractors: all attractors met from many starts, and their basins.
-#include <graze/apps/arguments.hpp>
-#include <graze/apps/attractor_report.hpp>
-#include <graze/apps/axis.hpp>
 #include <graze/apps/commands/command.hpp>
-#include <graze/apps/find_orbit.hpp>
-#include <graze/apps/flow_choice.hpp>
-#include <graze/apps/input_file.hpp>
-#include <graze/apps/interrupt.hpp>
-#include <graze/apps/number.hpp>
-#include <graze/apps/output_folder.hpp>
-#include <graze/apps/progress.hpp>
-#include <graze/apps/result.hpp>
-#include <graze/apps/stints.hpp>
+#include <graze/apps/console/arguments.hpp>
+#include <graze/apps/console/checkpoint_timer.hpp>
+#include <graze/apps/console/interrupt.hpp>
+#include <graze/apps/console/progress.hpp>
+#include <graze/apps/output/output_folder.hpp>
+#include <graze/apps/output/result.hpp>
+#include <graze/apps/problem/axis.hpp>
+#include <graze/apps/problem/flow_choice.hpp>
+#include <graze/apps/results/attractor_report.hpp>
+#include <graze/apps/results/find_orbit.hpp>
+#include <graze/apps/results/input_file.hpp>
+#include <graze/apps/text/number.hpp>
 
-#include <graze/floquet/basins.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/floquet/basins/basins.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include <fmt/compile.h>
 #include <fmt/format.h>
@@ -293,7 +293,7 @@ std::size_t starts_done(const Basins& basins) {
                                                 [](const StartOutcome& outcome) { return outcome.fate != Fate::not_run; }));
 }
 
-BasinOptions basin_options(const Options& options, const Console& console, Progress& progress, Stints& stints,
+BasinOptions basin_options(const Options& options, const Console& console, Progress& progress, CheckpointTimer& stints,
                            std::size_t starts) {
   BasinOptions out;
   out.transient = options.transient;
@@ -350,7 +350,7 @@ int run(const Options& given, const Console& console) {
   };
   {
     Progress progress(console.err, console.quiet, "carrying on");
-    Stints stints(keeping_stints(options.output), Stints::End::stops);
+    CheckpointTimer stints(keeping_stints(options.output), CheckpointTimer::End::stops);
     for (;;) {
       stints.begin(starts_done(basins));
       basins = find_attractors(problem.system, problem.parameters, starts,

@@ -3,7 +3,7 @@
 // function that describes the command; commands.cpp lists it. Help is printed from the list.
 #pragma once
 
-#include <graze/apps/console.hpp>
+#include <graze/apps/console/console.hpp>
 
 #include <functional>
 #include <string>

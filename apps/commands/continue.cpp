@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // graze continue: a branch of orbits in one parameter, the branches born on it, and their special points.
-#include <graze/apps/arguments.hpp>
-#include <graze/apps/branch_report.hpp>
-#include <graze/apps/cascades.hpp>
 #include <graze/apps/commands/command.hpp>
-#include <graze/apps/find_orbit.hpp>
-#include <graze/apps/interrupt.hpp>
-#include <graze/apps/number.hpp>
-#include <graze/apps/output_folder.hpp>
-#include <graze/apps/progress.hpp>
-#include <graze/apps/result.hpp>
+#include <graze/apps/console/arguments.hpp>
+#include <graze/apps/console/interrupt.hpp>
+#include <graze/apps/console/progress.hpp>
+#include <graze/apps/output/output_folder.hpp>
+#include <graze/apps/output/result.hpp>
+#include <graze/apps/results/branch_report.hpp>
+#include <graze/apps/results/cascades.hpp>
+#include <graze/apps/results/find_orbit.hpp>
+#include <graze/apps/text/number.hpp>
 
-#include <graze/continuation/continuation.hpp>
+#include <graze/continuation/graph/continuation.hpp>
 
 #include <fmt/format.h>
 

@@ -1,27 +1,27 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // graze diagram: every branch in a range of a parameter that hangs together with the orbits found there, and on it the attractors
 // of sweeps up and down, with their exponents.
-#include <graze/apps/arguments.hpp>
-#include <graze/apps/branch_reading.hpp>
-#include <graze/apps/branch_report.hpp>
 #include <graze/apps/commands/command.hpp>
-#include <graze/apps/find_orbit.hpp>
-#include <graze/apps/input_file.hpp>
-#include <graze/apps/interrupt.hpp>
-#include <graze/apps/number.hpp>
-#include <graze/apps/output_folder.hpp>
+#include <graze/apps/console/arguments.hpp>
+#include <graze/apps/console/checkpoint_timer.hpp>
+#include <graze/apps/console/interrupt.hpp>
+#include <graze/apps/console/progress.hpp>
+#include <graze/apps/output/output_folder.hpp>
+#include <graze/apps/output/result.hpp>
 #include <graze/apps/pictures/pictures.hpp>
-#include <graze/apps/progress.hpp>
-#include <graze/apps/result.hpp>
-#include <graze/apps/same_run.hpp>
-#include <graze/apps/skeleton_report.hpp>
-#include <graze/apps/stints.hpp>
-#include <graze/apps/sweep_report.hpp>
-#include <graze/apps/sweeping.hpp>
+#include <graze/apps/results/branch_reading.hpp>
+#include <graze/apps/results/branch_report.hpp>
+#include <graze/apps/results/find_orbit.hpp>
+#include <graze/apps/results/input_file.hpp>
+#include <graze/apps/results/run_identity.hpp>
+#include <graze/apps/results/skeleton_report.hpp>
+#include <graze/apps/results/sweep_options.hpp>
+#include <graze/apps/results/sweep_report.hpp>
+#include <graze/apps/text/number.hpp>
 
-#include <graze/continuation/off_branches.hpp>
-#include <graze/continuation/skeleton.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/continuation/graph/skeleton.hpp>
+#include <graze/continuation/graph/sweep_against_branches.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include <fmt/format.h>
 
@@ -178,7 +178,7 @@ Status add_skeleton(Result& result, Earlier& earlier, const Options& options, co
   } else {
     const std::size_t parameter = parameter_index(problem.system.parameters, options.parameter);
     Progress progress(console.err, console.quiet, "skeleton");
-    Stints stints(keeping_stints(options.output), Stints::End::goes_on);
+    CheckpointTimer stints(keeping_stints(options.output), CheckpointTimer::End::goes_on);
     std::size_t told = 0;
     SkeletonOptions computing = skeleton_options(options, problem, console, progress);
     computing.seeds_so_far = std::move(earlier.seeds.seeds);

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // graze lyapunov: the spectrum of exponents on the attractor that the motion reaches.
-#include <graze/apps/arguments.hpp>
-#include <graze/apps/attractor_report.hpp>
 #include <graze/apps/commands/command.hpp>
-#include <graze/apps/find_orbit.hpp>
-#include <graze/apps/flow_choice.hpp>
-#include <graze/apps/interrupt.hpp>
-#include <graze/apps/number.hpp>
-#include <graze/apps/output_folder.hpp>
-#include <graze/apps/progress.hpp>
-#include <graze/apps/result.hpp>
+#include <graze/apps/console/arguments.hpp>
+#include <graze/apps/console/interrupt.hpp>
+#include <graze/apps/console/progress.hpp>
+#include <graze/apps/output/output_folder.hpp>
+#include <graze/apps/output/result.hpp>
+#include <graze/apps/problem/flow_choice.hpp>
+#include <graze/apps/results/attractor_report.hpp>
+#include <graze/apps/results/find_orbit.hpp>
+#include <graze/apps/text/number.hpp>
 
-#include <graze/floquet/attractor.hpp>
+#include <graze/floquet/attractor/attractor.hpp>
 
 #include <fmt/format.h>
 

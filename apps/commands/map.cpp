@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // graze map: the attractor and its first exponent at every point of a grid over two parameters; threads, or MPI.
-#include <graze/apps/arguments.hpp>
-#include <graze/apps/axis.hpp>
 #include <graze/apps/commands/command.hpp>
-#include <graze/apps/drawings.hpp>
-#include <graze/apps/find_orbit.hpp>
-#include <graze/apps/flow_choice.hpp>
-#include <graze/apps/interrupt.hpp>
-#include <graze/apps/map_report.hpp>
-#include <graze/apps/map_run.hpp>
-#include <graze/apps/number.hpp>
-#include <graze/apps/output_file.hpp>
+#include <graze/apps/console/arguments.hpp>
+#include <graze/apps/console/interrupt.hpp>
+#include <graze/apps/console/output_file.hpp>
+#include <graze/apps/drawing/draw_files.hpp>
+#include <graze/apps/map/map_report.hpp>
+#include <graze/apps/map/map_run.hpp>
+#include <graze/apps/output/result.hpp>
 #include <graze/apps/pictures/maps.hpp>
 #include <graze/apps/pictures/pictures.hpp>
-#include <graze/apps/result.hpp>
-#include <graze/apps/same_run.hpp>
+#include <graze/apps/problem/axis.hpp>
+#include <graze/apps/problem/flow_choice.hpp>
+#include <graze/apps/results/find_orbit.hpp>
+#include <graze/apps/results/run_identity.hpp>
+#include <graze/apps/text/number.hpp>
 
 #include <fmt/format.h>
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // graze models: what a problem file can name: oscillators, contact laws, excitations; their parameters, ranges, defaults, units.
 #include <graze/apps/commands/command.hpp>
-#include <graze/apps/number.hpp>
-#include <graze/apps/output_folder.hpp>
-#include <graze/apps/problem.hpp>
-#include <graze/apps/result.hpp>
-#include <graze/apps/version.hpp>
+#include <graze/apps/output/output_folder.hpp>
+#include <graze/apps/output/result.hpp>
+#include <graze/apps/problem/problem.hpp>
+#include <graze/apps/text/number.hpp>
+#include <graze/apps/text/version.hpp>
 
-#include <graze/lib/oscillator.hpp>
-#include <graze/lib/physical_units.hpp>
+#include <graze/lib/models/oscillator.hpp>
+#include <graze/lib/models/physical_units.hpp>
 
 #include <fmt/format.h>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // graze orbit: one periodic orbit, its multipliers, its contacts, its checks.
 #include <graze/apps/commands/command.hpp>
-#include <graze/apps/find_orbit.hpp>
-#include <graze/apps/orbit_report.hpp>
-#include <graze/apps/output_folder.hpp>
-#include <graze/apps/result.hpp>
+#include <graze/apps/output/output_folder.hpp>
+#include <graze/apps/output/result.hpp>
+#include <graze/apps/results/find_orbit.hpp>
+#include <graze/apps/results/orbit_report.hpp>
 
 #include <fmt/format.h>
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // graze plot: a picture of a result that was written before.
-#include <graze/apps/arguments.hpp>
 #include <graze/apps/commands/command.hpp>
-#include <graze/apps/input_file.hpp>
-#include <graze/apps/map_report.hpp>
-#include <graze/apps/output_file.hpp>
+#include <graze/apps/console/arguments.hpp>
+#include <graze/apps/console/output_file.hpp>
+#include <graze/apps/map/map_report.hpp>
 #include <graze/apps/pictures/maps.hpp>
 #include <graze/apps/pictures/pictures.hpp>
+#include <graze/apps/results/input_file.hpp>
 
 #include <fmt/format.h>
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // graze poincare: points of a stroboscopic section or of the impacts.
-#include <graze/apps/arguments.hpp>
 #include <graze/apps/commands/command.hpp>
-#include <graze/apps/find_orbit.hpp>
-#include <graze/apps/interrupt.hpp>
-#include <graze/apps/number.hpp>
-#include <graze/apps/output_folder.hpp>
-#include <graze/apps/progress.hpp>
-#include <graze/apps/result.hpp>
-#include <graze/apps/section.hpp>
+#include <graze/apps/console/arguments.hpp>
+#include <graze/apps/console/interrupt.hpp>
+#include <graze/apps/console/progress.hpp>
+#include <graze/apps/output/output_folder.hpp>
+#include <graze/apps/output/result.hpp>
+#include <graze/apps/problem/section.hpp>
+#include <graze/apps/results/find_orbit.hpp>
+#include <graze/apps/text/number.hpp>
 
 #include <fmt/format.h>
 

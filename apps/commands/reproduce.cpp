@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // graze reproduce: published figures beside computed ones, row by row, and the pictures.
-#include <graze/apps/arguments.hpp>
 #include <graze/apps/commands/command.hpp>
-#include <graze/apps/drawings.hpp>
-#include <graze/apps/input_file.hpp>
-#include <graze/apps/interrupt.hpp>
-#include <graze/apps/number.hpp>
-#include <graze/apps/output_file.hpp>
-#include <graze/apps/output_folder.hpp>
-#include <graze/apps/progress.hpp>
+#include <graze/apps/console/arguments.hpp>
+#include <graze/apps/console/interrupt.hpp>
+#include <graze/apps/console/output_file.hpp>
+#include <graze/apps/console/progress.hpp>
+#include <graze/apps/drawing/draw_files.hpp>
+#include <graze/apps/output/output_folder.hpp>
+#include <graze/apps/output/result.hpp>
 #include <graze/apps/published/figures.hpp>
-#include <graze/apps/result.hpp>
-#include <graze/apps/sweep_report.hpp>
-#include <graze/apps/version.hpp>
+#include <graze/apps/results/input_file.hpp>
+#include <graze/apps/results/sweep_report.hpp>
+#include <graze/apps/text/number.hpp>
+#include <graze/apps/text/version.hpp>
 
 #include <fmt/format.h>
 

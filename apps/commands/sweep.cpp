@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // graze sweep: the attractor followed from value to value of a parameter, with its exponents: a bifurcation diagram.
-#include <graze/apps/arguments.hpp>
 #include <graze/apps/commands/command.hpp>
-#include <graze/apps/find_orbit.hpp>
-#include <graze/apps/input_file.hpp>
-#include <graze/apps/long_text.hpp>
-#include <graze/apps/number.hpp>
-#include <graze/apps/output_folder.hpp>
-#include <graze/apps/result.hpp>
-#include <graze/apps/sweep_report.hpp>
-#include <graze/apps/sweeping.hpp>
+#include <graze/apps/console/arguments.hpp>
+#include <graze/apps/output/output_folder.hpp>
+#include <graze/apps/output/result.hpp>
+#include <graze/apps/results/find_orbit.hpp>
+#include <graze/apps/results/input_file.hpp>
+#include <graze/apps/results/sweep_options.hpp>
+#include <graze/apps/results/sweep_report.hpp>
+#include <graze/apps/text/long_text.hpp>
+#include <graze/apps/text/number.hpp>
 
 #include <fmt/format.h>
 

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // graze trajectory: samples and contacts of a run.
-#include <graze/apps/arguments.hpp>
 #include <graze/apps/commands/command.hpp>
-#include <graze/apps/find_orbit.hpp>
-#include <graze/apps/interrupt.hpp>
-#include <graze/apps/motion_report.hpp>
-#include <graze/apps/number.hpp>
-#include <graze/apps/orbit_report.hpp>
-#include <graze/apps/output_folder.hpp>
-#include <graze/apps/progress.hpp>
-#include <graze/apps/result.hpp>
+#include <graze/apps/console/arguments.hpp>
+#include <graze/apps/console/interrupt.hpp>
+#include <graze/apps/console/progress.hpp>
+#include <graze/apps/output/output_folder.hpp>
+#include <graze/apps/output/result.hpp>
+#include <graze/apps/results/find_orbit.hpp>
+#include <graze/apps/results/motion_report.hpp>
+#include <graze/apps/results/orbit_report.hpp>
+#include <graze/apps/text/number.hpp>
 
 #include <fmt/format.h>
 

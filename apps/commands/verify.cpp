@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // graze verify: the multipliers and exponents of orbits obtained in independent ways, and how far these disagree; at one value or
 // over a range; with --hard-limit, soft contacts against the rigid stop that they become.
-#include <graze/apps/arguments.hpp>
 #include <graze/apps/commands/command.hpp>
-#include <graze/apps/find_orbit.hpp>
-#include <graze/apps/interrupt.hpp>
-#include <graze/apps/number.hpp>
-#include <graze/apps/orbit_report.hpp>
-#include <graze/apps/output_folder.hpp>
-#include <graze/apps/progress.hpp>
-#include <graze/apps/result.hpp>
-#include <graze/apps/verification_report.hpp>
+#include <graze/apps/console/arguments.hpp>
+#include <graze/apps/console/interrupt.hpp>
+#include <graze/apps/console/progress.hpp>
+#include <graze/apps/output/output_folder.hpp>
+#include <graze/apps/output/result.hpp>
+#include <graze/apps/results/find_orbit.hpp>
+#include <graze/apps/results/orbit_report.hpp>
+#include <graze/apps/results/verification_report.hpp>
+#include <graze/apps/text/number.hpp>
 
-#include <graze/continuation/sweep.hpp>
-#include <graze/floquet/shooting.hpp>
+#include <graze/floquet/follow/sweep.hpp>
+#include <graze/floquet/orbit/shooting.hpp>
 
 #include <fmt/format.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Picture of graze.attractors/1: which start leads to which attractor, and the attractors' states on top.
-#include <graze/apps/attractor_report.hpp>
-#include <graze/apps/number.hpp>
 #include <graze/apps/pictures/pictures.hpp>
 #include <graze/apps/pictures/range.hpp>
+#include <graze/apps/results/attractor_report.hpp>
+#include <graze/apps/text/number.hpp>
 
 #include <fmt/format.h>
 

@@ -2,8 +2,8 @@
 // Curves of the branches in graze.branch/1: which iterates a point has, in which stroke it is drawn, where a stroke ends.
 #pragma once
 
-#include <graze/apps/json.hpp>
-#include <graze/apps/picture.hpp>
+#include <graze/apps/drawing/picture.hpp>
+#include <graze/apps/text/json.hpp>
 
 #include <string>
 #include <vector>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Pictures of graze.branch/1: the state against the parameter, and the multipliers against the unit circle.
-#include <graze/apps/number.hpp>
 #include <graze/apps/pictures/branch_curves.hpp>
 #include <graze/apps/pictures/pictures.hpp>
 #include <graze/apps/pictures/skeleton.hpp>
+#include <graze/apps/text/number.hpp>
 
 #include <fmt/format.h>
 

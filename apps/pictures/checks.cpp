@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Pictures of graze.verify/1: disagreements against their bounds, and the hard limit.
-#include <graze/apps/number.hpp>
 #include <graze/apps/pictures/pictures.hpp>
+#include <graze/apps/text/number.hpp>
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/apps/map_report.hpp>
-#include <graze/apps/orbit_report.hpp>
+#include <graze/apps/map/map_report.hpp>
 #include <graze/apps/pictures/map_colours.hpp>
+#include <graze/apps/results/orbit_report.hpp>
 
 #include <fmt/format.h>
 

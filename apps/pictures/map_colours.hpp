@@ -2,9 +2,9 @@
 // MapColours: the colour of each point of a map and what the legend says of it, by attractor or by first exponent.
 #pragma once
 
-#include <graze/apps/picture.hpp>
+#include <graze/apps/drawing/picture.hpp>
 
-#include <graze/continuation/parameter_map.hpp>
+#include <graze/floquet/follow/parameter_map.hpp>
 
 #include <functional>
 #include <string>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Pictures of graze.map/1: a cell for each point, coloured by its attractor or by its first exponent, a panel for each layer.
-#include <graze/apps/map_report.hpp>
-#include <graze/apps/number.hpp>
+#include <graze/apps/map/map_report.hpp>
 #include <graze/apps/pictures/map_colours.hpp>
 #include <graze/apps/pictures/maps.hpp>
 #include <graze/apps/pictures/pictures.hpp>
+#include <graze/apps/text/number.hpp>
 
 #include <fmt/format.h>
 

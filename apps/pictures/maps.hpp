@@ -2,8 +2,8 @@
 // Pictures of parameter maps: attractor types with a legend, or the first exponent.
 #pragma once
 
-#include <graze/apps/map_file.hpp>
-#include <graze/apps/picture.hpp>
+#include <graze/apps/drawing/picture.hpp>
+#include <graze/apps/map/map_file.hpp>
 
 #include <string>
 #include <vector>

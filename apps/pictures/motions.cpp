@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Pictures of motions: time series and phase portraits of orbits, special points and trajectories, with the barrier drawn.
-#include <graze/apps/motion.hpp>
-#include <graze/apps/number.hpp>
-#include <graze/apps/orbit_report.hpp>
 #include <graze/apps/pictures/pictures.hpp>
+#include <graze/apps/problem/head.hpp>
+#include <graze/apps/problem/motion.hpp>
+#include <graze/apps/results/orbit_report.hpp>
+#include <graze/apps/text/number.hpp>
 
 #include <fmt/format.h>
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/apps/number.hpp>
 #include <graze/apps/pictures/pictures.hpp>
+#include <graze/apps/problem/head.hpp>
+#include <graze/apps/text/number.hpp>
 
 #include <fmt/format.h>
 

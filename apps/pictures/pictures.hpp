@@ -3,9 +3,9 @@
 // picture_kinds().
 #pragma once
 
-#include <graze/apps/json.hpp>
-#include <graze/apps/picture.hpp>
-#include <graze/apps/table.hpp>
+#include <graze/apps/drawing/picture.hpp>
+#include <graze/apps/text/json.hpp>
+#include <graze/apps/text/table.hpp>
 
 #include <array>
 #include <map>

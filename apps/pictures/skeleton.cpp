@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Picture of graze.branch/1 as a whole: every branch in the colour of its period, special points marked by type, z along
 // branches.
-#include <graze/apps/number.hpp>
 #include <graze/apps/pictures/pictures.hpp>
 #include <graze/apps/pictures/skeleton.hpp>
+#include <graze/apps/text/number.hpp>
+#include <graze/floquet/orbit/periodic_orbit.hpp>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
 namespace graze::apps {
@@ -139,6 +141,252 @@ Picture skeleton_of(const Json& result, const std::string& title, bool values) {
 PictureKind skeleton_picture() {
   return {"graze.branch/1", "skeleton", "all branches in the colours of their periods, with special points and z along them",
           draw_skeleton,    "diagram",  has_branches};
+}
+
+namespace {
+
+std::size_t nearest_to(double x, const std::vector<double>& list) {
+  const auto closer = [x](double a, double b) { return std::abs(a - x) < std::abs(b - x); };
+  return static_cast<std::size_t>(std::min_element(list.begin(), list.end(), closer) - list.begin());
+}
+
+/// The doubling at which an end of a doubled branch lies, by its nearness; null if there is none. Branches begin and stop a
+/// little beside it, which a square root makes a gap that is seen.
+const Json* doubling_at(const Json& result, const Json& branch, const Json& end) {
+  const int period = branch.at("period");
+  const double value = end.at("value");
+  const Json* nearest = nullptr;
+  double least = 0.2;
+  for (const Json& other : result.at("branches")) {
+    if (2 * other.at("period").get<int>() != period) continue;
+    for (const Json& point : other.at("special_points")) {
+      if (point.at("type") != "PD" || std::abs(point.at("value").get<double>() - value) > 1e-3 * std::abs(value)) continue;
+      const std::vector<double> at = positions(point);
+      double farthest = 0.0;
+      for (const double x : positions(end)) farthest = std::max(farthest, std::abs(at[nearest_to(x, at)] - x));
+      if (farthest >= least) continue;
+      least = farthest;
+      nearest = &point;
+    }
+  }
+  return nearest;
+}
+
+/// Lines from the ends of a doubled branch to the doublings at which it begins and ends.
+void close_gaps(const Json& result, const Json& branch, SkeletonCurves& parts) {
+  const Json& points = branch.at("points");
+  if (points.empty()) return;
+  std::vector<const Json*> ends;
+  if (!branch.at("parent").is_null()) ends.push_back(&points.front());
+  if (branch.at("stop").at("reason") == "returned") ends.push_back(&points.back());
+  for (const Json* end : ends) {
+    const Json* doubling = doubling_at(result, branch, *end);
+    if (!doubling) continue;
+    const std::vector<double> at = positions(*doubling);
+    std::vector<SkeletonCurves::Point>& all = parts.curves[{branch.at("period").get<int>(), stroke_of(*end)}];
+    for (const double x : positions(*end)) {
+      if (!all.empty()) all.push_back({NAN, NAN, 0.0});
+      all.push_back({end->at("value"), x, 0.0});
+      all.push_back({doubling->at("value"), at[nearest_to(x, at)], 0.0});
+    }
+  }
+}
+
+}  // namespace
+
+std::string colour_of_period(int period) {
+  static const std::map<int, std::string> colours = {{1, "#1f4e9c"},  {2, "#d9480f"},  {4, "#2b8a3e"},  {8, "#8e44ad"},
+                                                     {16, "#8c564b"}, {32, "#7f7f7f"}, {3, "#0b8fa8"},  {6, "#c2a000"},
+                                                     {12, "#d6569a"}, {5, "#5c7c0a"},  {10, "#b07d4f"}, {7, "#4b4b9f"}};
+  const auto found = colours.find(period);
+  return found == colours.end() ? colour_of(static_cast<std::size_t>(period)) : found->second;
+}
+
+SkeletonCurves skeleton_curves(const Json& result) {
+  SkeletonCurves parts;
+  for (const Json& branch : result.at("branches")) {
+    const int period = branch.at("period");
+    const std::vector<Drawn> points = points_in_order(branch);
+    for (std::size_t k = 0; !points.empty() && k < positions(*points.front().point).size(); ++k)
+      for (const Curve& piece : curves_of(points, k)) {
+        std::vector<SkeletonCurves::Point>& all = parts.curves[{period, piece.stroke}];
+        if (!all.empty()) all.push_back({NAN, NAN, 0.0});
+        all.insert(all.end(), piece.points.begin(), piece.points.end());
+      }
+    close_gaps(result, branch, parts);
+    for (const Json& point : branch.at("special_points")) {
+      if (!is_marked(point)) continue;
+      const std::string type = point.at("type");
+      parts.mark_types[type] = mark_of(point);
+      std::vector<double> x = positions(point);
+      std::sort(x.rbegin(), x.rend());
+      for (const double value : x) parts.marks[{type, period > longest_with_words}].push_back({point.at("value"), value, 0.0});
+      parts.named.push_back({period, point.at("label"), point.at("value"), x});
+    }
+  }
+  std::stable_sort(parts.named.begin(), parts.named.end(), [](const auto& a, const auto& b) { return a.value < b.value; });
+  return parts;
+}
+
+namespace {
+
+/// Length of a curve from its first point to each, in columns; rows are about twice as high as columns are wide.
+std::vector<double> lengths(const std::vector<Cell>& curve) {
+  std::vector<double> list = {0.0};
+  for (std::size_t i = 0; i + 1 < curve.size(); ++i)
+    list.push_back(list.back() + std::hypot(curve[i + 1].column - curve[i].column, 2.0 * (curve[i + 1].row - curve[i].row)));
+  return list;
+}
+
+/// A stretch of a branch along which z stays the same: its points, by iterate.
+struct Stretch {
+  int period = 0;
+  std::string z;
+  std::vector<std::vector<Cell>> iterates;
+  double length() const {
+    double longest = 0.0;
+    for (const std::vector<Cell>& curve : iterates) longest = std::max(longest, lengths(curve).back());
+    return longest;
+  }
+};
+
+std::vector<Stretch> stretches_of(const Json& result, const SkeletonAxes& axes) {
+  std::vector<Stretch> list;
+  for (const Json& branch : result.at("branches")) {
+    const int period = branch.at("period");
+    if (period > longest_with_words) continue;
+    std::string last;
+    for (const Json& point : branch.at("points")) {
+      const std::string z =
+          label(point.at("impacts").get<int>(), point.value("isolated_impacts", point.at("impacts").get<int>()), period);
+      const std::vector<double> x = positions(point);
+      if (z != last) list.push_back({period, z, std::vector<std::vector<Cell>>(x.size())});
+      last = z;
+      for (std::size_t k = 0; k < x.size() && k < list.back().iterates.size(); ++k)
+        list.back().iterates[k].push_back(axes.cell(point.at("value"), x[k]));
+    }
+  }
+  std::stable_sort(list.begin(), list.end(), [](const Stretch& a, const Stretch& b) { return a.period < b.period; });
+  return list;
+}
+
+/// Places along the stretch that may carry its z, from the middle outwards, iterate beside iterate.
+std::vector<Cell> middle_of(const Stretch& stretch) {
+  std::vector<std::pair<double, Cell>> found;
+  for (const std::vector<Cell>& curve : stretch.iterates) {
+    const std::vector<double> length = lengths(curve);
+    for (int step = 0; step <= 24 && curve.size() > 1; ++step) {
+      const double part = 0.2 + 0.025 * step, at = part * length.back();
+      const auto beyond = std::upper_bound(length.begin() + 1, length.end() - 1, at);
+      const auto i = static_cast<std::size_t>(beyond - length.begin());
+      const Cell &a = curve[i - 1], &b = curve[i];
+      const double t = (at - length[i - 1]) / std::max(length[i] - length[i - 1], 1e-12);
+      found.push_back({std::abs(part - 0.5), {a.column + t * (b.column - a.column), a.row + t * (b.row - a.row)}});
+    }
+  }
+  std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<Cell> list;
+  for (const auto& [distance, cell] : found) list.push_back(cell);
+  return list;
+}
+
+/// Puts words where there is room for them, and counts those for which there was none.
+class Wording {
+ public:
+  Wording(const SkeletonCurves& parts, const SkeletonAxes& axes, const std::vector<Barrier>& barriers,
+          const std::vector<Curve>& samples)
+      : axes_(axes), places_(axes.rows) {
+    for (const auto& [key, points] : parts.curves)
+      for (std::size_t i = 0; i + 1 < points.size(); ++i)
+        if (!std::isnan(points[i][0]) && !std::isnan(points[i + 1][0]))
+          places_.add_line(axes.cell(points[i][0], points[i][1]), axes.cell(points[i + 1][0], points[i + 1][1]));
+    for (const auto& [key, points] : parts.marks)
+      for (const SkeletonCurves::Point& point : points) places_.add_mark(axes.cell(point[0], point[1]));
+    for (const Curve& curve : samples)
+      for (const auto& point : curve.points) places_.add_dot(axes.cell(point[0], point[1]));
+    for (const Barrier& barrier : barriers) {
+      if (barrier.vertical) continue;
+      places_.add_line(axes.cell(axes.x[0], barrier.position), axes.cell(axes.x[1], barrier.position));
+    }
+    words_.leaders.colour = "#444444";
+    words_.leaders.size = 0.7;
+  }
+
+  /// Names of the special points whose period is within the limits.
+  void name_points(const std::vector<SkeletonCurves::Named>& points, int from, int to, double farthest) {
+    struct Group {
+      std::vector<Cell> marks;
+      std::string words;
+      int size;
+    };
+    constexpr std::size_t longest_words = 24;  // of a group
+    std::vector<Group> groups;
+    for (const SkeletonCurves::Named& point : points) {
+      if (point.period < from || point.period > to) continue;
+      std::vector<Cell> marks;
+      for (const double x : point.x) marks.push_back(axes_.cell(point.value, x));
+      const auto same = std::find_if(groups.begin(), groups.end(),
+                                     [&](const Group& group) { return one_mark(group.marks.front(), marks.front()); });
+      if (same == groups.end() || same->size == 4 || same->words.size() + point.label.size() > longest_words) {
+        groups.insert(groups.begin(), {marks, point.label, 1});
+        continue;
+      }
+      // Only where every one of the group has a mark can the words stand for all.
+      std::erase_if(same->marks, [&](const Cell& mark) {
+        return std::none_of(marks.begin(), marks.end(), [&](const Cell& other) { return one_mark(mark, other); });
+      });
+      same->words += " " + point.label;
+      ++same->size;
+    }
+    // Long words first: they need the most room.
+    std::stable_sort(groups.begin(), groups.end(), [](const Group& a, const Group& b) { return a.size > b.size; });
+    for (const Group& group : groups) {
+      const auto placed = places_.beside_mark(group.marks, group.words, farthest);
+      words_.without += placed ? 0 : group.size;
+      if (placed) put(*placed, group.words, mark_colour);
+    }
+  }
+
+  /// Those from one length to another.
+  void label_stretches(const std::vector<Stretch>& stretches, double from, double to) {
+    for (const Stretch& stretch : stretches) {
+      if (const double length = stretch.length(); length < from || length >= to) continue;
+      if (const auto placed = places_.along_curve(middle_of(stretch), stretch.z))
+        put(*placed, stretch.z, colour_of_period(stretch.period));
+    }
+  }
+
+  SkeletonWords words() && { return std::move(words_); }
+
+ private:
+  /// Marks that cover each other have their words in one place.
+  static bool one_mark(Cell a, Cell b) { return std::abs(a.column - b.column) < 1.0 && std::abs(a.row - b.row) < 0.5; }
+
+  void put(const PlacedWords& placed, const std::string& text, const std::string& colour) {
+    const SkeletonCurves::Point at = axes_.point(placed.anchor);
+    words_.labels.push_back({at[0], at[1], text, no_mark, colour, true});
+    if (placed.leader.empty()) return;
+    if (!words_.leaders.points.empty()) words_.leaders.points.push_back({NAN, NAN, 0.0});
+    for (const Cell& cell : placed.leader) words_.leaders.points.push_back(axes_.point(cell));
+  }
+
+  const SkeletonAxes& axes_;
+  WordPlaces places_;
+  SkeletonWords words_;
+};
+
+}  // namespace
+
+SkeletonWords skeleton_words(const Json& result, const SkeletonCurves& parts, const SkeletonAxes& axes,
+                             const std::vector<Barrier>& barriers, const std::vector<Curve>& samples) {
+  Wording wording(parts, axes, barriers, samples);
+  const std::vector<Stretch> stretches = stretches_of(result, axes);
+  constexpr double conspicuous = 15.0, shortest = 6.0;  // lengths that z comes first on, and that it has room on
+  wording.label_stretches(stretches, conspicuous, HUGE_VAL);
+  wording.name_points(parts.named, 1, longest_with_words, 22.0);
+  wording.label_stretches(stretches, shortest, conspicuous);
+  wording.name_points(parts.named, longest_with_words + 1, std::numeric_limits<int>::max(), 5.0);
+  return std::move(wording).words();
 }
 
 }  // namespace graze::apps

@@ -3,8 +3,8 @@
 // of a skeleton is made of them alone; in that of a diagram they lie over the sweeps.
 #pragma once
 
+#include <graze/apps/drawing/word_places.hpp>
 #include <graze/apps/pictures/branch_curves.hpp>
-#include <graze/apps/pictures/word_places.hpp>
 
 #include <array>
 #include <cmath>

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Pictures of CSV tables: graze's own, known by their header, and any other.
-#include <graze/apps/number.hpp>
 #include <graze/apps/pictures/branch_curves.hpp>
 #include <graze/apps/pictures/pictures.hpp>
 #include <graze/apps/pictures/range.hpp>
 #include <graze/apps/pictures/skeleton.hpp>
+#include <graze/apps/text/number.hpp>
+#include <graze/lib/system/parameters.hpp>
 
 #include <fmt/format.h>
 

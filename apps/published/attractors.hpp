@@ -4,7 +4,7 @@
 
 #include <graze/apps/published/published.hpp>
 
-#include <graze/floquet/attractor.hpp>
+#include <graze/floquet/attractor/attractor.hpp>
 
 #include <functional>
 #include <string>

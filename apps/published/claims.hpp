@@ -5,7 +5,7 @@
 #include <graze/apps/published/comparison.hpp>
 #include <graze/apps/published/published.hpp>
 
-#include <graze/continuation/sweep.hpp>
+#include <graze/floquet/follow/sweep.hpp>
 
 #include <functional>
 #include <string>

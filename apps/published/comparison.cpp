@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/apps/number.hpp>
 #include <graze/apps/published/comparison.hpp>
+#include <graze/apps/text/number.hpp>
 
 #include <algorithm>
 #include <cmath>

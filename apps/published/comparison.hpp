@@ -3,8 +3,8 @@
 // of why. Nothing is tuned: the verdict looks at the printed digits and at our own error, and at nothing else.
 #pragma once
 
-#include <graze/apps/json.hpp>
-#include <graze/apps/table.hpp>
+#include <graze/apps/text/json.hpp>
+#include <graze/apps/text/table.hpp>
 
 #include <optional>
 #include <string>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/apps/attractor_report.hpp>
-#include <graze/apps/number.hpp>
 #include <graze/apps/published/exponents.hpp>
+#include <graze/apps/results/attractor_report.hpp>
+#include <graze/apps/text/number.hpp>
 
-#include <graze/continuation/neighbourhood.hpp>
+#include <graze/continuation/graph/nearest_special_points.hpp>
 
 #include <fmt/format.h>
 

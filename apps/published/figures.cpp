@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/apps/motion_report.hpp>
-#include <graze/apps/number.hpp>
 #include <graze/apps/pictures/pictures.hpp>
+#include <graze/apps/problem/section.hpp>
 #include <graze/apps/published/figures.hpp>
-#include <graze/apps/section.hpp>
-#include <graze/apps/sweep_report.hpp>
+#include <graze/apps/results/motion_report.hpp>
+#include <graze/apps/results/sweep_report.hpp>
+#include <graze/apps/text/number.hpp>
 
-#include <graze/floquet/shooting.hpp>
+#include <graze/floquet/orbit/shooting.hpp>
 
 #include <fmt/format.h>
 

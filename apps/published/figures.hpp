@@ -3,7 +3,7 @@
 // the page that shows them beside the comparison.
 #pragma once
 
-#include <graze/apps/picture.hpp>
+#include <graze/apps/drawing/picture.hpp>
 #include <graze/apps/published/reproduction.hpp>
 
 #include <functional>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/apps/number.hpp>
 #include <graze/apps/published/figures.hpp>
-#include <graze/apps/version.hpp>
+#include <graze/apps/text/number.hpp>
+#include <graze/apps/text/version.hpp>
 
 #include <fmt/format.h>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/apps/attractor_report.hpp>
-#include <graze/apps/number.hpp>
-#include <graze/apps/orbit_report.hpp>
 #include <graze/apps/published/attractors.hpp>
 #include <graze/apps/published/points.hpp>
+#include <graze/apps/results/attractor_report.hpp>
+#include <graze/apps/results/orbit_report.hpp>
+#include <graze/apps/text/number.hpp>
 
-#include <graze/continuation/continuation.hpp>
+#include <graze/continuation/graph/continuation.hpp>
 
 #include <fmt/format.h>
 

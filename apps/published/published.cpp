@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/apps/input_file.hpp>
-#include <graze/apps/orbit_report.hpp>
+#include <graze/apps/problem/toml_section.hpp>
 #include <graze/apps/published/published.hpp>
-#include <graze/apps/toml_section.hpp>
+#include <graze/apps/results/input_file.hpp>
+#include <graze/apps/results/orbit_report.hpp>
 
 #include <fmt/format.h>
 

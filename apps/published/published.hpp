@@ -9,7 +9,7 @@
 // `attractor` is "impactless", "periodic" or "chaotic"; `digits` the number of decimals printed. A printed value is a claim.
 #pragma once
 
-#include <graze/apps/problem.hpp>
+#include <graze/apps/problem/problem.hpp>
 
 #include <array>
 #include <complex>

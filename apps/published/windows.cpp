@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/apps/attractor_report.hpp>
-#include <graze/apps/number.hpp>
-#include <graze/apps/orbit_report.hpp>
 #include <graze/apps/published/windows.hpp>
+#include <graze/apps/results/attractor_report.hpp>
+#include <graze/apps/results/orbit_report.hpp>
+#include <graze/apps/text/number.hpp>
 
 #include <fmt/format.h>
 

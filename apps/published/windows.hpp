@@ -5,7 +5,7 @@
 #include <graze/apps/published/attractors.hpp>
 #include <graze/apps/published/comparison.hpp>
 
-#include <graze/continuation/sweep.hpp>
+#include <graze/floquet/follow/sweep.hpp>
 
 #include <vector>
 

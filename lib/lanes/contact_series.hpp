@@ -9,7 +9,7 @@
 // whose determinant is 1.
 #pragma once
 
-#include <graze/lib/detail/hertz_step.hpp>
+#include <graze/lib/flow/hertz_step.hpp>
 #include <graze/lib/lanes/contact_law.hpp>
 #include <graze/lib/lanes/power_series.hpp>
 #include <graze/lib/lanes/quads.hpp>

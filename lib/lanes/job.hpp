@@ -3,8 +3,8 @@
 // may share with the rest.
 #pragma once
 
-#include <graze/lib/hertz_contact.hpp>
-#include <graze/lib/termination.hpp>
+#include <graze/lib/system/hertz_contact.hpp>
+#include <graze/lib/system/termination.hpp>
 
 #include <array>
 #include <cstddef>

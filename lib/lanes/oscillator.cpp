@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/lib/lanes/oscillator.hpp>
 
-#include <graze/lib/cubic_flow.hpp>
-#include <graze/lib/linear_flow.hpp>
+#include <graze/lib/flow/cubic_flow.hpp>
+#include <graze/lib/flow/linear_flow.hpp>
 
 #include <algorithm>
 #include <cmath>

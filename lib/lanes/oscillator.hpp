@@ -4,8 +4,8 @@
 // slow (nor the stop so stiff) that, if linear, its period has more than `most_cells` cells.
 #pragma once
 
-#include <graze/lib/hybrid_system.hpp>
 #include <graze/lib/lanes/job.hpp>
+#include <graze/lib/system/hybrid_system.hpp>
 
 #include <memory>
 #include <optional>

@@ -2,10 +2,10 @@
 // graze attractors: result, table, picture, resumption, interruption, misuse.
 #include "graze_program.hpp"
 
-#include <graze/apps/interrupt.hpp>
-#include <graze/apps/json.hpp>
+#include <graze/apps/console/interrupt.hpp>
 #include <graze/apps/pictures/pictures.hpp>
-#include <graze/apps/table.hpp>
+#include <graze/apps/text/json.hpp>
+#include <graze/apps/text/table.hpp>
 
 #include <catch2/catch.hpp>
 

@@ -2,7 +2,7 @@
 // Cascades of period doublings: which points belong together, and the ratios of their intervals.
 #include "graze_program.hpp"
 
-#include <graze/apps/cascades.hpp>
+#include <graze/apps/results/cascades.hpp>
 
 #include <catch2/catch.hpp>
 

@@ -3,9 +3,9 @@
 #include "graze_program.hpp"
 
 #include <graze/apps/commands/command.hpp>
-#include <graze/apps/json.hpp>
 #include <graze/apps/pictures/pictures.hpp>
-#include <graze/apps/table.hpp>
+#include <graze/apps/text/json.hpp>
+#include <graze/apps/text/table.hpp>
 
 #include <catch2/catch.hpp>
 

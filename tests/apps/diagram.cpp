@@ -3,9 +3,9 @@
 // diagrams are in whole_diagram.cpp.
 #include "graze_program.hpp"
 
-#include <graze/apps/interrupt.hpp>
-#include <graze/apps/json.hpp>
+#include <graze/apps/console/interrupt.hpp>
 #include <graze/apps/pictures/pictures.hpp>
+#include <graze/apps/text/json.hpp>
 
 #include <catch2/catch.hpp>
 

@@ -2,7 +2,7 @@
 // Pictures that are drawn side by side.
 #include "graze_program.hpp"
 
-#include <graze/apps/drawings.hpp>
+#include <graze/apps/drawing/draw_files.hpp>
 
 #include <catch2/catch.hpp>
 

@@ -2,8 +2,8 @@
 // --flow: the fast paths against slower, independent ones, from the command line.
 #include "graze_program.hpp"
 
-#include <graze/apps/flow_choice.hpp>
-#include <graze/apps/map_plan.hpp>
+#include <graze/apps/map/map_plan.hpp>
+#include <graze/apps/problem/flow_choice.hpp>
 
 #include <catch2/catch.hpp>
 

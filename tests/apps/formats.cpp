@@ -2,13 +2,14 @@
 // JSON, CSV, tables, files and gnuplot scripts.
 #include "graze_program.hpp"
 
-#include <graze/apps/json.hpp>
-#include <graze/apps/label_places.hpp>
-#include <graze/apps/number.hpp>
-#include <graze/apps/output_file.hpp>
+#include <graze/apps/console/output_file.hpp>
+#include <graze/apps/drawing/label_places.hpp>
+#include <graze/apps/drawing/raster.hpp>
 #include <graze/apps/pictures/pictures.hpp>
-#include <graze/apps/raster.hpp>
-#include <graze/apps/table.hpp>
+#include <graze/apps/problem/head.hpp>
+#include <graze/apps/text/json.hpp>
+#include <graze/apps/text/number.hpp>
+#include <graze/apps/text/table.hpp>
 
 #include <catch2/catch.hpp>
 

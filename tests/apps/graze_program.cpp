@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "graze_program.hpp"
 
-#include <graze/apps/program.hpp>
+#include <graze/apps/program/program.hpp>
 
 #include <catch2/catch.hpp>
 

@@ -2,7 +2,7 @@
 // Running the program in tests: as a function (call) or as a process of its own (spawn); and a folder that is gone afterwards.
 #pragma once
 
-#include <graze/apps/json.hpp>
+#include <graze/apps/text/json.hpp>
 
 #include <sys/types.h>
 

@@ -2,10 +2,10 @@
 // Texts that are handed on while they are being made: of lists on several threads, of JSON without a tree, into files.
 #include "graze_program.hpp"
 
-#include <graze/apps/json_text.hpp>
-#include <graze/apps/long_text.hpp>
-#include <graze/apps/output_file.hpp>
-#include <graze/apps/sweep_report.hpp>
+#include <graze/apps/console/output_file.hpp>
+#include <graze/apps/results/sweep_report.hpp>
+#include <graze/apps/text/json_text.hpp>
+#include <graze/apps/text/long_text.hpp>
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>

@@ -2,9 +2,9 @@
 // graze lyapunov: its JSON on periodic and chaotic attractors, its budget, misuse.
 #include "graze_program.hpp"
 
-#include <graze/apps/attractor_report.hpp>
-#include <graze/apps/json.hpp>
-#include <graze/apps/table.hpp>
+#include <graze/apps/results/attractor_report.hpp>
+#include <graze/apps/text/json.hpp>
+#include <graze/apps/text/table.hpp>
 
 #include <catch2/catch.hpp>
 

@@ -2,11 +2,11 @@
 // graze map: what it gives, in all its formats, and what it refuses.
 #include "graze_program.hpp"
 
-#include <graze/apps/map_chunk.hpp>
-#include <graze/apps/map_report.hpp>
+#include <graze/apps/map/map_chunk.hpp>
+#include <graze/apps/map/map_report.hpp>
 #include <graze/apps/pictures/map_colours.hpp>
 #include <graze/apps/pictures/pictures.hpp>
-#include <graze/apps/table.hpp>
+#include <graze/apps/text/table.hpp>
 
 #include <catch2/catch.hpp>
 

@@ -2,10 +2,10 @@
 // The HDF5 file of a map, whose cells are compressed here, as the library reads it; the table of all points.
 #include "graze_program.hpp"
 
-#include <graze/apps/map_file.hpp>
-#include <graze/apps/map_report.hpp>
-#include <graze/apps/packed_cell.hpp>
-#include <graze/apps/table.hpp>
+#include <graze/apps/map/map_file.hpp>
+#include <graze/apps/map/map_report.hpp>
+#include <graze/apps/map/packed_cell.hpp>
+#include <graze/apps/text/table.hpp>
 
 #include <catch2/catch.hpp>
 

@@ -3,8 +3,8 @@
 // same map is the same file, byte by byte.
 #include "graze_program.hpp"
 
-#include <graze/apps/json.hpp>
-#include <graze/apps/ranks.hpp>
+#include <graze/apps/map/ranks.hpp>
+#include <graze/apps/text/json.hpp>
 
 #include <catch2/catch.hpp>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/apps/number.hpp>
+#include <graze/apps/text/number.hpp>
 
 #include <catch2/catch.hpp>
 

@@ -2,8 +2,8 @@
 // Folders of --out and --resume: one run at a time, no run over another, no schema that is not known; names that are not UTF-8.
 #include "graze_program.hpp"
 
-#include <graze/apps/file_lock.hpp>
-#include <graze/apps/interrupt.hpp>
+#include <graze/apps/console/file_lock.hpp>
+#include <graze/apps/console/interrupt.hpp>
 
 #include <catch2/catch.hpp>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Conversions against values worked out by hand, with numbers that leave short decimals.
-#include <graze/lib/physical_units.hpp>
+#include <graze/lib/models/physical_units.hpp>
 
 #include <catch2/catch.hpp>
 

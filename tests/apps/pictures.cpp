@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Pictures of much: what is left away so that the rest can be read, and what words stand where.
-#include <graze/apps/label_places.hpp>
-#include <graze/apps/legend.hpp>
+#include <graze/apps/drawing/label_places.hpp>
+#include <graze/apps/drawing/legend.hpp>
 #include <graze/apps/pictures/pictures.hpp>
-#include <graze/apps/skeleton_report.hpp>
+#include <graze/apps/results/skeleton_report.hpp>
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>

@@ -2,7 +2,7 @@
 // Problem files: what they may say, and the one sentence for each thing they may not.
 #include "graze_program.hpp"
 
-#include <graze/apps/problem.hpp>
+#include <graze/apps/problem/problem.hpp>
 
 #include <catch2/catch.hpp>
 

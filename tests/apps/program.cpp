@@ -2,7 +2,7 @@
 // The real program: exit codes, one sentence per mistake, and nothing lost that was computed.
 #include "graze_program.hpp"
 
-#include <graze/apps/json.hpp>
+#include <graze/apps/text/json.hpp>
 
 #include <catch2/catch.hpp>
 

@@ -6,7 +6,7 @@
 #include <graze/apps/published/points.hpp>
 #include <graze/apps/published/windows.hpp>
 
-#include <graze/floquet/settle.hpp>
+#include <graze/floquet/attractor/settle.hpp>
 
 #include <catch2/catch.hpp>
 

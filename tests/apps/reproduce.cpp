@@ -2,9 +2,9 @@
 // graze reproduce: rows, files, going on from an interrupted run, misuse.
 #include "graze_program.hpp"
 
-#include <graze/apps/interrupt.hpp>
-#include <graze/apps/json.hpp>
+#include <graze/apps/console/interrupt.hpp>
 #include <graze/apps/published/reproduction.hpp>
+#include <graze/apps/text/json.hpp>
 
 #include <catch2/catch.hpp>
 

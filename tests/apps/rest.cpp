@@ -3,7 +3,7 @@
 // did not settle on.
 #include "graze_program.hpp"
 
-#include <graze/apps/json.hpp>
+#include <graze/apps/text/json.hpp>
 
 #include <catch2/catch.hpp>
 

@@ -2,7 +2,7 @@
 // Special points that several branches have in common are listed once.
 #include "graze_program.hpp"
 
-#include <graze/apps/same_points.hpp>
+#include <graze/apps/results/same_points.hpp>
 
 #include <catch2/catch.hpp>
 

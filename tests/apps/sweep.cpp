@@ -2,8 +2,8 @@
 // graze sweep: rows with attractors and exponents, hysteresis, going on from an interrupted run, misuse.
 #include "graze_program.hpp"
 
-#include <graze/apps/json.hpp>
 #include <graze/apps/pictures/pictures.hpp>
+#include <graze/apps/text/json.hpp>
 
 #include <catch2/catch.hpp>
 

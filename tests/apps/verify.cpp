@@ -2,9 +2,9 @@
 // graze verify: ranges, the largest disagreements, the hard limit, exit codes, misuse.
 #include "graze_program.hpp"
 
-#include <graze/apps/json.hpp>
 #include <graze/apps/pictures/pictures.hpp>
-#include <graze/apps/table.hpp>
+#include <graze/apps/text/json.hpp>
+#include <graze/apps/text/table.hpp>
 
 #include <catch2/catch.hpp>
 

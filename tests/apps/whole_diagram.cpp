@@ -2,13 +2,14 @@
 // graze diagram without --skeleton: sweeps and branches agree, going on from any interruption, the picture, misuse.
 #include "graze_program.hpp"
 
-#include <graze/apps/branch_reading.hpp>
-#include <graze/apps/branch_report.hpp>
 #include <graze/apps/pictures/pictures.hpp>
-#include <graze/apps/sweep_report.hpp>
+#include <graze/apps/problem/head.hpp>
+#include <graze/apps/results/branch_reading.hpp>
+#include <graze/apps/results/branch_report.hpp>
+#include <graze/apps/results/sweep_report.hpp>
 
-#include <graze/continuation/branch_graph.hpp>
-#include <graze/continuation/off_branches.hpp>
+#include <graze/continuation/graph/branch_graph.hpp>
+#include <graze/continuation/graph/sweep_against_branches.hpp>
 
 #include <catch2/catch.hpp>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Words of a crowded picture: off each other, off lines and marks, or left out.
-#include <graze/apps/pictures/word_places.hpp>
+#include <graze/apps/drawing/word_places.hpp>
 
 #include <catch2/catch.hpp>
 

@@ -6,8 +6,8 @@
 // the same at as many parameter values as the branch has points; transient and Gram-Schmidt.
 #include "solvers.hpp"
 
-#include <graze/continuation/continuation.hpp>
-#include <graze/continuation/sweep.hpp>
+#include <graze/continuation/graph/continuation.hpp>
+#include <graze/floquet/follow/sweep.hpp>
 
 namespace benchmarks {
 namespace {

@@ -3,7 +3,7 @@
 // sensitivity, from states on the attractor, at the tolerances that deliver 1e-10 over a period.
 #include "solvers.hpp"
 
-#include <graze/lib/trajectory.hpp>
+#include <graze/lib/motion/trajectory.hpp>
 
 namespace benchmarks {
 namespace {

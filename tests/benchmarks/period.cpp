@@ -68,7 +68,7 @@ void lanes(benchmark::State& state, const Problem& p) {
 
 const bool registered = [] {
   for (const Problem& p : problems()) {
-    if (graze::ManyMotions::applies(make_system(p), make_parameters(p)))
+    if (graze::LaneCarrier::applies(make_system(p), make_parameters(p)))
       benchmark::RegisterBenchmark(("period/" + p.name + "/graze-lanes").c_str(),
                                    [p](benchmark::State& state) { lanes(state, p); });
     with_solvers(p, [&](const std::string& name, const auto& make) {

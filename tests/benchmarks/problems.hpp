@@ -5,9 +5,9 @@
 
 #include "baselines/oscillator.hpp"
 
-#include <graze/lib/many_motions.hpp>
-#include <graze/lib/oscillator.hpp>
-#include <graze/lib/transition.hpp>
+#include <graze/lib/models/oscillator.hpp>
+#include <graze/lib/motion/lane_carrier.hpp>
+#include <graze/lib/motion/transition.hpp>
 
 #include <string>
 #include <vector>
@@ -68,12 +68,12 @@ class GrazeLanes {
  public:
   GrazeLanes(const Problem& problem, double tolerance);
   Outcome period(const Start& start);
-  /// All of `starts` over a forcing period; results are as in graze::ManyMotions.
+  /// All of `starts` over a forcing period; results are as in graze::LaneCarrier.
   const std::vector<graze::PeriodResult>& periods(const std::vector<Start>& starts);
 
  private:
   graze::HybridSystem system_;
-  graze::ManyMotions motions_;
+  graze::LaneCarrier motions_;
   std::size_t parameters_;
   std::vector<graze::MotionStart> starts_;
   std::vector<graze::PeriodResult> results_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/floquet/shooting.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/floquet/orbit/shooting.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include <cmath>
 

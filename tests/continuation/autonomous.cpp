@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Branches of autonomous orbits: limit cycles of van der Pol's oscillator before a stop, against cycles found anew by simulation.
-#include <graze/continuation/continuation.hpp>
+#include <graze/continuation/graph/continuation.hpp>
 
 #include "support/branches.hpp"
 #include "support/checks.hpp"

@@ -2,8 +2,8 @@
 // What begins beyond a hard grazing, against closed forms: stable stretches of orbits with one impact in n periods that are
 // inadmissible between two grazings and bridged by orbits with one impact more; windows narrower than 1e-7; several contacts that
 // touch together; and contacts with nothing beyond.
-#include <graze/continuation/branch_graph.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/continuation/graph/branch_graph.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include "support/branches.hpp"
 #include "support/checks.hpp"

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Branches away from the shipped parameter values, where they once ended for a false reason or carried points that are none. The
 // values are those of 40-digit arithmetic on the closed forms (one impact) and on the events' equations (several).
-#include <graze/continuation/branch_graph.hpp>
-#include <graze/floquet/search.hpp>
-#include <graze/floquet/settle.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/continuation/graph/branch_graph.hpp>
+#include <graze/floquet/attractor/search.hpp>
+#include <graze/floquet/attractor/settle.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include "support/branches.hpp"
 #include "support/checks.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The tracer knows nothing of orbits: curves given by plain equations.
-#include <graze/continuation/trace.hpp>
+#include <graze/continuation/trace/trace.hpp>
 
 #include <catch2/catch.hpp>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Derivatives along a family: the tangent of the continuation problem against the quadruple-precision derivatives of
 // data/reference.toml, and the Jacobians behind the extended systems against central differences.
-#include <graze/continuation/orbit_problem.hpp>
-#include <graze/continuation/trace.hpp>
+#include <graze/continuation/problems/orbit_problem.hpp>
+#include <graze/continuation/trace/trace.hpp>
 
 #include "support/checks.hpp"
 #include "support/reference.hpp"

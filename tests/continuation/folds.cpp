@@ -3,8 +3,8 @@
 // parabola in the impact speed v), in the clearance r (an ellipse in (r, v): r = 0 and r < 0 lie on it) and in the frequency eta
 // (where the two orbits of given parameters merge, on closed branches too). Soft contacts against the multiplier of orbits found
 // on both sides, and against the hard limit.
-#include <graze/continuation/continuation.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/continuation/graph/continuation.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include "support/branches.hpp"
 #include "support/checks.hpp"

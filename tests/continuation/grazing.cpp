@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "support/one_impact_orbit.hpp"
 
-#include <graze/continuation/continuation.hpp>
-#include <graze/continuation/grazing.hpp>
-#include <graze/floquet/settle.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/continuation/conditions/grazing.hpp>
+#include <graze/continuation/graph/continuation.hpp>
+#include <graze/floquet/attractor/settle.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include <catch2/catch.hpp>
 

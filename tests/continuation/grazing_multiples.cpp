@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Families of several times the period that are born on a hard grazing: which of them, and on which side, against linear algebra;
 // where they lie, against the closed form of orbits with one impact.
-#include <graze/continuation/branch_graph.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/continuation/graph/branch_graph.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include "support/branches.hpp"
 #include "support/checks.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Which families of several turns begin on a hard grazing, to first order in the speeds; and that one of them always does.
-#include <graze/continuation/grazing_turns.hpp>
+#include <graze/continuation/conditions/grazing_turns.hpp>
 
 #include "support/grazing_families.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Rows of a map on their way: where points begin, which are taken back, and what is sure.
-#include <graze/continuation/map_row.hpp>
+#include <graze/floquet/follow/map_row.hpp>
 
 #include <catch2/catch.hpp>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Maps that are given piece by piece: their points against those of whole maps, what is begun and what is waited for.
-#include <graze/continuation/map_work.hpp>
+#include <graze/floquet/follow/map_work.hpp>
 
 #include "support/checks.hpp"
 #include "support/map_points.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Neimark-Sacker and branch points: they need four states, or a symmetry.
-#include <graze/continuation/continuation.hpp>
-#include <graze/floquet/settle.hpp>
+#include <graze/continuation/graph/continuation.hpp>
+#include <graze/floquet/attractor/settle.hpp>
 
 #include "support/driven_self_excited.hpp"
 #include "support/two_sided_oscillator.hpp"

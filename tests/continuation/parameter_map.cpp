@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Parameter maps: points against attractors found one by one and against closed forms, parts against the whole, hysteresis of
 // followed rows, points next to bifurcations, misuse.
-#include <graze/continuation/parameter_map.hpp>
-#include <graze/continuation/sweep.hpp>
-#include <graze/floquet/shooting.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/floquet/follow/parameter_map.hpp>
+#include <graze/floquet/follow/sweep.hpp>
+#include <graze/floquet/orbit/shooting.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include "support/damped_hertz.hpp"
 #include "support/map_points.hpp"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Branches of the six published systems, and their points against data/reference.toml and the figures.
-#include <graze/continuation/continuation.hpp>
-#include <graze/floquet/settle.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/continuation/graph/continuation.hpp>
+#include <graze/floquet/attractor/settle.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include <catch2/catch.hpp>
 

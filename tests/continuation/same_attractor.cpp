@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Whether two rows at one value are on the same attractor: orbits and chaos from different starts, coexisting ones, neighbours.
-#include <graze/continuation/same_attractor.hpp>
+#include <graze/floquet/follow/same_attractor.hpp>
 
 #include "support/damped_hertz.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Orbits symmetric between two barriers touch both together: one grazing, not two, at which several contacts are lost or gained.
-#include <graze/continuation/branch_graph.hpp>
-#include <graze/floquet/settle.hpp>
+#include <graze/continuation/graph/branch_graph.hpp>
+#include <graze/floquet/attractor/settle.hpp>
 
 #include "support/branches.hpp"
 #include "support/checks.hpp"

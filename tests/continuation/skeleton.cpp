@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The skeleton of the published range: what must be in it, and every special point computed a second way.
-#include <graze/continuation/chatter_series.hpp>
-#include <graze/continuation/grazing.hpp>
-#include <graze/continuation/multiplier_condition.hpp>
-#include <graze/continuation/skeleton.hpp>
-#include <graze/floquet/settle.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/continuation/conditions/grazing.hpp>
+#include <graze/continuation/conditions/multiplier_condition.hpp>
+#include <graze/continuation/graph/chatter_series.hpp>
+#include <graze/continuation/graph/skeleton.hpp>
+#include <graze/floquet/attractor/settle.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include "support/branches.hpp"
 #include "support/checks.hpp"

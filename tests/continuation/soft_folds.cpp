@@ -3,8 +3,8 @@
 // square of their difference, extrapolated to zero, gives the fold without any condition on multipliers; and with growing
 // stiffness the fold goes to the hard one in closed form (k_r = 1), as the duration of a contact goes to zero: like k_S^(-1/2)
 // (linear elastic), like k_H^(-2/5) (Hertz).
-#include <graze/continuation/continuation.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/continuation/graph/continuation.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include "support/branches.hpp"
 #include "support/checks.hpp"

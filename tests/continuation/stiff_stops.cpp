@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Stiff linear stops: what becomes of a branch at the grazing of the impactless orbit as k_S grows. At a nonsmooth fold of the
 // hard contact the branch has a corner there, of size k_S^-2: below the rounding of doubles from k_S = 1e7 on.
-#include <graze/continuation/branch_graph.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/continuation/graph/branch_graph.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include "support/branches.hpp"
 #include "support/checks.hpp"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Sweeps: rows against orbits and motions computed for themselves, from any of their rows on and on any number of threads; orbits
 // of the values ahead; motions that linger.
-#include <graze/continuation/orbits_ahead.hpp>
-#include <graze/continuation/sweep.hpp>
-#include <graze/floquet/shooting.hpp>
+#include <graze/floquet/follow/predicted_orbits.hpp>
+#include <graze/floquet/follow/sweep.hpp>
+#include <graze/floquet/orbit/shooting.hpp>
 
 #include "support/damped_hertz.hpp"
 #include "support/newton_oscillator.hpp"

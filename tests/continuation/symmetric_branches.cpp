@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A branch of symmetric orbits and the loops of broken symmetry that begin and end on it: the cantilever's cubic oscillator,
 // driven hard and far from its barrier (xi = 20, r = 10). x(t + T/2) = -x(t) along the symmetric branch.
-#include <graze/continuation/branch_step.hpp>
-#include <graze/continuation/continuation.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/continuation/branch/branch_step.hpp>
+#include <graze/continuation/graph/continuation.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include "support/branches.hpp"
 #include "support/checks.hpp"

@@ -6,8 +6,8 @@
 //     0.344360607273   GR: one of the four contacts is lost; the multiplier there is -2.212, it changes like the root of the
 //                      distance, which is why all three lie so close together
 // Checked with the closed-form motion of two_sided_motion.hpp.
-#include <graze/continuation/continuation.hpp>
-#include <graze/floquet/settle.hpp>
+#include <graze/continuation/graph/continuation.hpp>
+#include <graze/floquet/attractor/settle.hpp>
 
 #include "support/branches.hpp"
 #include "support/checks.hpp"

@@ -2,9 +2,9 @@
 // What every entry of test_functions() owes, on maps whose bifurcations are known in closed form (map_system.hpp): its value
 // changes sign at its own bifurcation, exactly there, confirm() says yes there and no at the others', locate() finds the point to
 // the precision it states. A new test function fails the first test until a family with its bifurcation is added to families().
-#include <graze/continuation/continuation.hpp>
-#include <graze/continuation/orbit_problem.hpp>
-#include <graze/continuation/test_functions/test_function.hpp>
+#include <graze/continuation/conditions/test_function.hpp>
+#include <graze/continuation/graph/continuation.hpp>
+#include <graze/continuation/problems/orbit_problem.hpp>
 
 #include "support/branches.hpp"
 #include "support/checks.hpp"

@@ -2,8 +2,8 @@
 // Attractors of many points side by side against those of each point alone.
 #include "support/checks.hpp"
 
-#include <graze/floquet/rounds.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/floquet/attractor/attractor_decision.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include <catch2/catch.hpp>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Coexisting attractors: the published pairs, the short-cuts against plain simulation, independence of threads and interruptions.
-#include <graze/floquet/basins.hpp>
-#include <graze/floquet/scout.hpp>
-#include <graze/floquet/settle.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/floquet/attractor/settle.hpp>
+#include <graze/floquet/basins/basins.hpp>
+#include <graze/floquet/basins/contact_table_probe.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include "support/checks.hpp"
 #include "support/two_mass_oscillator.hpp"
@@ -313,7 +313,7 @@ TEST_CASE("misuse of basins is refused in one sentence") {
 
 TEST_CASE("a table of contacts is made for many starts whose motions do not settle soon") {
   const HybridSystem system = make_oscillator("linear", "hertz"), hard = make_oscillator("linear", "newton");
-  const auto has_table = [](const HybridSystem& of, const Vector& p, int n) { return Scout(of, p, grid(n)).table() != nullptr; };
+  const auto has_table = [](const HybridSystem& of, const Vector& p, int n) { return ContactTableProbe(of, p, grid(n)).table() != nullptr; };
   const Vector settles = parameters(system, {{"eta", 0.95}, {"b_H", 0.1}}),
                chaos = parameters(system, {{"eta", 0.711}, {"b_H", 0.1}});
   CHECK(has_table(system, chaos, 64));

@@ -4,8 +4,8 @@
 // minutes:   build/tests/tests_floquet "chaotic exponents to a ten-thousandth"
 #include "support/checks.hpp"
 
-#include <graze/floquet/attractor.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/floquet/attractor/attractor.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include <catch2/catch.hpp>
 

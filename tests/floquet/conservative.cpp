@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Order is not taken for chaos: standard errors know a trend, and where nothing dissipates islands and the chaotic sea are told
 // apart by how tangents grow.
-#include <graze/floquet/attractor.hpp>
-#include <graze/floquet/exponents.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/floquet/attractor/attractor.hpp>
+#include <graze/floquet/exponents/exponents.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include "support/checks.hpp"
 

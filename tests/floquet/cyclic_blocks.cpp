@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The cyclic equations of a Newton step against the same equations as one dense matrix.
-#include <graze/floquet/cyclic_blocks.hpp>
+#include <graze/lib/numerics/cyclic_blocks.hpp>
 
 #include <Eigen/Dense>
 #include <catch2/catch.hpp>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The hard limit of Hertz contact: restitution against quadrature in extended precision, orbits against the closed form of
 // Newton's law, orders of convergence.
-#include <graze/floquet/hard_limit.hpp>
-#include <graze/floquet/settle.hpp>
+#include <graze/floquet/attractor/settle.hpp>
+#include <graze/floquet/verify/hard_limit.hpp>
 
 #include "support/checks.hpp"
 #include "support/extrapolation.hpp"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Orbits found side by side in lanes, against closed forms and against the orbits that shoot() finds.
-#include <graze/floquet/lane_orbits.hpp>
-#include <graze/floquet/settling_orbit.hpp>
-#include <graze/lib/lane_pool.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/floquet/attractor/settling_orbit.hpp>
+#include <graze/floquet/orbit/lane_orbits.hpp>
+#include <graze/lib/models/oscillator.hpp>
+#include <graze/lib/tasks/task_pool.hpp>
 
 #include "support/checks.hpp"
 #include "support/newton_oscillator.hpp"
@@ -37,7 +37,7 @@ constexpr Known hertz_orbits[] = {{1, 0.94, 2.0403618495903122, 1.47311907690207
 }  // namespace
 
 TEST_CASE("lane orbits: closed forms with one impact, all of them at once") {
-  ManyMotions many(newton_oscillator());
+  LaneCarrier many(newton_oscillator());
   std::vector<OneImpactOrbit> exact;
   std::vector<LaneGuess> guesses;
   for (const double k_r : {1.0, 0.8, 0.45})
@@ -103,7 +103,7 @@ TEST_CASE("lane orbits: before a fold, a guess is given up the sooner the fewer 
       at.xi *= 0.98;
       REQUIRE(one_impact_orbits(at, 1).empty());
       const auto periods = [&](LanePatience patience) {
-        ManyMotions many(newton_oscillator());
+        LaneCarrier many(newton_oscillator());
         const LaneGuess guess = guess_at(many.add_parameters(parameters_of(at)), fold, 0.0);
         CHECK_FALSE(shoot_side_by_side(many, {guess}, patience).front().converged);
         return many.carried();
@@ -114,7 +114,7 @@ TEST_CASE("lane orbits: before a fold, a guess is given up the sooner the fewer 
 
 TEST_CASE("lane orbits: of a Hertz stop, as shoot() finds them, alone and among others") {
   const HybridSystem system = make_oscillator("linear", "hertz");
-  ManyMotions many(system);
+  LaneCarrier many(system);
   std::vector<LaneGuess> guesses;
   std::vector<PeriodicOrbit> exact;
   for (const Known& known : hertz_orbits) {
@@ -145,7 +145,7 @@ TEST_CASE("lane orbits: of a Hertz stop, as shoot() finds them, alone and among 
 }
 
 TEST_CASE("lane orbits: what is delicate, and what does not converge, is said") {
-  ManyMotions many(newton_oscillator());
+  LaneCarrier many(newton_oscillator());
   // k_r = 0: the tangent forgets a direction.
   const std::size_t plastic = many.add_parameters(parameters(newton_oscillator(), {{"b", 0.05}, {"eta", 0.95}, {"k_r", 0.0}}));
   // The impactless orbit without an impact near it, and a guess that leads nowhere: beyond the barrier.

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Exponents by time average: against the multipliers on periodic orbits, against Liouville's identity in chaos, their standard
 // errors against the scatter of independent runs.
-#include <graze/floquet/attractor.hpp>
-#include <graze/floquet/batch_means.hpp>
-#include <graze/floquet/log_product.hpp>
-#include <graze/floquet/lyapunov.hpp>
-#include <graze/floquet/settle.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/floquet/attractor/attractor.hpp>
+#include <graze/floquet/attractor/settle.hpp>
+#include <graze/floquet/exponents/lyapunov.hpp>
+#include <graze/lib/models/oscillator.hpp>
+#include <graze/lib/numerics/batch_means.hpp>
+#include <graze/lib/numerics/log_product.hpp>
 
 #include "support/checks.hpp"
 #include "support/two_mass_oscillator.hpp"

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Exponents averaged over several motions side by side in lanes: against one motion, with and without a table of contacts, on any
 // number of threads.
-#include <graze/floquet/attractor.hpp>
-#include <graze/floquet/lyapunov_lanes.hpp>
-#include <graze/lib/lane_pool.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/floquet/attractor/attractor.hpp>
+#include <graze/floquet/exponents/lyapunov_lanes.hpp>
+#include <graze/lib/models/oscillator.hpp>
+#include <graze/lib/tasks/task_pool.hpp>
 
 #include "support/checks.hpp"
 
@@ -140,8 +140,8 @@ TEST_CASE("one motion in lanes has the exponents of a motion") {
     starts.push_back({p, vector({1.2, 0.4})});
   }
   std::vector<LyapunovSpectrum> in_pool(starts.size());
-  ManyMotions many(system);
-  const auto average = [&](std::size_t k, LanePlace& lane) -> LaneTask<> {
+  LaneCarrier many(system);
+  const auto average = [&](std::size_t k, TaskSlot& lane) -> MotionTask<> {
     lane.take_parameters(starts[k].p);
     LaneAverage one(lane, system, starts[k], options);
     const bool open = co_await one.carry(lane, 40);
@@ -149,7 +149,7 @@ TEST_CASE("one motion in lanes has the exponents of a motion") {
     co_await one.carry(lane, 1000);
     in_pool[k] = std::move(one).result();
   };
-  LanePool(many).run(starts.size(), average);
+  TaskPool(many).run(starts.size(), average);
   for (std::size_t k = 0; k < starts.size(); ++k) {
     const LyapunovSpectrum alone = lyapunov_spectrum(system, starts[k].p, starts[k].state, options);
     const LyapunovSpectrum in_lanes = lane_spectrum(system, starts[k], options);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Newton's law with one impact in n periods: the library against the closed form, away from the published parameters.
-#include <graze/floquet/search.hpp>
-#include <graze/floquet/shooting.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/floquet/attractor/search.hpp>
+#include <graze/floquet/orbit/shooting.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include "support/checks.hpp"
 #include "support/newton_oscillator.hpp"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // verify_orbit: it agrees where all is right, and each check fails where what it looks at has been tampered with.
-#include <graze/floquet/orbit_verification.hpp>
-#include <graze/floquet/settle.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/floquet/attractor/settle.hpp>
+#include <graze/floquet/verify/orbit_verification.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include <catch2/catch.hpp>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Orbits of systems that are not the one-barrier oscillator, through the same calls: two degrees of freedom with two barriers,
 // autonomous limit cycles with impacts or switches, four states with known complex multipliers.
-#include <graze/floquet/settle.hpp>
+#include <graze/floquet/attractor/settle.hpp>
 
 #include "support/checks.hpp"
 #include "support/driven_self_excited.hpp"

@@ -2,7 +2,7 @@
 // Eigenvalues of products of matrices whose eigenvalues are known: A_k = Q_k D_k Q_{k-1}^{-1} with Q_N = Q_0, so that the product
 // is Q_0 (D_N ... D_1) Q_0^{-1}. The Q are random, well conditioned and not orthogonal; everything is formed in long double and
 // then rounded.
-#include <graze/floquet/multipliers.hpp>
+#include <graze/floquet/orbit/multipliers.hpp>
 
 #include "support/checks.hpp"
 

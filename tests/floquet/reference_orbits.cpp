@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Every orbit of data/reference.toml, found by shooting from beside it.
-#include <graze/floquet/shooting.hpp>
+#include <graze/floquet/orbit/shooting.hpp>
 
 #include "support/checks.hpp"
 #include "support/reference.hpp"

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A mass that rests on a pressed stop: told for what it is, however it is looked at, for impacts that lose energy and for some
 // that do not.
-#include <graze/floquet/attractor.hpp>
-#include <graze/floquet/basins.hpp>
-#include <graze/floquet/settle.hpp>
-#include <graze/floquet/settling_orbit.hpp>
-#include <graze/lib/oscillator.hpp>
-#include <graze/lib/rest.hpp>
+#include <graze/floquet/attractor/attractor.hpp>
+#include <graze/floquet/attractor/settle.hpp>
+#include <graze/floquet/attractor/settling_orbit.hpp>
+#include <graze/floquet/basins/basins.hpp>
+#include <graze/lib/models/oscillator.hpp>
+#include <graze/lib/motion/rest.hpp>
 
 #include "support/checks.hpp"
 

@@ -7,9 +7,9 @@
 //     damped Hertz, eta = 0.711 (chaos beside a stable 1/1 orbit)    1, 2, 0, 1   orbits
 //     Newton's law, eta = 0.744 (4/4 and 2/3 orbits coexist)         1, 1, 2, 1
 //     beam with Hertz contact, beta = 0, eta = 0.554                 1, 1, 2, 1
-#include <graze/floquet/search.hpp>
-#include <graze/floquet/search_box.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/floquet/attractor/search.hpp>
+#include <graze/floquet/orbit/search_box.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include "support/checks.hpp"
 #include "support/one_impact_orbit.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Settled transients: what they settle on, how they end.
-#include <graze/floquet/settle.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/floquet/attractor/settle.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include "support/checks.hpp"
 #include "support/van_der_pol_stop.hpp"

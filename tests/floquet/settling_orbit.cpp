@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a motion is settling on: where chaos and a stable orbit stand side by side, and next to a period doubling.
-#include <graze/floquet/near_doubling.hpp>
-#include <graze/floquet/refused_orbits.hpp>
-#include <graze/floquet/settle.hpp>
-#include <graze/floquet/settling_orbit.hpp>
-#include <graze/lib/lane_pool.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/floquet/attractor/near_doubling.hpp>
+#include <graze/floquet/attractor/refused_orbits.hpp>
+#include <graze/floquet/attractor/settle.hpp>
+#include <graze/floquet/attractor/settling_orbit.hpp>
+#include <graze/lib/models/oscillator.hpp>
+#include <graze/lib/tasks/task_pool.hpp>
 
 #include "support/checks.hpp"
 #include "support/damped_hertz.hpp"
@@ -54,9 +54,9 @@ constexpr double nearness = 2e-3;
 /// What each of the looks for an orbit says.
 std::vector<std::optional<PeriodicOrbit>> looked_for(const Vector& p, const Vector& start) {
   Propagator propagator(damped_hertz(), p);
-  ManyMotions many(damped_hertz(), {});
+  LaneCarrier many(damped_hertz(), {});
   SettlingLook look;
-  LanePool(many).run(1, [&](std::size_t, LanePlace& lane) -> LaneTask<> {
+  TaskPool(many).run(1, [&](std::size_t, TaskSlot& lane) -> MotionTask<> {
     lane.take_parameters(p);
     look = co_await look_for_orbit_in_lanes(lane, damped_hertz(), p, start, max_period, nearness);
   });
@@ -187,9 +187,9 @@ TEST_CASE("an orbit that a motion was seen to pass by is looked at again once th
   // (The doubled orbit of eta = 0.9195 shrinks for long at 0.91955.)
   const Vector p = hertz_parameters(0.91955), start = after_change(0.9195, 0.91955);
   const auto look = [&](RefusedOrbits* known, std::size_t& carried) {
-    ManyMotions many(damped_hertz(), {});
+    LaneCarrier many(damped_hertz(), {});
     SettlingLook out;
-    LanePool(many).run(1, [&](std::size_t, LanePlace& lane) -> LaneTask<> {
+    TaskPool(many).run(1, [&](std::size_t, TaskSlot& lane) -> MotionTask<> {
       lane.take_parameters(p);
       out = co_await look_for_orbit_in_lanes(lane, damped_hertz(), p, start, max_period, nearness, {}, known);
     });
@@ -215,9 +215,9 @@ TEST_CASE("a look notes the orbits that the motion passes by") {
   const auto orbit = settling_orbit(system_with_both(), with_both(), beside_orbit, 64);
   REQUIRE(orbit);
   RefusedOrbits refused;
-  ManyMotions many(system_with_both(), {});
+  LaneCarrier many(system_with_both(), {});
   for (const bool again : {false, true}) {
-    LanePool(many).run(1, [&](std::size_t, LanePlace& lane) -> LaneTask<> {
+    TaskPool(many).run(1, [&](std::size_t, TaskSlot& lane) -> MotionTask<> {
       lane.take_parameters(with_both());
       const SettlingLook look =
           co_await look_for_orbit_in_lanes(lane, system_with_both(), with_both(), chaotic, 12, 0.1, {}, &refused);

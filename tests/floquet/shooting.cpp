@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Newton's method on the shooting equations: its history, its endings, what it makes of misuse; the shooting equations' Jacobian.
-#include <graze/floquet/shooting.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/floquet/orbit/shooting.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include "support/checks.hpp"
 #include "support/van_der_pol_stop.hpp"

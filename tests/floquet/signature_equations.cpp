@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Orbits in the coordinates of their signature: the same orbits as by shooting, and smooth where shooting is not.
-#include <graze/floquet/shooting.hpp>
-#include <graze/floquet/signature_equations.hpp>
-#include <graze/lib/jacobian_check.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/floquet/orbit/shooting.hpp>
+#include <graze/floquet/orbit/signature_equations.hpp>
+#include <graze/lib/models/oscillator.hpp>
+#include <graze/lib/system/jacobian_check.hpp>
 
 #include "support/checks.hpp"
 #include "support/reference.hpp"

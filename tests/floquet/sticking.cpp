@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Orbits that chatter and stick (Newton's law, k_r < 1, low frequency): found, with multipliers that are exactly zero.
-#include <graze/floquet/search.hpp>
-#include <graze/floquet/settle.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/floquet/attractor/search.hpp>
+#include <graze/floquet/attractor/settle.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include "support/checks.hpp"
 

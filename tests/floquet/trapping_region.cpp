@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What recognises an attractor before the motion has settled on it: trapping regions of orbits, cells visited by chaos.
-#include <graze/floquet/settle.hpp>
-#include <graze/floquet/shooting.hpp>
-#include <graze/floquet/trapping_region.hpp>
-#include <graze/floquet/visited_cells.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/floquet/attractor/settle.hpp>
+#include <graze/floquet/basins/trapping_region.hpp>
+#include <graze/floquet/basins/visited_cells.hpp>
+#include <graze/floquet/orbit/shooting.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include "support/checks.hpp"
 #include "support/two_mass_oscillator.hpp"
@@ -161,12 +161,12 @@ TEST_CASE("a chaotic motion is known again by the cells it visits, a periodic on
   const std::vector<Vector> other = henon(Vector{{-0.3, 0.2}}, 2000, 20);
   CHECK(cells.share(other) > 0.99);  // 0.999 of its own second half
   CHECK(cells.count() > 100);        // 64 cells across would be 64^1.26 = 190 of them, 32 across 80
-  Strand strand;
+  CellResidence strand;
   int recognised = 0;
   for (const Vector& x : other) recognised += strand.add(cells, x) ? 1 : 0;
   CHECK(recognised > 10);
   CHECK(recognised <= 2000 / VisitedCells::window);
-  Strand still;
+  CellResidence still;
   const Vector fixed_point{{0.6313544770895048, 0.18940634312685142}};  // lies on the attractor
   REQUIRE(cells.holds(fixed_point));
   bool taken = false;

@@ -3,7 +3,7 @@
 // flow.
 #include "support/lane_differences.hpp"
 
-#include <graze/lib/oscillator.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -28,7 +28,7 @@ TEST_CASE("lanes carry cantilevers as the Propagator does") {
                Row{"linear", "k_S", 0.5}, Row{"linear", "k_S", 25.0}, Row{"linear", "k_S", 5000.0});
   const HybridSystem system = cantilever(row.law);
   std::vector<Vector> sets;
-  ManyMotions many(system, {}, GENERATE(LaneWidth::widest, LaneWidth::plain_two));
+  LaneCarrier many(system, {}, GENERATE(LaneWidth::widest, LaneWidth::plain_two));
   for (const double eta : {0.4, 0.711, 1.4})
     for (const double beta : {-0.02, 0.3, 36.0 / 35.0}) {
       sets.push_back(parameters(system, {{"eta", eta}, {"r", 0.3}, {"beta", beta}, {"xi", 0.4}, {row.parameter, row.value}}));
@@ -56,7 +56,7 @@ TEST_CASE("lanes carry cantilevers as the general flow does") {
   const char* law = GENERATE("newton", "hertz", "linear");
   const HybridSystem system = cantilever(law);
   const Vector p = parameters(system, {{"eta", 0.554}, {"b", 0.026}, {"xi", 0.08}, {"r", 0.079}});
-  ManyMotions many(system);
+  LaneCarrier many(system);
   many.add_parameters(p);
   const auto starts = random_starts(8, 0.079);
   std::vector<PeriodResult> results;
@@ -97,7 +97,7 @@ TEST_CASE("lanes miss no impact of a cantilever next to grazing") {
 TEST_CASE("linear oscillators and cantilevers share the lanes") {
   const HybridSystem system = cantilever("newton");
   std::vector<Vector> sets;
-  ManyMotions many(system);
+  LaneCarrier many(system);
   for (const double beta : {0.5, 0.0, 1.0, 0.0}) {
     sets.push_back(parameters(system, {{"eta", 0.7}, {"beta", beta}, {"xi", 0.4}, {"r", 0.3}}));
     many.add_parameters(sets.back());
@@ -116,7 +116,7 @@ TEST_CASE("a cantilever that chatters, runs away or starts inside is left to the
   const HybridSystem system = cantilever("newton");
   const std::vector<Vector> sets = {parameters(system, {{"eta", 0.2}, {"r", 0.3}, {"k_r", 0.5}}),
                                     parameters(system, {{"eta", 0.7}, {"beta", -1.0}, {"r", 0.3}})};
-  ManyMotions many(system);
+  LaneCarrier many(system);
   for (const Vector& p : sets) many.add_parameters(p);
   const std::vector<MotionStart> starts = {{0, 0.0, 0.0}, {0, 0.3, 0.0}, {0, 0.3, -0.5}, {0, 0.3, 0.5},
                                            {0, 0.4, 0.0}, {0, NAN, 0.0}, {1, -3.0, -1.0}};
@@ -140,7 +140,7 @@ TEST_CASE("more impacts in a period than are allowed are told of cantilevers in 
        {"hertz", Values{{"b", 0.01}, {"beta", 1e3}, {"xi", 1.0}, {"eta", 0.05}, {"r", 2.0}, {"k_H", 1e5}, {"b_H", 0.0}}, -20.0},
        {"linear", Values{{"b", 0.0}, {"beta", 1e3}, {"xi", 5.0}, {"eta", 0.02}, {"r", -0.5}, {"k_S", 1e5}}, -3.0}}));
   const HybridSystem system = cantilever(law);
-  ManyMotions many(system);
+  LaneCarrier many(system);
   many.add_parameters(parameters(system, values));
   std::vector<PeriodResult> results;
   many.carry({{0, x, 1.0}, {0, x, 0.0}}, 2, true, results);

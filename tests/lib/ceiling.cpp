@@ -4,7 +4,7 @@
 
 #include <graze/lib/lanes/flight.hpp>
 #include <graze/lib/lanes/oscillator.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include <catch2/catch.hpp>
 

@@ -3,8 +3,8 @@
 #include "support/bouncing_ball.hpp"
 #include "support/checks.hpp"
 
-#include <graze/lib/oscillator.hpp>
-#include <graze/lib/trajectory.hpp>
+#include <graze/lib/models/oscillator.hpp>
+#include <graze/lib/motion/trajectory.hpp>
 
 using namespace graze;
 using namespace graze::support;

@@ -2,7 +2,7 @@
 // Every law on every oscillator, driven by the lists contact_laws() and oscillator_kinds(): a law is tested by being listed.
 #include "support/checks.hpp"
 
-#include <graze/lib/oscillator.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include <algorithm>
 #include <set>

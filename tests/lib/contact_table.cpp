@@ -3,9 +3,9 @@
 #include "support/checks.hpp"
 #include "support/lane_widths.hpp"
 
-#include <graze/lib/flow.hpp>
-#include <graze/lib/many_motions.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/lib/flow/flow.hpp>
+#include <graze/lib/models/oscillator.hpp>
+#include <graze/lib/motion/lane_carrier.hpp>
 
 #include <catch2/catch.hpp>
 #include <oneapi/tbb/task_arena.h>
@@ -79,7 +79,7 @@ TEST_CASE("motions in lanes with a table agree with motions without") {
   const Vector p = hertz_parameters(eta, b_H);
   const ContactTable contacts(system, p, {0.04, 1.9});
   constexpr std::size_t periods = 40;
-  ManyMotions with(system), without(system);
+  LaneCarrier with(system), without(system);
   with.use(with.add_parameters(p), contacts);
   without.add_parameters(p);
   const auto starts = random_starts(60, p[oscillator_parameter::r]);
@@ -119,7 +119,7 @@ TEST_CASE("a table next to grazing leaves weak contacts to the lanes") {
   const Vector p = hertz_parameters(0.711, 0.1);
   constexpr double slowest = 0.25;
   const ContactTable contacts(system, p, {slowest, 1.9});
-  ManyMotions many(system);
+  LaneCarrier many(system);
   many.use(many.add_parameters(p), contacts);
   const auto starts = random_starts(40000, p[oscillator_parameter::r]);
   std::vector<PeriodResult> results;
@@ -160,7 +160,7 @@ TEST_CASE("lanes of any width give the same with a table to the last bit") {
   for (const LaneWidth width : widths) {
     if (!available(width)) continue;
     const ContactTable contacts(system, p, {0.25, 1.9}, width);
-    ManyMotions many(system, {}, width);
+    LaneCarrier many(system, {}, width);
     many.use(many.add_parameters(p), contacts);
     many.carry(random_starts(61, 2.0), 20, true, results);
     if (reference.empty()) reference = results;
@@ -180,7 +180,7 @@ TEST_CASE("a table of contacts is the same to the last bit on any number of thre
   CHECK(tables[0]->report().contacts == tables[1]->report().contacts);
   std::vector<PeriodResult> one, several;
   for (std::size_t i = 0; i < 2; ++i) {
-    ManyMotions many(system);
+    LaneCarrier many(system);
     many.use(many.add_parameters(p), *tables[i]);
     many.carry(random_starts(61, 2.0), 20, true, i == 0 ? one : several);
   }
@@ -193,13 +193,13 @@ TEST_CASE("a table of contacts is made of the speeds that motions on all threads
   std::vector<PeriodResult> results, one;
   for (const int threads : {1, 4})
     oneapi::tbb::task_arena(threads).execute([&] {
-      ManyMotions many(system);
+      LaneCarrier many(system);
       many.use_all_threads();
       many.add_parameters(hertz_parameters(0.711, 0.1));
       CHECK_FALSE(many.awaits_table(0));
-      many.expect(0, ManyMotions::periods_for_table);
+      many.expect(0, LaneCarrier::periods_for_table);
       CHECK(many.awaits_table(0));
-      many.carry(starts, ManyMotions::periods_between_looks, false, results);
+      many.carry(starts, LaneCarrier::periods_between_looks, false, results);
       CHECK_FALSE(many.awaits_table(0));
       REQUIRE(many.table(0) != nullptr);
       many.carry(starts, 20, true, results);  // with it
@@ -214,18 +214,18 @@ TEST_CASE("a table of contacts is made for many periods only") {
   const auto starts = random_starts(64, 2.0);
   std::vector<PeriodResult> results;
   const auto table_after = [&](std::int64_t periods, double tolerance) {
-    ManyMotions many(system, {.tolerance = tolerance});
+    LaneCarrier many(system, {.tolerance = tolerance});
     many.add_parameters(p);
     many.expect(0, periods);
     many.carry(starts, 200, false, results);
     return many.table(0) != nullptr;
   };
-  CHECK(table_after(ManyMotions::periods_for_table, 1e-13));
-  CHECK_FALSE(table_after(ManyMotions::periods_for_table - 1, 1e-13));
-  CHECK_FALSE(table_after(ManyMotions::periods_for_table, 1e-14));
-  ManyMotions many(hard);
+  CHECK(table_after(LaneCarrier::periods_for_table, 1e-13));
+  CHECK_FALSE(table_after(LaneCarrier::periods_for_table - 1, 1e-13));
+  CHECK_FALSE(table_after(LaneCarrier::periods_for_table, 1e-14));
+  LaneCarrier many(hard);
   many.add_parameters(default_parameters(hard.parameters));
-  many.expect(0, 10 * ManyMotions::periods_for_table);
+  many.expect(0, 10 * LaneCarrier::periods_for_table);
   many.carry({{0, 0.0, 0.5}}, 10, false, results);
   CHECK(many.table(0) == nullptr);
 }
@@ -247,7 +247,7 @@ TEST_CASE("what a table of contacts is not made for is told") {
   CHECK_FALSE(contacts.at(forcing_period(system, p), 0.6));
   CHECK_FALSE(contacts.at(0.0, NAN));
   CHECK_FALSE(contacts.at(0.0, -0.6));
-  ManyMotions many(system);
+  LaneCarrier many(system);
   many.add_parameters(hertz_parameters(0.72, 0.1));
   CHECK_THROWS_WITH(many.use(0, contacts), Catch::Contains("not one of parameter set 0"));
   CHECK_THROWS_WITH(many.expect(1, 10), Catch::Contains("1 were added"));

@@ -4,10 +4,10 @@
 #include "support/checks.hpp"
 #include "support/extrapolation.hpp"
 
-#include <graze/lib/detail/cubic_series.hpp>
-#include <graze/lib/flow.hpp>
-#include <graze/lib/oscillator.hpp>
-#include <graze/lib/trajectory.hpp>
+#include <graze/lib/flow/cubic_series.hpp>
+#include <graze/lib/flow/flow.hpp>
+#include <graze/lib/models/oscillator.hpp>
+#include <graze/lib/motion/trajectory.hpp>
 
 using namespace graze;
 using namespace graze::support;

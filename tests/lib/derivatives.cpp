@@ -3,7 +3,7 @@
 // motion itself; Liouville's identity; the factors.
 #include "support/checks.hpp"
 
-#include <graze/lib/oscillator.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 using namespace graze;
 using namespace graze::support;

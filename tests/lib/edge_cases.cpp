@@ -4,8 +4,8 @@
 #include "support/checks.hpp"
 #include "support/two_mass_oscillator.hpp"
 
-#include <graze/lib/oscillator.hpp>
-#include <graze/lib/trajectory.hpp>
+#include <graze/lib/models/oscillator.hpp>
+#include <graze/lib/motion/trajectory.hpp>
 
 #include <numbers>
 

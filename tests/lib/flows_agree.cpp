@@ -4,7 +4,7 @@
 // starts with other than published parameter values, undamped, critical and overdamped too.
 #include "support/checks.hpp"
 
-#include <graze/lib/oscillator.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include <string>
 

@@ -4,8 +4,8 @@
 #include "support/extrapolation.hpp"
 #include "support/two_sided_oscillator.hpp"
 
-#include <graze/lib/flow.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/lib/flow/flow.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include <numbers>
 

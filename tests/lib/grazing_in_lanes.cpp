@@ -3,7 +3,7 @@
 #include "support/checks.hpp"
 #include "support/lane_differences.hpp"
 
-#include <graze/lib/oscillator.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include <catch2/catch.hpp>
 

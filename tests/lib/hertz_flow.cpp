@@ -5,9 +5,9 @@
 #include "support/extrapolation.hpp"
 #include "support/runge_kutta8.hpp"
 
-#include <graze/lib/detail/hertz_series.hpp>
-#include <graze/lib/flow.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/lib/flow/flow.hpp>
+#include <graze/lib/flow/hertz_series.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include <toml++/toml.h>
 

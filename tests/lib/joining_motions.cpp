@@ -4,8 +4,8 @@
 #include "support/lane_differences.hpp"
 #include "support/lane_widths.hpp"
 
-#include <graze/lib/many_motions.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/lib/models/oscillator.hpp>
+#include <graze/lib/motion/lane_carrier.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -28,7 +28,7 @@ TEST_CASE("motions stop together when lanes have nothing left to do, and go on t
   for (const LaneWidth width : widths_of_processor) {
     if (!available(width)) continue;
     INFO(model << ", " << law << ", " << static_cast<int>(width));
-    ManyMotions many(system, {}, width), whole(system);
+    LaneCarrier many(system, {}, width), whole(system);
     many.add_parameters(p);
     whole.add_parameters(p);
     std::vector<std::vector<PeriodResult>> results(count), expected(count);
@@ -63,10 +63,10 @@ namespace {
 
 /// Lets a motion that has had its share go on, and one of those that wait join when one is through.
 struct Joining : RunSupply {
-  ManyMotions& many;
+  LaneCarrier& many;
   std::vector<MotionRun*> waiting;
   std::size_t share, joined = 0, shares = 0;
-  Joining(ManyMotions& lanes, std::vector<MotionRun*> others, std::size_t most)
+  Joining(LaneCarrier& lanes, std::vector<MotionRun*> others, std::size_t most)
       : many(lanes), waiting(std::move(others)), share(most) {
     through = [](RunSupply& self, MotionRun& run, std::size_t periods) { static_cast<Joining&>(self).go_on(run, periods); };
   }
@@ -96,7 +96,7 @@ TEST_CASE("motions join others in the lanes, and come to the same") {
     if (!available(width)) continue;
     for (const std::size_t at_first : {1, 3, 20}) {
       INFO(model << ", " << law << ", " << static_cast<int>(width) << ", " << at_first);
-      ManyMotions many(system, {}, width), whole(system);
+      LaneCarrier many(system, {}, width), whole(system);
       many.add_parameters(p);
       whole.add_parameters(p);
       std::vector<std::vector<PeriodResult>> results(count), expected(count);
@@ -135,16 +135,16 @@ TEST_CASE("a motion with other flights, or with a table of contacts to be made, 
   const Vector cubic = parameters(system, {{"eta", 0.711}, {"r", 0.5}});
   Vector linear = cubic;
   linear[static_cast<Eigen::Index>(parameter_index(system.parameters, "beta"))] = 0.0;
-  ManyMotions many(system);
+  LaneCarrier many(system);
   const std::size_t of_cubic = many.add_parameters(cubic), of_linear = many.add_parameters(linear);
   const std::size_t awaiting = many.add_parameters(linear);
-  many.expect(awaiting, ManyMotions::periods_for_table);
+  many.expect(awaiting, LaneCarrier::periods_for_table);
   REQUIRE(many.awaits_table(awaiting));
   PeriodResult first, second, third;
   MotionRun run{{of_linear, 0.0, 0.1}, 1, &first}, of_other{{of_cubic, 0.0, 0.1}, 1, &second},
       with_table{{awaiting, 0.0, 0.1}, 1, &third};
   struct Asking : RunSupply {
-    ManyMotions* many;
+    LaneCarrier* many;
     MotionRun *other, *table;
     bool other_joined = true, table_joined = true;
   } supply;

@@ -3,8 +3,8 @@
 #include "support/checks.hpp"
 #include "support/extrapolation.hpp"
 
-#include <graze/lib/flow.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/lib/flow/flow.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include <string>
 

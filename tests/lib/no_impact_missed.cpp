@@ -6,8 +6,8 @@
 #include "support/checks.hpp"
 #include "support/extrapolation.hpp"
 
-#include <graze/lib/oscillator.hpp>
-#include <graze/lib/trajectory.hpp>
+#include <graze/lib/models/oscillator.hpp>
+#include <graze/lib/motion/trajectory.hpp>
 
 #include <numbers>
 

@@ -11,7 +11,7 @@
 #include "support/two_sided_oscillator.hpp"
 #include "support/van_der_pol_stop.hpp"
 
-#include <graze/lib/trajectory.hpp>
+#include <graze/lib/motion/trajectory.hpp>
 
 #include <Eigen/Eigenvalues>
 

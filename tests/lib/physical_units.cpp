@@ -3,9 +3,9 @@
 #include "support/checks.hpp"
 #include "support/extrapolation.hpp"
 
-#include <graze/lib/oscillator.hpp>
-#include <graze/lib/physical_units.hpp>
-#include <graze/lib/trajectory.hpp>
+#include <graze/lib/models/oscillator.hpp>
+#include <graze/lib/models/physical_units.hpp>
+#include <graze/lib/motion/trajectory.hpp>
 
 using namespace graze;
 using namespace graze::support;

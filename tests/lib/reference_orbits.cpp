@@ -3,7 +3,7 @@
 // reference's impacts and monodromy matrix. No shooting: the motion itself is compared.
 #include "support/checks.hpp"
 
-#include <graze/lib/oscillator.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include <toml++/toml.h>
 

@@ -4,8 +4,8 @@
 #include "support/rigid_stop.hpp"
 #include "support/two_mass_oscillator.hpp"
 
-#include <graze/lib/oscillator.hpp>
-#include <graze/lib/saltation.hpp>
+#include <graze/lib/models/oscillator.hpp>
+#include <graze/lib/system/saltation.hpp>
 
 using namespace graze;
 using namespace graze::support;

@@ -2,8 +2,8 @@
 // Trajectories: segments and events in a row, sampling, contacts, and how a run ends.
 #include "support/checks.hpp"
 
-#include <graze/lib/oscillator.hpp>
-#include <graze/lib/transition.hpp>
+#include <graze/lib/models/oscillator.hpp>
+#include <graze/lib/motion/transition.hpp>
 
 #include <set>
 

@@ -4,8 +4,8 @@
 #include "support/lane_differences.hpp"
 #include "support/lane_widths.hpp"
 
-#include <graze/lib/many_motions.hpp>
-#include <graze/lib/oscillator.hpp>
+#include <graze/lib/models/oscillator.hpp>
+#include <graze/lib/motion/lane_carrier.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -58,7 +58,7 @@ TEST_CASE("a watch is told of the periods that it asks for and of those that end
   for (const LaneWidth width : widths_of_processor) {
     if (!available(width)) continue;
     INFO(model << ", " << law << ", " << static_cast<int>(width));
-    ManyMotions whole(system, {}, width), many(system, {}, width);
+    LaneCarrier whole(system, {}, width), many(system, {}, width);
     whole.add_parameters(p);
     many.add_parameters(p);
     std::vector<PeriodResult> expected;
@@ -105,7 +105,7 @@ TEST_CASE("a watch is told of a period that cannot be carried, and of those that
   const Vector p = parameters(system, {{"eta", 0.2}, {"r", 0.3}, {"k_r", 0.5}});  // the mass sticks
   const std::vector<MotionStart> starts = {{0, 0.0, 0.0}, {0, 0.4, 0.0}, {0, 0.3, -0.5}};
   constexpr std::size_t periods = 5;
-  ManyMotions whole(system), many(system);
+  LaneCarrier whole(system), many(system);
   whole.add_parameters(p);
   many.add_parameters(p);
   std::vector<PeriodResult> expected, last(starts.size());

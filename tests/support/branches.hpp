@@ -2,7 +2,7 @@
 // Looking at branches in tests.
 #pragma once
 
-#include <graze/continuation/continuation.hpp>
+#include <graze/continuation/graph/continuation.hpp>
 
 #include <algorithm>
 #include <string>

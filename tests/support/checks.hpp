@@ -3,8 +3,8 @@
 // requires that there are none:   REQUIRE_THAT(check_mode(...), all_agree());
 #pragma once
 
-#include <graze/lib/jacobian_check.hpp>
-#include <graze/lib/transition.hpp>
+#include <graze/lib/motion/transition.hpp>
+#include <graze/lib/system/jacobian_check.hpp>
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>

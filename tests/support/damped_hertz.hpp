@@ -4,7 +4,7 @@
 
 #include "support/checks.hpp"
 
-#include <graze/lib/oscillator.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 namespace graze::support {
 

@@ -4,7 +4,7 @@
 
 #include "support/checks.hpp"
 
-#include <graze/lib/many_motions.hpp>
+#include <graze/lib/motion/lane_carrier.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -71,7 +71,7 @@ inline Difference compare(const HybridSystem& system, const std::vector<Vector>&
 /// That motions beginning next to grazing meet the barrier as the Propagator finds, and not too few of them.
 inline void check_near_grazing(const HybridSystem& system, const std::vector<Vector>& sets,
                                const std::vector<MotionStart>& starts, std::size_t periods) {
-  ManyMotions many(system);
+  LaneCarrier many(system);
   for (const Vector& p : sets) many.add_parameters(p);
   std::vector<PeriodResult> results;
   many.carry(starts, periods, true, results);

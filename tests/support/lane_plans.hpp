@@ -2,7 +2,7 @@
 // What computations in a pool ask for, and what each comes to alone.
 #pragma once
 
-#include <graze/lib/lane_pool.hpp>
+#include <graze/lib/tasks/task_pool.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -19,7 +19,7 @@ struct Plan {
   bool with_tangent(std::size_t done) const { return tangent && (done / step) % 2 == 0; }
 };
 
-inline LaneTask<> follow(LanePlace& lane, const Vector& p, MotionStart start, Plan plan, std::vector<PeriodResult>& out) {
+inline MotionTask<> follow(TaskSlot& lane, const Vector& p, MotionStart start, Plan plan, std::vector<PeriodResult>& out) {
   lane.take_parameters(p);
   start.parameters = lane.parameters();
   while (out.size() < plan.periods) {
@@ -32,7 +32,7 @@ inline LaneTask<> follow(LanePlace& lane, const Vector& p, MotionStart start, Pl
 }
 
 inline std::vector<PeriodResult> follow_alone(const HybridSystem& system, const Vector& p, MotionStart start, const Plan& plan) {
-  ManyMotions many(system);
+  LaneCarrier many(system);
   start.parameters = many.add_parameters(p);
   std::vector<PeriodResult> out, next;
   while (out.size() < plan.periods) {

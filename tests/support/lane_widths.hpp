@@ -2,7 +2,7 @@
 // Which lanes give the same to the last bit.
 #pragma once
 
-#include <graze/lib/many_motions.hpp>
+#include <graze/lib/motion/lane_carrier.hpp>
 
 #include <vector>
 

@@ -2,7 +2,7 @@
 // Layers of maps, and points that should be the same.
 #pragma once
 
-#include <graze/continuation/parameter_map.hpp>
+#include <graze/floquet/follow/parameter_map.hpp>
 
 #include <cstring>
 

@@ -5,7 +5,7 @@
 // wanted. Parameters: omega (forcing frequency, 1) and lambda.
 #pragma once
 
-#include <graze/lib/hybrid_system.hpp>
+#include <graze/lib/system/hybrid_system.hpp>
 
 #include <cmath>
 

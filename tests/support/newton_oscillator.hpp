@@ -2,7 +2,7 @@
 // The library's system whose orbits with one impact have a closed form (one_impact_orbit.hpp), and its parameters.
 #pragma once
 
-#include <graze/lib/oscillator.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include "support/checks.hpp"
 #include "support/one_impact_orbit.hpp"

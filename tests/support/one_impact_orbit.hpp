@@ -17,7 +17,7 @@
 // or it would stick.
 #pragma once
 
-#include <graze/lib/vector.hpp>
+#include <graze/lib/numerics/vector.hpp>
 
 #include <Eigen/LU>
 

@@ -4,7 +4,7 @@
 // largest x; some of them lie inside the contact.
 #pragma once
 
-#include <graze/lib/oscillator.hpp>
+#include <graze/lib/models/oscillator.hpp>
 
 #include <complex>
 #include <stdexcept>

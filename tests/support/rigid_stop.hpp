@@ -5,7 +5,7 @@
 // tests/lib/other_systems.cpp.
 #pragma once
 
-#include <graze/lib/hybrid_system.hpp>
+#include <graze/lib/system/hybrid_system.hpp>
 
 #include <cmath>
 #include <limits>

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/console/checkpoint_timer.hpp>
+
+#include <algorithm>
+#include <chrono>
+
+namespace graze::apps {
+
+namespace {
+
+double usual_length = 30.0;
+
+/// How many times longer a stint is than what its end costs.
+constexpr double worth = 20.0;
+
+}  // namespace
+
+double steady_seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+double stint_length() { return usual_length; }
+
+void set_stint_length(double seconds) { usual_length = seconds; }
+
+CheckpointTimer::CheckpointTimer(std::optional<double> length, End end, Clock clock) : length_(length), end_(end), clock_(std::move(clock)) {}
+
+void CheckpointTimer::begin(std::size_t done) {
+  if (!length_) return;
+  const double now = clock_();
+  if (end_ == End::stops && done_ && done <= *done_) *length_ = 2.0 * std::max(*length_, ended_ - begun_);
+  const double writing = done_ ? now - ended_ : 0.0;
+  due_ = now + std::max(*length_, worth * writing);
+  begun_ = now;
+  first_again_ = done_.has_value();
+  done_ = done;
+  over_ = false;
+}
+
+void CheckpointTimer::news() {
+  if (!length_ || over_) return;
+  const double now = clock_();
+  // Until its first piece is done a stint has to find its way in again, and to do again what the one before it lost.
+  if (end_ == End::stops && first_again_) due_ = std::max(due_, begun_ + worth * (now - begun_));
+  first_again_ = false;
+  if (now < due_) return;
+  ended_ = now;
+  over_ = true;
+}
+
+}  // namespace graze::apps

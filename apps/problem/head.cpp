@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/console/interrupt.hpp>
+#include <graze/apps/problem/head.hpp>
+#include <graze/apps/text/version.hpp>
+
+#include <stdexcept>
+
+namespace graze::apps {
+
+Json result_head(const std::string& schema, const std::string& command, const Problem& problem, Json options) {
+  Json head = Json::object();
+  reserve_members(head, 24);
+  head["schema"] = "graze." + schema;
+  head["graze"] = program_version;
+  head["command"] = command;
+  head["model"] = {{"oscillator", problem.oscillator}, {"contact", problem.contact}};
+  for (std::size_t i = 0; i < problem.system.parameters.size(); ++i)
+    head["parameters"][problem.system.parameters[i].name] = problem.parameters[static_cast<Eigen::Index>(i)];
+  if (problem.converted_from) {
+    const ConvertedFrom& from = *problem.converted_from;
+    Json& quantities = head["converted_from"] = {{"excitation", from.excitation}};
+    for (const auto& [name, value] : from.quantities) quantities[name] = value;
+    head["converted_from"]["alpha"] = from.alpha;
+    head["converted_from"]["length"] = from.length;
+  }
+  head["options"] = std::move(options);
+  return head;
+}
+
+const char* status_name(Status status) {
+  return status == Status::done ? "done" : status == Status::failed ? "failed" : "interrupted";
+}
+
+void set_status(Json& result, Status status, const std::string& message) {
+  result["status"] = status_name(status);
+  if (!message.empty()) result["message"] = message;
+}
+
+int exit_code(Status status) {
+  if (status == Status::interrupted) return is_out_of_time() ? 1 : 130;
+  return status == Status::done ? 0 : 1;
+}
+
+Problem problem_of(const Json& result) {
+  try {
+    const Json& model = result.at("model");
+    Problem problem = make_problem(model.at("oscillator").get<std::string>(), model.at("contact").get<std::string>());
+    for (const auto& [name, value] : result.at("parameters").items()) set_parameter(problem, name, value.get<double>());
+    return problem;
+  } catch (const Json::exception& error) {
+    throw std::invalid_argument(std::string("the result does not say which model it is of: ") + plain(error));
+  }
+}
+
+}  // namespace graze::apps

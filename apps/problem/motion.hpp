@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Motion: a run sampled forcing period by forcing period, so that it can be stopped in between and as long as one likes.
+#pragma once
+
+#include <graze/apps/problem/problem.hpp>
+
+#include <graze/lib/motion/trajectory.hpp>
+
+#include <array>
+#include <functional>
+#include <vector>
+
+namespace graze::apps {
+
+struct Motion {
+  std::vector<std::array<double, 3>> samples;  ///< tau, x, x' at equal steps; tau = 0 at the start
+  std::vector<EventRecord> events;             ///< with t counted from the start
+  std::vector<Vector> strobe;                  ///< states at forcing phase 0: the start, and after each period
+  int periods = 0;                             ///< completed
+  Termination termination = Termination::failed;
+};
+
+struct MotionOptions {
+  int periods = 1;
+  int samples = 0;  ///< per period; 0: none are taken
+  std::function<bool()> cancelled = nullptr;
+  std::function<void(int periods)> progress = nullptr;
+};
+
+/// The motion from `state` at forcing phase 0.
+Motion run_motion(const HybridSystem& system, const Vector& parameters, const Vector& state, const MotionOptions& options);
+
+}  // namespace graze::apps

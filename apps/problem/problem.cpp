@@ -1,0 +1,299 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/problem/problem.hpp>
+#include <graze/apps/problem/toml_section.hpp>
+#include <graze/apps/text/number.hpp>
+#include <graze/lib/models/oscillator.hpp>
+#include <graze/lib/models/physical_units.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+namespace graze::apps {
+
+namespace {
+
+Eigen::Index index_of(const Problem& problem, std::string_view name) {
+  try {
+    return static_cast<Eigen::Index>(parameter_index(problem.system.parameters, name));
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(error.what() + owner_of(name, problem.contact));
+  }
+}
+
+/// Whether a section [physical] may give it.
+bool is_physical(std::string_view name) {
+  const auto named = [name](const ParameterInfo& info) { return info.name == name; };
+  return std::any_of(
+             excitation_kinds().begin(), excitation_kinds().end(),
+             [&](const ExcitationKind& kind) { return std::any_of(kind.quantities.begin(), kind.quantities.end(), named); }) ||
+         std::any_of(contact_quantities().begin(), contact_quantities().end(),
+                     [&](const ContactQuantity& quantity) { return named(quantity.info); });
+}
+
+}  // namespace
+
+Problem make_problem(const std::string& oscillator, const std::string& contact) {
+  Problem problem;
+  problem.oscillator = oscillator;
+  problem.contact = contact;
+  problem.system = make_oscillator(oscillator, contact);
+  ParameterInfo& eta = problem.system.parameters[parameter_index(problem.system.parameters, "eta")];
+  eta.lower = slowest_forcing;  // motions could be computed for slower forcing, if anybody waited for them
+  eta.lower_open = false;
+  problem.parameters = default_parameters(problem.system.parameters);
+  return problem;
+}
+
+double parameter(const Problem& problem, std::string_view name) { return problem.parameters[index_of(problem, name)]; }
+
+void set_parameter(Problem& problem, std::string_view name, double value) {
+  Vector changed = problem.parameters;
+  changed[index_of(problem, name)] = value;
+  check_parameters(problem.system.parameters, changed);
+  problem.parameters = changed;
+}
+
+void check_parameter_name(const Problem& problem, std::string_view name) {
+  try {
+    index_of(problem, name);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(fmt::format("--param {}: {}", name, error.what()));
+  }
+}
+
+void set_parameter(Problem& problem, std::string_view name, double value, const std::string& option) {
+  check_parameter_name(problem, name);  // an unknown name is not the fault of this option
+  try {
+    set_parameter(problem, name, value);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(fmt::format("{} {}: {}", option, value, error.what()));
+  }
+}
+
+std::string owner_of(std::string_view parameter, const std::string& contact) {
+  for (const ContactLaw& law : contact_laws())
+    for (const ParameterInfo& info : law.parameters)
+      if (info.name == parameter && law.name != contact)
+        return fmt::format(" ({} belongs to the {} contact law, and this model has {} contact)", parameter, law.name, contact);
+  if (is_physical(parameter))
+    return fmt::format(" ({} is a physical quantity, which a problem file gives in its section [physical]; parameters are what "
+                       "it is turned into)",
+                       parameter);
+  return {};
+}
+
+void apply_settings(Problem& problem, const std::vector<std::string>& settings) {
+  for (const std::string& setting : settings) {
+    const std::size_t equals = setting.find('=');
+    if (equals == std::string::npos || equals == 0)
+      throw std::invalid_argument(fmt::format("--set {}: expected name=value, for example --set eta=0.9", setting));
+    const std::optional<double> value = parse_number(std::string_view(setting).substr(equals + 1));
+    try {
+      const std::string name = setting.substr(0, equals);
+      index_of(problem, name);  // a wrong name is the better thing to say where both are wrong
+      if (!value) throw std::invalid_argument(no_number(setting.substr(equals + 1)));
+      set_parameter(problem, name, *value);
+      std::erase(problem.defaulted, name);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(fmt::format("--set {}: {}", setting, error.what()));
+    }
+  }
+}
+
+Vector start_state(const Problem& problem, const std::optional<Vector>& given) {
+  const std::optional<Vector>& wanted = given ? given : problem.start;
+  const double barrier = parameter(problem, "r");
+  if (!wanted) return Vector{{std::min(0.0, barrier), 0.0}};
+  try {
+    initial_mode(problem.system, 0.0, *wanted, problem.parameters);
+  } catch (const std::invalid_argument& error) {
+    const std::string source =
+        given ? fmt::format("--start {},{}", exact((*given)[0]), exact((*given)[1])) : problem.file + ": [start] state";
+    const bool inside = wanted->allFinite();
+    throw std::invalid_argument(fmt::format("{}: {}{}", source, error.what(),
+                                            inside ? fmt::format(", x <= r = {}", exact(barrier)) : "; give two that are"));
+  }
+  return *wanted;
+}
+
+std::string describe(const Problem& problem, std::string_view except) {
+  std::string text = fmt::format("{} oscillator, {} contact", problem.oscillator, problem.contact);
+  char separator = ':';
+  for (std::size_t i = 0; i < problem.system.parameters.size(); ++i) {
+    const std::string& name = problem.system.parameters[i].name;
+    if (name == except) continue;
+    text += fmt::format("{} {} = {}", separator, name, rounded(problem.parameters[static_cast<Eigen::Index>(i)], 8));
+    separator = ',';
+  }
+  return text;
+}
+
+namespace {
+
+constexpr std::uintmax_t largest_file = 1000000;  // bytes
+
+/// A value in range, or one sentence. `info` carries name, range and unit.
+double checked(const std::string& where, const ParameterInfo& info, double value) {
+  try {
+    check_parameters({info}, Vector{{value}});
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(fmt::format("{}: {}", where, error.what()));
+  }
+  return value;
+}
+
+void read_parameters(TomlSection& section, Problem& problem) {
+  for (std::size_t i = 0; i < problem.system.parameters.size(); ++i) {
+    const ParameterInfo& info = problem.system.parameters[i];
+    const std::optional<double> value = section.number(info.name);
+    if (value)
+      problem.parameters[static_cast<Eigen::Index>(i)] = checked(section.where(info.name), info, *value);
+    else
+      problem.defaulted.push_back(info.name);
+  }
+  section.finish(problem.contact);
+}
+
+/// Physical quantities of the file, by name and in the order they are listed to users; and their conversion.
+void read_physical(TomlSection& section, Problem& problem) {
+  const std::optional<std::string> name = section.text("excitation");
+  std::vector<std::string> names;
+  for (const ExcitationKind& kind : excitation_kinds()) names.push_back(kind.name);
+  if (!name)
+    throw std::invalid_argument(
+        fmt::format("{}: [physical] lacks excitation = \"...\": {}", section.where(), fmt::join(names, ", ")));
+  if (std::find(names.begin(), names.end(), *name) == names.end())
+    throw std::invalid_argument(fmt::format("{}: {}", section.where("excitation"), unknown_name("excitation", *name, names)));
+  const ExcitationKind& kind = excitation_kind(*name);
+
+  ConvertedFrom from;
+  from.excitation = kind.name;
+  std::map<std::string, double> values;
+  const bool cubic = problem.oscillator == "cantilever";
+  const auto read = [&](const ParameterInfo& info, bool required) {
+    const std::optional<double> value = section.number(info.name);
+    if (!value && required)
+      throw std::invalid_argument(fmt::format("{}: [physical] with {} excitation lacks {} ({}, {})", section.where(), kind.name,
+                                              info.name, info.meaning, info.unit));
+    if (!value) return;
+    values[info.name] = checked(section.where(info.name), info, *value);
+    from.quantities.emplace_back(info.name, *value);
+    from.units.push_back(info.unit);
+  };
+  for (const ParameterInfo& info : kind.quantities)
+    if (info.name != "k_3" || cubic) read(info, true);
+
+  const std::vector<ContactQuantity>& contact = contact_quantities();
+  std::vector<std::string> dimensionless;  // those of the law that have no physical counterpart, such as k_r
+  for (std::size_t i = oscillator_parameters().size(); i < problem.system.parameters.size(); ++i) {
+    const ParameterInfo& info = problem.system.parameters[i];
+    const auto quantity =
+        std::find_if(contact.begin(), contact.end(), [&](const ContactQuantity& q) { return q.parameter == info.name; });
+    if (quantity != contact.end()) {
+      read(quantity->info, quantity->info.lower_open);  // a damping may be left out: 0
+    } else {
+      read(info, true);
+      dimensionless.push_back(info.name);
+    }
+  }
+  section.finish();
+
+  const Dimensionless converted = kind.convert(values);
+  from.alpha = converted.alpha;
+  from.length = converted.length;
+  for (std::size_t i = 0; i < problem.system.parameters.size(); ++i) {
+    const ParameterInfo& info = problem.system.parameters[i];
+    double& target = problem.parameters[static_cast<Eigen::Index>(i)];
+    if (std::find(dimensionless.begin(), dimensionless.end(), info.name) != dimensionless.end()) {
+      target = values.at(info.name);
+    } else if (info.name != "beta" || cubic) {  // the linear oscillator keeps beta = 0, as a beam too
+      target = checked(section.where(), info, *find_value(converted, info.name));
+      from.obtained.push_back(info.name);
+    }
+  }
+  problem.converted_from = std::move(from);
+}
+
+/// The name in [model], checked against the names there are.
+std::string model_name(TomlSection& section, const std::string& key, const std::vector<std::string>& names) {
+  const std::optional<std::string> name = section.text(key);
+  if (!name)
+    throw std::invalid_argument(fmt::format("{}: [model] lacks {} = \"...\": {}", section.where(), key, fmt::join(names, ", ")));
+  if (std::find(names.begin(), names.end(), *name) == names.end())
+    throw std::invalid_argument(fmt::format("{}: {}", section.where(key), unknown_name(key, *name, names)));
+  return *name;
+}
+
+}  // namespace
+
+Problem parse_problem(std::string_view text, const std::string& file) {
+  const toml::table root = parse_toml(text, file);
+  const std::vector<std::string> sections = {"model", "parameters", "physical", "start"};
+  for (const auto& [key, node] : root)
+    if (std::find(sections.begin(), sections.end(), key.str()) == sections.end())
+      throw std::invalid_argument(
+          fmt::format("{}: {}", toml_position(file, node.source()), unknown_name("section", key.str(), sections)));
+
+  TomlSection model(file, root, "model"), parameters(file, root, "parameters"), physical(file, root, "physical"),
+      start(file, root, "start");
+  if (!model.present())
+    throw std::invalid_argument(fmt::format("{}: the section [model] is missing: it names oscillator and contact", file));
+  std::vector<std::string> oscillators, contacts;
+  for (const OscillatorKind& kind : oscillator_kinds()) oscillators.push_back(kind.name);
+  for (const ContactLaw& law : contact_laws()) contacts.push_back(law.name);
+  for (const char* key : {"oscillator", "contact"}) model.text(key);
+  model.finish();  // a key with a typing error is the better thing to say than that another is missing
+  const std::string oscillator = model_name(model, "oscillator", oscillators);
+  const std::string contact = model_name(model, "contact", contacts);
+
+  Problem problem = make_problem(oscillator, contact);
+  problem.file = file;
+  if (parameters.present() == physical.present())
+    throw std::invalid_argument(fmt::format("{}: {} [parameters] (dimensionless) and [physical]; it must have one of them", file,
+                                            parameters.present() ? "has both" : "has neither of"));
+  if (parameters.present())
+    read_parameters(parameters, problem);
+  else
+    read_physical(physical, problem);
+
+  problem.start = start.state("state");
+  problem.settle = start.count("settle", 0);
+  problem.period = start.count("period", 1, longest_period);
+  start.finish();
+  return problem;
+}
+
+Problem load_problem(const std::string& file) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::path path(file);
+  if (fs::is_directory(path, error)) throw std::invalid_argument(file + ": is a folder, not a problem file");
+  if (!fs::exists(path, error)) {
+    std::vector<std::string> others;
+    const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
+      if (entry.path().extension() == ".toml") others.push_back(entry.path().filename().string());
+    std::sort(others.begin(), others.end());
+    const std::string nearest = nearest_name(path.filename().string(), others);
+    throw std::invalid_argument(fmt::format(
+        "{}: no such problem file{}", file,
+        nearest.empty()
+            ? ""
+            : fmt::format(" (did you mean \"{}\"?)", path.has_parent_path() ? (folder / nearest).string() : nearest)));
+  }
+  if (!fs::is_regular_file(path, error))
+    throw std::invalid_argument(file + ": is not a regular file; a problem is read from one, not from a pipe or a device");
+  if (fs::file_size(path, error) > largest_file || error)
+    throw std::invalid_argument(fmt::format("{}: is larger than {} bytes; a problem file is a page of text", file, largest_file));
+  std::ifstream stream(file, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  if (!stream.is_open() || stream.bad()) throw std::invalid_argument(file + ": cannot be read");
+  return parse_problem(text, file);
+}
+
+}  // namespace graze::apps

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Problem: what a problem file (TOML) says: a model, its parameter values, and where to start. The file holds
+//
+//   [model]       oscillator = "linear", contact = "hertz"          (names: graze models)
+//   [parameters]  b = 0.05, beta = "36/35", ...                     dimensionless values; what is missing has its default
+//   [physical]    excitation = "kinematic", m = 1.0, ...            instead of [parameters]: converted (physical_units.hpp)
+//   [start]       state = [x, v], settle = 1000, period = 1         optional; --start, --settle, --period go before it
+//
+// Every mistake in a file is a std::invalid_argument with one sentence: file, line, what was given, what is allowed.
+#pragma once
+
+#include <graze/lib/system/hybrid_system.hpp>
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace graze::apps {
+
+/// Physical quantities that the parameters were converted from.
+struct ConvertedFrom {
+  std::string excitation;
+  std::vector<std::pair<std::string, double>> quantities;
+  std::vector<std::string> units;     ///< one per quantity
+  double alpha = 0.0, length = 0.0;   ///< tau = alpha t, x = X / length
+  std::vector<std::string> obtained;  ///< names of the parameters they gave
+};
+
+/// Of an orbit, in forcing periods: its matrices grow with the square.
+inline constexpr int longest_period = 1024;
+
+/// The smallest eta for which motions are computed: a forcing period of 10000 natural ones.
+inline constexpr double slowest_forcing = 1e-4;
+
+struct Problem {
+  std::string file;
+  std::string oscillator, contact;
+  HybridSystem system;
+  Vector parameters;
+  std::vector<std::string> defaulted;  ///< parameters that neither the file nor a setting gives
+  std::optional<ConvertedFrom> converted_from;
+  std::optional<Vector> start;
+  std::optional<int> settle, period;
+};
+
+Problem load_problem(const std::string& file);
+
+/// The same from text; `file` is what messages call it.
+Problem parse_problem(std::string_view text, const std::string& file);
+
+/// A model with its default parameters. @throws std::invalid_argument for unknown names.
+Problem make_problem(const std::string& oscillator, const std::string& contact);
+
+double parameter(const Problem& problem, std::string_view name);
+
+/// @throws std::invalid_argument for a parameter the model does not have, or a value out of its range.
+void set_parameter(Problem& problem, std::string_view name, double value);
+
+/// The same for a value given by an option such as "--from", which the message then names.
+void set_parameter(Problem& problem, std::string_view name, double value, const std::string& option);
+
+/// @throws std::invalid_argument for a parameter that was given by --param and that the model does not have.
+void check_parameter_name(const Problem& problem, std::string_view name);
+
+/// " (k_H belongs to the hertz contact law)" for a parameter that the model lacks and other laws have, or the like for a physical
+/// quantity; else empty.
+std::string owner_of(std::string_view parameter, const std::string& contact);
+
+/// Applies settings of the form name=value, in order.
+void apply_settings(Problem& problem, const std::vector<std::string>& settings);
+
+/// The state at forcing phase 0 to start from: `given`, else the file's, else rest at 0 (or at the barrier, where 0 lies beyond
+/// it).
+/// @throws std::invalid_argument for a state that is not admissible.
+Vector start_state(const Problem& problem, const std::optional<Vector>& given);
+
+/// "linear oscillator with hertz contact: b = 0.05, ..., k_H = 100", without the parameter called `except`.
+std::string describe(const Problem& problem, std::string_view except = {});
+
+}  // namespace graze::apps

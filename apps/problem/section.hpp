@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Section: points of a Poincaré section of a motion, collected until there are enough.
+#pragma once
+
+#include <graze/apps/problem/head.hpp>
+
+#include <graze/lib/motion/trajectory.hpp>
+
+#include <array>
+#include <functional>
+#include <vector>
+
+namespace graze::apps {
+
+enum class SectionKind {
+  stroboscopic,  ///< (x, x') at forcing phase 0
+  impact         ///< (forcing phase, speed of approach) of each impact or entry into contact
+};
+
+/// "stroboscopic", "impact".
+const char* section_name(SectionKind kind);
+
+/// Forcing periods without any impact after which an impact section is given up.
+inline constexpr int patience = 1000;
+
+struct Section {
+  SectionKind kind = SectionKind::stroboscopic;
+  std::vector<std::array<double, 2>> points;
+  int periods = 0;
+  Termination termination = Termination::time;
+};
+
+struct SectionOptions {
+  SectionKind kind = SectionKind::stroboscopic;
+  int points = 1000;
+  std::function<bool()> cancelled = nullptr;
+  std::function<void(std::size_t points)> progress = nullptr;
+};
+
+/// From `start` at forcing phase 0, until there are enough points, or nothing comes any more.
+Section collect_section(const Problem& problem, const Vector& start, const SectionOptions& options);
+
+/// What graze.poincare/1 has beside its head: "section", "periods", "columns", "points".
+Json section_json(const Section& section);
+
+}  // namespace graze::apps

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/console/interrupt.hpp>
+#include <graze/apps/map/ranks.hpp>
+#include <graze/apps/program/program.hpp>
+
+#include <chrono>
+#include <iostream>
+#include <thread>
+
+namespace {
+
+/// Takes everything and keeps nothing.
+class Nowhere : public std::streambuf {
+  int overflow(int character) override { return character; }
+  std::streamsize xsputn(const char*, std::streamsize size) override { return size; }
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  graze::apps::watch_interrupts();
+  const std::vector<std::string> arguments(argv + (argc > 0 ? 1 : 0), argv + argc);
+  if (!graze::apps::is_helper()) return graze::apps::run_program(arguments, std::cout, std::cerr);
+  // Of several processes under mpirun, one speaks.
+  Nowhere nowhere;
+  std::ostream silent(&nowhere);
+  const int code = graze::apps::run_program(arguments, silent, silent);
+  // What stops this one stops the one that speaks, too. The launcher would end it with this one's failure: let it speak first.
+  if (code != 0) std::this_thread::sleep_for(std::chrono::seconds(2));
+  return code;
+}

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Cascades: period doublings one upon the other, and how fast their distances shrink.
+#pragma once
+
+#include <graze/apps/text/json.hpp>
+
+#include <graze/continuation/problems/branch.hpp>
+
+#include <string>
+#include <vector>
+
+namespace graze::apps {
+
+/// The limit of the ratios in every cascade of a smooth family.
+constexpr double feigenbaum = 4.669201609102990;
+
+struct Doubling {
+  std::string label;
+  int branch = 0, period = 0;  ///< it is on this branch, whose orbits have this period
+  double value = 0.0;
+};
+
+/// Each doubling lies on the branch that begins (or, followed from its other end, ends) at the one before. Of several on a branch
+/// it is the first that one meets coming from there; the others belong to cascades of their own.
+struct Cascade {
+  std::vector<Doubling> points;
+  /// (a[k] - a[k-1]) / (a[k+1] - a[k]) of the values a.
+  std::vector<double> ratios() const;
+};
+
+/// Those of at least three doublings, in the order of the branches on which they begin.
+std::vector<Cascade> cascades(const std::vector<Branch>& branches);
+
+Json cascades_json(const std::vector<Cascade>& list);
+
+/// A table of each, with Feigenbaum's constant; empty if there are none.
+std::string cascades_text(const std::vector<Cascade>& list, const std::string& parameter);
+
+}  // namespace graze::apps

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/console/arguments.hpp>
+#include <graze/apps/console/interrupt.hpp>
+#include <graze/apps/console/progress.hpp>
+#include <graze/apps/results/find_orbit.hpp>
+#include <graze/apps/results/orbit_report.hpp>
+#include <graze/apps/text/number.hpp>
+
+#include <graze/floquet/attractor/search.hpp>
+#include <graze/floquet/orbit/search_box.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <tuple>
+
+namespace graze::apps {
+
+namespace {
+
+constexpr int default_settle = 1000;  // forcing periods
+
+std::string shown(const Vector& state) { return fmt::format("({}, {})", rounded(state[0], 9), rounded(state[1], 9)); }
+
+std::string periods(int n) { return counted(static_cast<std::size_t>(n), "forcing period"); }
+
+void take(FoundOrbits& found, std::vector<PeriodicOrbit> orbits, const char* origin) {
+  std::stable_partition(orbits.begin(), orbits.end(),
+                        [](const PeriodicOrbit& o) { return o.admissible == Admissibility::admissible; });
+  const bool any = !orbits.empty() && orbits.front().admissible == Admissibility::admissible;
+  found.orbits = std::move(orbits);
+  found.origin = origin;
+  if (any) found.status = Status::done;
+}
+
+/// The orbit that the settled motion repeats, if it does.
+std::optional<PeriodicOrbit> settled_orbit(const Problem& problem, const Settled& settled) {
+  if (settled.suspected_period == 0) return std::nullopt;
+  PeriodicOrbit orbit = shoot(problem.system, problem.parameters, settled.state, settled.suspected_period);
+  if (!orbit.converged()) return std::nullopt;
+  return orbit;
+}
+
+/// What the settled motion is, in words.
+std::string attractor(const Settled& settled, const std::optional<PeriodicOrbit>& orbit) {
+  if (settled.suspected_period == 0)
+    return fmt::format("the motion settled at {} after {} repeats after no period up to {}", shown(settled.state),
+                       periods(settled.periods), SettleOptions{}.max_period);
+  return fmt::format("the motion settled at {} repeats after {}{}", shown(settled.state), periods(settled.suspected_period),
+                     orbit ? fmt::format(" ({}, {})", z_label(*orbit), orbit->stable() ? "stable" : "unstable") : "");
+}
+
+}  // namespace
+
+void add_problem_options(CLI::App& app, StartOptions& options) {
+  begin_group(app, "Problem");
+  add_text(app, "PROBLEM", options.file, "FILE", "problem file (TOML), such as data/problems/hertz-damped.toml", Need::required);
+  add_texts(app, "--set", options.settings, "NAME=VALUE",
+            "override a parameter; repeatable, the last one holds; numbers, fractions (36/35) and pi");
+}
+
+void add_start_options(CLI::App& app, StartOptions& options) {
+  add_problem_options(app, options);
+  add_state(app, "--start", options.start, "initial state at forcing phase 0 (default: the file's, else at rest)");
+  add_count(app, "--settle", options.settle, 0, "forcing periods of transient (default: the file's, else 1000)");
+}
+
+void add_orbit_options(CLI::App& app, OrbitOptions& options) {
+  add_start_options(app, options.start);
+  add_count(app, "--period", options.period, 1, "orbit of N forcing periods (default: the file's, else 1)", longest_period);
+  add_flag(app, "--search", options.search, "find orbits by global search instead of settling");
+  add_count(app, "--seed", options.seed, 0, "of the global search (default 1)");
+}
+
+Problem open_problem(const StartOptions& options, const Console& console) {
+  Problem problem = load_problem(options.file);
+  apply_settings(problem, options.settings);
+  if (!problem.defaulted.empty()) {
+    std::string list;
+    for (const std::string& name : problem.defaulted)
+      list += fmt::format("{}{} = {}", list.empty() ? "" : ", ", name, rounded(parameter(problem, name), 9));
+    console.note(fmt::format("{} does not give {}: these are defaults; give others in its [parameters] or by --set NAME=VALUE",
+                             options.file, list));
+  }
+  if (problem.converted_from) {
+    const ConvertedFrom& from = *problem.converted_from;
+    std::string list;
+    for (const std::string& name : from.obtained)
+      list += fmt::format("{}{} = {}", list.empty() ? "" : ", ", name, exact(parameter(problem, name)));
+    console.note(fmt::format("{}: {} excitation, tau = {} t, x = X / {}: {}", options.file, from.excitation, exact(from.alpha),
+                             exact(from.length), list));
+  }
+  return problem;
+}
+
+int settle_of(const Problem& problem, const StartOptions& options) {
+  return options.settle ? *options.settle : problem.settle.value_or(default_settle);
+}
+
+int period_of(const Problem& problem, const OrbitOptions& options) {
+  return options.period ? *options.period : problem.period.value_or(1);
+}
+
+Json options_json(const Problem& problem, const StartOptions& options) {
+  return {{"problem", options.file},
+          {"set", options.settings},
+          {"start", to_json(start_state(problem, options.start))},
+          {"settle", settle_of(problem, options)}};
+}
+
+Json options_json(const Problem& problem, const OrbitOptions& options) {
+  Json json = options_json(problem, options.start);
+  json["period"] = period_of(problem, options);
+  json["search"] = options.search;
+  json["seed"] = options.seed;
+  return json;
+}
+
+Settled settle_down(const Problem& problem, const StartOptions& options, const Console& console) {
+  const int wanted = settle_of(problem, options);
+  Progress progress(console.err, console.quiet, "settling");
+  int done = 0;
+  SettleOptions settling;
+  settling.periods = wanted;
+  settling.cancelled = [&] {
+    progress.update(static_cast<double>(done) / std::max(1, wanted),
+                    [&] { return fmt::format("{} of {}", done, periods(wanted)); });
+    ++done;
+    return interrupted();
+  };
+  settling.flow.cancelled = interrupted;
+  return settle(problem.system, problem.parameters, start_state(problem, options.start), settling);
+}
+
+FoundOrbits search_for_orbits(const Problem& problem, const OrbitOptions& options, const Console& console) {
+  FoundOrbits found;
+  const int period = period_of(problem, options);
+  Progress progress(console.err, console.quiet, "searching");
+  SearchOptions search;
+  search.seed = static_cast<unsigned>(options.seed);
+  search.cancelled = interrupted;
+  search.progress = [&](int starts, int orbits) {
+    progress.update(-1.0, [&] {
+      return fmt::format("{}, {} of period {}", counted(static_cast<std::size_t>(starts), "start"),
+                         counted(static_cast<std::size_t>(orbits), "orbit"), period);
+    });
+  };
+  // The box first, and by runs that can be interrupted: where the forcing is slow, each of them takes its time.
+  std::tie(search.lower, search.upper) = search_box(problem.system, problem.parameters, {.cancelled = interrupted});
+  if (interrupted()) {
+    found.status = Status::interrupted;
+    found.message = fmt::format("{} before the first start of the search for orbits of period {}", interruption(), period);
+    return found;
+  }
+  SearchResult result = search_orbits(problem.system, problem.parameters, period, search);
+  for (PeriodicOrbit& orbit : result.orbits) orbit.checks.finite_difference = finite_difference_check(problem.system, orbit);
+  const std::size_t count = result.orbits.size();
+  take(found, std::move(result.orbits), "search");
+  if (interrupted()) {
+    found.status = Status::interrupted;
+    found.message = fmt::format("{} after {} of the search; {} of period {} found by then", interruption(),
+                                counted(static_cast<std::size_t>(result.starts), "start"), counted(count, "orbit"), period);
+  } else if (found.status != Status::done) {
+    found.message = fmt::format("no admissible orbit of period {} was found by a search of {}", period,
+                                counted(static_cast<std::size_t>(result.starts), "start"));
+  }
+  return found;
+}
+
+FoundOrbits find_orbits(const Problem& problem, const OrbitOptions& options, const Console& console) {
+  start_state(problem, options.start.start);  // what is wrong with it is said before anything is computed
+  if (options.search) return search_for_orbits(problem, options, console);
+  FoundOrbits found;
+  const int period = period_of(problem, options);
+  found.settled = settle_down(problem, options.start, console);
+  const Settled& settled = *found.settled;
+  if (settled.termination == Termination::interrupted) {
+    found.status = Status::interrupted;
+    found.message = fmt::format("{} after {} of {} of transient, at state {}", interruption(), settled.periods,
+                                periods(settle_of(problem, options.start)), shown(settled.state));
+    return found;
+  }
+  std::optional<PeriodicOrbit> fallback, attained;
+  std::string reached;
+  if (settled.termination == Termination::time) {
+    ShootingOptions shooting;
+    shooting.finite_differences = true;
+    PeriodicOrbit orbit = shoot(problem.system, problem.parameters, settled.state, period, shooting);
+    const bool wanted = orbit.converged() && orbit.period == period && orbit.admissible == Admissibility::admissible;
+    // Without a transient the state is the user's own guess; with one, an unstable orbit is not what the motion settled on.
+    if (wanted && (orbit.stable() || settled.suspected_period == period || settle_of(problem, options.start) == 0)) {
+      take(found, {orbit}, "settled");
+      return found;
+    }
+    if (wanted) fallback = std::move(orbit);
+    attained = settled_orbit(problem, settled);
+    reached = attractor(settled, attained);
+  } else {
+    reached = fmt::format("the transient ended after {}: {}", periods(settled.periods), termination_text(settled.termination));
+  }
+  console.note(fmt::format("{}; searching for orbits of period {}", reached, period));
+  FoundOrbits searched = search_for_orbits(problem, options, console);
+  searched.settled = found.settled;
+  searched.settled_on = std::move(attained);
+  searched.remark = reached;
+  if (searched.status == Status::failed && fallback) take(searched, {*fallback}, "settled");
+  if (searched.status == Status::failed) searched.message += "; " + reached;
+  return searched;
+}
+
+void add_origin(Json& result, const FoundOrbits& found) {
+  if (!found.origin.empty()) result["origin"] = found.origin;
+  if (found.settled)
+    result["settled"] = {{"state", to_json(found.settled->state)},
+                         {"periods", found.settled->periods},
+                         {"suspected_period", found.settled->suspected_period}};
+  if (found.settled_on)
+    result["settled"]["orbit"] = {{"period", found.settled_on->period},
+                                  {"impacts", found.settled_on->impacts},
+                                  {"stable", found.settled_on->stable()},
+                                  {"is_result", !found.orbits.empty() && same_orbit(found.orbits.front(), *found.settled_on)}};
+  if (!found.remark.empty()) result["remark"] = found.remark;
+}
+
+}  // namespace graze::apps

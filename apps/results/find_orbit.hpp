@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Finding the orbit that a command is about, in the order that every command keeps: --set, then --from, then --start, --settle,
+// then Newton; if the attractor reached is not of the wanted period, a search.
+#pragma once
+
+#include <graze/apps/console/console.hpp>
+#include <graze/apps/problem/head.hpp>
+#include <graze/apps/problem/problem.hpp>
+
+#include <graze/floquet/attractor/settle.hpp>
+#include <graze/floquet/orbit/periodic_orbit.hpp>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace graze::apps {
+
+/// Options that say which problem, and from where.
+struct StartOptions {
+  std::string file;
+  std::vector<std::string> settings;
+  std::optional<Vector> start;
+  std::optional<int> settle;
+};
+
+/// Options that say which orbit.
+struct OrbitOptions {
+  StartOptions start;
+  std::optional<int> period;
+  bool search = false;
+  int seed = 1;
+};
+
+/// PROBLEM and --set.
+void add_problem_options(CLI::App& app, StartOptions& options);
+/// And --start, --settle.
+void add_start_options(CLI::App& app, StartOptions& options);
+void add_orbit_options(CLI::App& app, OrbitOptions& options);
+
+/// The problem with its settings applied; notes on defaults and on the conversion of units go to the console.
+Problem open_problem(const StartOptions& options, const Console& console);
+
+int settle_of(const Problem& problem, const StartOptions& options);
+int period_of(const Problem& problem, const OrbitOptions& options);
+
+/// What was asked for, as it stands in a result.
+Json options_json(const Problem& problem, const StartOptions& options);
+Json options_json(const Problem& problem, const OrbitOptions& options);
+
+/// The state after the transient, with progress on the console.
+Settled settle_down(const Problem& problem, const StartOptions& options, const Console& console);
+
+struct FoundOrbits {
+  Status status = Status::failed;
+  std::vector<PeriodicOrbit> orbits;  ///< the first one is the orbit; admissible ones stand before others
+  std::string origin;                 ///< "settled" or "search"
+  std::string message;                ///< why there is none, and what was found instead
+  std::optional<Settled> settled;
+  std::optional<PeriodicOrbit> settled_on;  ///< what it repeats, if that was not of the period wanted
+  std::string remark;                       ///< what the motion settled on, where a search had to follow
+};
+
+/// Orbits at the parameters of the problem, with finite-difference checks on those returned.
+FoundOrbits find_orbits(const Problem& problem, const OrbitOptions& options, const Console& console);
+
+/// The same, by the global search only.
+FoundOrbits search_for_orbits(const Problem& problem, const OrbitOptions& options, const Console& console);
+
+/// What of the search for an orbit goes into every result: origin, and the settled state.
+void add_origin(Json& result, const FoundOrbits& found);
+
+}  // namespace graze::apps

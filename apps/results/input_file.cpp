@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/console/output_file.hpp>
+#include <graze/apps/results/input_file.hpp>
+#include <graze/apps/results/run_identity.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+namespace graze::apps {
+
+namespace {
+
+/// The schemas of a command's results that --resume goes on with.
+std::vector<std::string> schemas_of(const std::string& command) {
+  std::vector<std::string> list = {fmt::format("graze.{}/1", command)};
+  if (command == "diagram") list.emplace_back("graze.branch/1");  // its skeleton alone
+  return list;
+}
+
+}  // namespace
+
+std::string read_whole(const std::string& file) {
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) throw std::invalid_argument(file + ": no such file");
+  if (std::filesystem::is_directory(file, error)) throw std::invalid_argument(file + ": is a folder, not a result");
+  if (!std::filesystem::is_regular_file(file, error))
+    throw std::invalid_argument(file + ": is not a regular file; a result is read from one, not from a pipe or a device");
+  std::ifstream stream(file, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(stream), {}};
+  if (!stream.is_open() || stream.bad()) throw std::invalid_argument(file + ": cannot be read");
+  return text;
+}
+
+Json parse_json(const std::string& text) {
+  try {
+    return Json::parse(text);
+  } catch (const Json::parse_error& error) {
+    const std::size_t place = std::min(text.size(), error.byte > 0 ? error.byte - 1 : 0);
+    const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(place), '\n');
+    throw std::invalid_argument(
+        fmt::format("this is not valid JSON from line {} on{}", line, place >= text.size() ? ", where it breaks off" : ""));
+  }
+}
+
+void check_to_resume(const std::string& folder, const std::string& command) {
+  const std::string file = folder + "/" + command + ".json";
+  std::error_code error;
+  if (!std::filesystem::exists(file, error))
+    throw std::invalid_argument(fmt::format(
+        "--resume: {}: no such file; give the folder that an interrupted run of graze {} wrote with --out", file, command));
+}
+
+Json read_to_resume(const std::string& folder, const std::string& command) {
+  check_to_resume(folder, command);
+  const std::string file = folder + "/" + command + ".json";
+  const std::string text = read_whole(file);
+  Json result;
+  try {
+    result = parse_json(text);
+  } catch (const std::invalid_argument& refused) {
+    throw std::invalid_argument(fmt::format("--resume: {}: {}; compute it anew", file, refused.what()));
+  }
+  if (!result.is_object() || result.value("command", "") != command)
+    refuse_to_resume(folder, command, "is not a result of graze " + command);
+  const std::vector<std::string> known = schemas_of(command);
+  if (const std::string schema = schema_of(result); std::find(known.begin(), known.end(), schema) == known.end())
+    refuse_to_resume(folder, command,
+                     fmt::format("is {}, which this graze does not know; it goes on with {}",
+                                 schema.empty() ? "of no schema" : "of schema " + schema, fmt::join(known, " and ")));
+  remove_unfinished(folder, command);
+  return result;
+}
+
+void check_same_run(const Json& earlier, const Json& head, const std::string& folder) {
+  if (const auto found = difference(earlier, head, run_essentials))
+    refuse_to_resume(folder, head["command"], fmt::format("is of another run: {}; give the same", *found));
+}
+
+void refuse_to_resume(const std::string& folder, const std::string& command, const std::string& why) {
+  throw std::invalid_argument(fmt::format("--resume: {}/{}.json {}", folder, command, why));
+}
+
+}  // namespace graze::apps

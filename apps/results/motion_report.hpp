@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What is said of a motion, as JSON.
+#pragma once
+
+#include <graze/apps/problem/motion.hpp>
+#include <graze/apps/results/orbit_report.hpp>
+
+namespace graze::apps {
+
+/// What graze.trajectory/1 has beside its head: "periods", "end", "columns", "samples", "stroboscopic", "events", "contacts".
+Json motion_json(const Motion& motion, const ContactList& list);
+
+}  // namespace graze::apps

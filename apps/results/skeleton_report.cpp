@@ -1,0 +1,316 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/results/branch_reading.hpp>
+#include <graze/apps/results/branch_report.hpp>
+#include <graze/apps/results/cascades.hpp>
+#include <graze/apps/results/orbit_report.hpp>
+#include <graze/apps/results/same_points.hpp>
+#include <graze/apps/results/skeleton_report.hpp>
+#include <graze/apps/text/long_text.hpp>
+#include <graze/apps/text/number.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <stdexcept>
+
+namespace graze::apps {
+
+namespace {
+
+/// A curve of orbits: a branch, or two that were followed both ways from one seed, the first of them run through backwards.
+struct WholeCurve {
+  std::vector<const Branch*> branches;
+  std::vector<const BranchPoint*> points;
+};
+
+std::vector<WholeCurve> whole_curves(const std::vector<Branch>& branches) {
+  std::vector<WholeCurve> list;
+  for (const std::vector<std::size_t>& places : curves_of(branches)) {
+    WholeCurve curve;
+    for (const std::size_t place : places) {
+      const Branch& branch = branches[place];
+      curve.branches.push_back(&branch);
+      std::reverse(curve.points.begin(), curve.points.end());
+      if (!curve.points.empty()) curve.points.pop_back();  // the seed, which both have
+      for (const BranchPoint& point : branch.points) curve.points.push_back(&point);
+    }
+    list.push_back(std::move(curve));
+  }
+  return list;
+}
+
+/// "1/1 2/1 1/2": the labels z = p/n along a curve, each where it changes.
+std::string labels_along(const WholeCurve& curve) {
+  std::string text, last;
+  for (const BranchPoint* point : curve.points) {
+    const std::string z = label(point->impacts, point->isolated_impacts, curve.branches.front()->period);
+    if (z == last) continue;
+    text += (text.empty() ? "" : " ") + z;
+    last = z;
+  }
+  return text;
+}
+
+/// "1" or, of a curve that was followed both ways, "1 and 2".
+std::string of_each(const WholeCurve& curve, const auto& text) {
+  std::string out;
+  for (const Branch* branch : curve.branches) out += (out.empty() ? "" : " and ") + std::string(text(*branch));
+  return out;
+}
+
+Table curves_overview(const std::vector<Branch>& branches, const std::string& parameter) {
+  Table table{{"branch", "born at", "period", "z along it", parameter + " from", "to", "points", "stable", "ends"}, {}};
+  for (const WholeCurve& curve : whole_curves(branches)) {
+    if (curve.points.empty()) continue;
+    const Branch& first = *curve.branches.front();
+    double low = curve.points.front()->value, high = low;
+    std::size_t stable = 0;
+    for (const BranchPoint* point : curve.points) {
+      low = std::min(low, point->value);
+      high = std::max(high, point->value);
+      stable += point->stable ? 1 : 0;
+    }
+    table.rows.push_back({of_each(curve, [](const Branch& branch) { return std::to_string(branch.id); }),
+                          first.parent ? fmt::format("{} of {}", first.parent->label, first.parent->branch) : "seed",
+                          std::to_string(first.period), labels_along(curve), rounded(low, 9), rounded(high, 9),
+                          std::to_string(curve.points.size()),
+                          stable == 0                     ? "no"
+                          : stable == curve.points.size() ? "yes"
+                                                          : "in part",
+                          of_each(curve, [](const Branch& branch) { return branch_stop_name(branch.stop); })});
+  }
+  return table;
+}
+
+/// A special point in the table, and the branches that have it.
+struct ListedPoint {
+  std::vector<PointOfBranch> points;
+  const SpecialPoint& first() const { return *points.front().point; }
+};
+
+/// Each once, the largest value first.
+std::vector<ListedPoint> listed_points(const std::vector<Branch>& branches) {
+  const SamePoints same = same_points(branches);
+  std::vector<ListedPoint> list;
+  for (const Branch& branch : branches)
+    for (const SpecialPoint& point : branch.special_points) {
+      if (point.type == PointType::EP) continue;
+      const auto known = same.find(&point);
+      const SpecialPoint* first = known == same.end() ? nullptr : known->second.point;
+      const auto place =
+          std::find_if(list.begin(), list.end(), [&](const ListedPoint& listed) { return &listed.first() == first; });
+      if (place == list.end())
+        list.push_back({{{&branch, &point}}});
+      else
+        place->points.push_back({&branch, &point});
+    }
+  std::stable_sort(list.begin(), list.end(),
+                   [](const ListedPoint& a, const ListedPoint& b) { return a.first().value > b.first().value; });
+  return list;
+}
+
+/// "19 and 20": what the branches have to say, where it is not the same.
+std::string joined(const ListedPoint& listed, const auto& text_of) {
+  std::vector<std::string> texts;
+  for (const PointOfBranch& entry : listed.points)
+    if (std::string text = text_of(entry); !text.empty() && std::find(texts.begin(), texts.end(), text) == texts.end())
+      texts.push_back(std::move(text));
+  return fmt::format("{}", fmt::join(texts, " and "));
+}
+
+Table special_points_overview(const std::vector<Branch>& branches, const std::string& parameter) {
+  Table table{{"point", parameter, "+-", "branch", "z", "details"}, {}};
+  for (const ListedPoint& listed : listed_points(branches)) {
+    std::string details = listed.first().status == PointStatus::bracketed ? "bracketed" : "";
+    for (const char* name : {"criticality", "kind", "scenario"}) {
+      const std::string text = joined(listed, [name](const PointOfBranch& entry) {
+        const auto found = entry.point->details.find(name);
+        return found == entry.point->details.end() ? "" : std::get<std::string>(found->second);
+      });
+      if (!text.empty()) details += (details.empty() ? "" : ", ") + text;
+    }
+    table.rows.push_back({joined(listed, [](const PointOfBranch& entry) { return entry.point->label; }),
+                          rounded(listed.first().value, 12), rounded(listed.first().precision, 2),
+                          joined(listed, [](const PointOfBranch& entry) { return std::to_string(entry.branch->id); }),
+                          joined(listed,
+                                 [](const PointOfBranch& entry) {
+                                   const PeriodicOrbit& orbit = entry.point->orbit;
+                                   return label(orbit.impacts, orbit.isolated_impacts, orbit.period);
+                                 }),
+                          details});
+  }
+  return table;
+}
+
+Json seeds_json(const std::vector<SkeletonSeed>& seeds, std::size_t parameter) {
+  Json list = Json::array();
+  for (const SkeletonSeed& seed : seeds)
+    list.push_back({{"value", seed.orbit.parameters[static_cast<Eigen::Index>(parameter)]},
+                    {"period", seed.orbit.period},
+                    {"impacts", seed.orbit.impacts},
+                    {"state", to_json(seed.orbit.state)},
+                    {"stable", seed.orbit.stable()},
+                    {"origin", seed.origin}});
+  return list;
+}
+
+/// What a seed has in an unfinished result beside the rest: with it the orbit is the same to the last bit when it is read back.
+Json kept_seed_json(const SkeletonSeed& seed) {
+  const auto list = [](const std::vector<Vector>& vectors) {
+    Json json = Json::array();
+    for (const Vector& vector : vectors) json.push_back(to_json(vector));
+    return json;
+  };
+  return {{"part", seed.part},
+          {"states", list(seed.orbit.states)},
+          {"nodes", list(seed.orbit.nodes)},
+          {"section_phase", seed.orbit.section_phase},
+          {"duration", seed.orbit.duration},
+          {"multipliers", multipliers_json(seed.orbit.multipliers)},
+          {"isolated_impacts", seed.orbit.isolated_impacts}};
+}
+
+std::vector<Vector> vectors_from(const Json& list, std::size_t states) {
+  std::vector<Vector> vectors;
+  for (const Json& json : list) {
+    vectors.push_back(vector_from(json));
+    if (static_cast<std::size_t>(vectors.back().size()) != states) throw std::invalid_argument("a state of another size");
+  }
+  if (vectors.empty()) throw std::invalid_argument("an orbit without states");
+  return vectors;
+}
+
+PeriodicOrbit kept_orbit(const Json& json, const Problem& at) {
+  if (!json.contains("nodes")) {  // results of older versions have the state alone: the orbit is the same to rounding
+    const std::vector<Vector> states = vectors_from(Json::array({json.at("state")}), at.system.states);
+    return shoot(at.system, at.parameters, states.front(), json.at("period").get<int>());
+  }
+  PeriodicOrbit orbit;
+  orbit.parameters = at.parameters;
+  orbit.period = json.at("period");
+  orbit.duration = json.at("duration");
+  orbit.states = vectors_from(json.at("states"), at.system.states);
+  orbit.state = orbit.states.front();
+  orbit.nodes = vectors_from(json.at("nodes"), at.system.states);
+  orbit.section_phase = json.at("section_phase");
+  orbit.impacts = json.at("impacts");
+  orbit.isolated_impacts = json.at("isolated_impacts");
+  orbit.multipliers = multipliers_from(json.at("multipliers"));
+  orbit.newton.status = NewtonStatus::converged;
+  orbit.admissible = Admissibility::admissible;
+  return orbit;
+}
+
+Json fineness_json(const SearchFineness& fineness) {
+  Json json = {{"max_period", fineness.max_period},
+               {"values", fineness.values},
+               {"spacing", fineness.spacing},
+               {"starts", fineness.starts}};
+  json["unstable"] = {{"max_period", fineness.unstable_period}, {"values", fineness.unstable_values}};
+  return json;
+}
+
+/// What fineness_json holds in a sentence.
+std::string fineness_text(const Json& search, const std::string& parameter) {
+  std::string text = fmt::format("orbits up to period {} were searched at {} values of {}, {} apart, as the ends of motions "
+                                 "from {} starts each",
+                                 search.at("max_period").get<int>(), search.at("values").get<int>(), parameter,
+                                 rounded(search.at("spacing"), 4), search.at("starts").get<int>());
+  const Json& unstable = search.at("unstable");
+  if (const int values = unstable.at("values"); values > 0)
+    text += fmt::format(";\nunstable ones up to period {} at {} values", unstable.at("max_period").get<int>(), values);
+  else
+    text += ";\nunstable ones were not (--all)";
+  return text + "\n";
+}
+
+}  // namespace
+
+void put_skeleton(Json& result, const Skeleton& found, std::size_t parameter, int threads) {
+  if (result.is_null()) result = Json::object();
+  reserve_members(result, result.size() + 9);
+  result["search"] = fineness_json(found.fineness);
+  result["seeds"] = seeds_json(found.seeds, parameter);
+  const std::vector<Branch>& branches = found.graph.branches;
+  Json& list = result["branches"] = Json::array_t(branches.size());
+  on_threads(threads, branches.size(), [&](std::size_t k) { list[k] = branch_json(branches[k]); });
+  put_same_points(list, branches);
+  for (const std::vector<std::size_t>& curve : curves_of(found.graph.branches))
+    for (const std::size_t place : curve) result["branches"][place]["family"] = found.graph.branches[curve.front()].id;
+  result["cascades"] = cascades_json(cascades(found.graph.branches));
+  if (found.graph.interrupted) {
+    for (std::size_t i = 0; i < found.seeds.size(); ++i)
+      if (found.seeds[i].part >= 0) result["seeds"][i].update(kept_seed_json(found.seeds[i]));
+    result["seed_search"] = {{"parts", found.searched.size()}, {"done", Json::array()}};
+    for (std::size_t part = 0; part < found.searched.size(); ++part)
+      if (found.searched[part]) result["seed_search"]["done"].push_back(part);
+  }
+  result["cut_off"] = Json::array();
+  for (const CutOff& cut : found.graph.cut_off) {
+    result["cut_off"].push_back({{"branch", cut.branch}, {"label", cut.label}, {"reason", cut.reason}});
+    if (cut.families > 0) result["cut_off"].back()["families"] = cut.families;
+  }
+}
+
+SeedsSoFar seeds_from(const Json& result, const Problem& problem, const std::string& parameter) {
+  SeedsSoFar out;
+  const Json& search = result.at("seed_search");
+  out.searched.resize(search.at("parts").get<std::size_t>());
+  for (const Json& part : search.at("done")) out.searched.at(part.get<std::size_t>()) = 1;
+  for (const Json& json : result.at("seeds")) {
+    SkeletonSeed seed;
+    seed.part = json.value("part", -1);
+    if (seed.part < 0) continue;
+    seed.origin = json.at("origin");
+    Problem at = problem;
+    set_parameter(at, parameter, json.at("value"));
+    seed.orbit = kept_orbit(json, at);
+    if (!seed.orbit.converged()) out.searched.at(static_cast<std::size_t>(seed.part)) = 0;
+    out.seeds.push_back(std::move(seed));
+  }
+  return out;
+}
+
+std::vector<CutOff> cut_off_from(const Json& list) {
+  std::vector<CutOff> out;
+  for (const Json& cut : list)
+    out.push_back({cut.at("branch").get<int>(), cut.at("label").get<std::string>(), cut.at("reason").get<std::string>(),
+                   cut.value("families", 0)});
+  return out;
+}
+
+std::string skeleton_text(const Json& search, std::size_t seeds, const std::vector<Branch>& branches,
+                          const std::vector<CutOff>& cut_off, const std::string& parameter) {
+  const std::size_t curves = curves_of(branches).size();
+  std::string count = curves == 1 ? "1 branch" : fmt::format("{} branches", curves);
+  if (curves < branches.size()) count += fmt::format(" ({} of them in two halves, from a seed inside)", branches.size() - curves);
+  std::string text = fmt::format("{}, {}\n", counted(seeds, "seed"), count) + fineness_text(search, parameter) + "\n" +
+                     aligned(curves_overview(branches, parameter)) +
+                     "\n" + aligned(special_points_overview(branches, parameter)) + cascades_text(cascades(branches), parameter);
+  if (cut_off.empty()) return text;
+  text += fmt::format("\nnot followed ({}):\n", cut_off.size());
+  // One line for all ways from seeds of a reason, which have no names, and for all that an interruption left over.
+  std::map<std::string, std::size_t> seeds_left;
+  std::size_t points_left = 0;
+  for (const CutOff& cut : cut_off) {
+    if (cut.branch == 0 && cut.families > 0)
+      text += fmt::format("  {} left out: {} (--all keeps them)\n", cut.families, cut.reason);
+    else if (cut.branch == 0)
+      ++seeds_left[cut.reason];
+    else if (cut.reason.ends_with(was_interrupted))
+      ++points_left;
+    else
+      text += fmt::format("  {} of branch {}: {}\n", cut.label, cut.branch, cut.reason);
+  }
+  if (points_left > 0) seeds_left.try_emplace(was_interrupted, 0);
+  for (const auto& [reason, seed_count] : seeds_left) {
+    std::string left = seed_count > 0 ? counted(seed_count, "way") + " from seeds (two from each)" : "";
+    if (points_left > 0 && reason == was_interrupted)
+      left += (left.empty() ? "" : " and ") + counted(points_left, "special point");
+    text += fmt::format("  {}: {}\n", left, reason);
+  }
+  return text;
+}
+
+}  // namespace graze::apps

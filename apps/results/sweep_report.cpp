@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/results/attractor_report.hpp>
+#include <graze/apps/results/branch_reading.hpp>
+#include <graze/apps/results/orbit_report.hpp>
+#include <graze/apps/results/sweep_report.hpp>
+#include <graze/apps/text/number.hpp>
+
+#include <fmt/compile.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <limits>
+#include <tuple>
+
+namespace graze::apps {
+
+namespace {
+
+SweepRow row_of(const Json& json) {
+  SweepRow row;
+  row.value = json.at("value");
+  row.direction = json.at("direction") == "down" ? SweepDirection::down : SweepDirection::up;
+  row.attractor = attractor_of(json.at("attractor"));
+  row.attractor.exponents = numbers_of(json.at("exponents"));
+  row.attractor.standard_errors = numbers_of(json.at("standard_errors"));
+  row.attractor.time_average.periods = json.at("periods");
+  row.end = vector_from(json.at("end"));
+  for (const Json& state : json.at("states")) row.states.push_back(vector_from(state));
+  row.impact_speeds = json.at("impact_speeds").get<std::vector<double>>();
+  return row;
+}
+
+}  // namespace
+
+void write_row(const SweepRow& row, JsonText& json) {
+  json.begin_object();
+  json.member("value", row.value);
+  json.member("direction", sweep_direction_name(row.direction));
+  json.key("attractor");
+  write_attractor(row.attractor, json);
+  json.member("exponents", row.attractor.exponents);
+  json.member("standard_errors", row.attractor.standard_errors);
+  json.member("periods", row.attractor.time_average.periods);
+  json.member("end", row.end);
+  json.member("states", row.states);
+  json.member("impact_speeds", row.impact_speeds);
+  json.end_object();
+}
+
+Json rows_json(const std::vector<SweepRow>& rows) {
+  Json list = Json::array();
+  for (const SweepRow& row : rows) list.push_back(tree_of([&](JsonText& json) { write_row(row, json); }));
+  return list;
+}
+
+std::vector<SweepRow> rows_from(const Json& rows) {
+  std::vector<SweepRow> list;
+  for (const Json& row : rows) list.push_back(row_of(row));
+  return list;
+}
+
+Table sweep_overview(const std::vector<SweepRow>& rows, const std::string& parameter) {
+  Table table{{"direction", parameter + " from", "to", "attractor", "values", "largest exponent from", "to"}, {}};
+  const auto numbers = [](const Attractor& x) { return std::tie(x.type, x.period, x.impacts, x.isolated_impacts, x.rests); };
+  const auto alike = [&numbers](const Attractor& a, const Attractor& b) {  // most of them by their numbers
+    return numbers(a) == numbers(b) || attractor_name(a) == attractor_name(b);
+  };
+  for (std::size_t i = 0; i < rows.size();) {
+    const SweepRow& first = rows[i];
+    std::size_t end = i;
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (; end < rows.size() && rows[end].direction == first.direction && alike(rows[end].attractor, first.attractor); ++end) {
+      if (rows[end].attractor.exponents.empty()) continue;
+      low = std::min(low, rows[end].attractor.exponents[0]);
+      high = std::max(high, rows[end].attractor.exponents[0]);
+    }
+    table.rows.push_back({std::string(sweep_direction_name(first.direction)), rounded(first.value, 7),
+                          rounded(rows[end - 1].value, 7), attractor_name(first.attractor), std::to_string(end - i),
+                          low <= high ? exponent_text(low, 4) : "-", low <= high ? exponent_text(high, 4) : "-"});
+    i = end;
+  }
+  return table;
+}
+
+void samples_csv(const std::vector<SweepRow>& rows, const std::string& parameter, int threads, const TextSink& sink) {
+  sink(csv(Table{{parameter, "direction", "attractor", "period", "impacts", "exponent1", "exponent2", "x", "v"}, {}}));
+  hand_on_items(threads, rows.size(), sink, [&](std::size_t k, std::string& lines) {
+    const SweepRow& row = rows[k];
+    const Attractor& attractor = row.attractor;
+    std::string begin =
+        fmt::format("{},{},{},", row.value, sweep_direction_name(row.direction), attractor_type_name(attractor.type));
+    begin += attractor.period > 0 ? fmt::format("{},{}", attractor.period, attractor.impacts) : ",";
+    for (std::size_t i = 0; i < 2; ++i) begin += "," + (i < attractor.exponents.size() ? exact(attractor.exponents[i]) : "");
+    for (const Vector& state : row.states)
+      fmt::format_to(std::back_inserter(lines), FMT_COMPILE("{},{},{}\n"), begin, state[0], state[1]);
+  });
+}
+
+std::vector<ChaoticWindow> chaotic_windows(const std::vector<SweepRow>& rows) {
+  std::vector<ChaoticWindow> list;
+  bool inside = false;
+  for (const SweepRow& row : rows) {
+    const Attractor& attractor = row.attractor;
+    if (attractor.type != AttractorType::chaotic) {
+      inside = false;
+      continue;
+    }
+    if (!inside || list.back().direction != row.direction)
+      list.push_back({row.direction, row.value, row.value, 0, -std::numeric_limits<double>::infinity(), 0.0, row.value});
+    inside = true;
+    ChaoticWindow& window = list.back();
+    window.from = std::min(window.from, row.value);
+    window.to = std::max(window.to, row.value);
+    ++window.values;
+    if (attractor.exponents[0] <= window.largest_exponent) continue;
+    window.largest_exponent = attractor.exponents[0];
+    window.standard_error = attractor.standard_errors[0];
+    window.at = row.value;
+  }
+  return list;
+}
+
+Json chaotic_windows_json(const std::vector<ChaoticWindow>& windows) {
+  Json list = Json::array();
+  for (const ChaoticWindow& window : windows)
+    list.push_back({{"direction", sweep_direction_name(window.direction)},
+                    {"from", window.from},
+                    {"to", window.to},
+                    {"values", window.values},
+                    {"largest_exponent", window.largest_exponent},
+                    {"standard_error", window.standard_error},
+                    {"at", window.at}});
+  return list;
+}
+
+Table chaotic_windows_table(const std::vector<ChaoticWindow>& windows, const std::string& parameter) {
+  Table table{{"direction", parameter + " from", "to", "values", "largest exponent", "+-", "at"}, {}};
+  for (const ChaoticWindow& window : windows)
+    table.rows.push_back({std::string(sweep_direction_name(window.direction)), rounded(window.from, 7), rounded(window.to, 7),
+                          std::to_string(window.values), rounded(window.largest_exponent, 4),
+                          error_text(window.standard_error, 2), rounded(window.at, 7)});
+  return table;
+}
+
+}  // namespace graze::apps

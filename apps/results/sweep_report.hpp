@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What is said of a sweep: its rows as JSON (graze.sweep/1, and "rows" of graze.diagram/1) and back, as tables, and the windows
+// in which it is chaotic.
+#pragma once
+
+#include <graze/apps/text/json_text.hpp>
+#include <graze/apps/text/table.hpp>
+
+#include <graze/floquet/follow/sweep.hpp>
+
+#include <string>
+#include <vector>
+
+namespace graze::apps {
+
+void write_row(const SweepRow& row, JsonText& json);
+Json rows_json(const std::vector<SweepRow>& rows);
+
+/// The inverse, as far as a sweep can go on from it and the rows are written again: of orbits state, label and multipliers, of
+/// averages their length.
+/// @throws Json::exception where something is missing or of another kind.
+std::vector<SweepRow> rows_from(const Json& rows);
+
+/// One line per stretch of rows with the same attractor.
+Table sweep_overview(const std::vector<SweepRow>& rows, const std::string& parameter);
+
+/// As CSV: one line per stroboscopic state; made on so many threads.
+void samples_csv(const std::vector<SweepRow>& rows, const std::string& parameter, int threads, const TextSink& sink);
+
+/// Neighbouring values of one direction at which the attractor is chaotic, and the largest exponent there.
+struct ChaoticWindow {
+  SweepDirection direction = SweepDirection::up;
+  double from = 0.0, to = 0.0;  ///< ascending, whichever the direction
+  std::size_t values = 0;
+  double largest_exponent = 0.0, standard_error = 0.0, at = 0.0;
+};
+
+/// In the order of the rows.
+std::vector<ChaoticWindow> chaotic_windows(const std::vector<SweepRow>& rows);
+
+Json chaotic_windows_json(const std::vector<ChaoticWindow>& windows);
+Table chaotic_windows_table(const std::vector<ChaoticWindow>& windows, const std::string& parameter);
+
+}  // namespace graze::apps

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Numbers as people write and read them, on the command line and in problem files.
+#pragma once
+
+#include <graze/lib/numerics/vector.hpp>
+
+#include <complex>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace graze::apps {
+
+/// Factors joined by * and /, each a decimal number or pi: "0.05", "-1e-3", "36/35", "2*pi". Also "nan" and "inf", so that
+/// whoever knows the allowed range can refuse them by name. nullopt: not a number.
+std::optional<double> parse_number(std::string_view text);
+
+/// A whole number: "1000", "1e3". nullopt: not one, or too large for int.
+std::optional<int> parse_count(std::string_view text);
+
+/// Numbers separated by commas: "-0.169,-0.962". nullopt: one of them is not a number.
+std::optional<Vector> parse_numbers(std::string_view text);
+
+inline constexpr const char* beyond_double =
+    "too large or too small for a double, which holds 0 and magnitudes from 4.9e-324 to 1.8e308";
+
+/// Whether it is too large or too small a number for a double, which none of these reads.
+bool is_beyond_double(std::string_view text);
+
+/// One sentence on what cannot be read.
+std::string no_number(std::string_view text);
+
+/// The shortest text that reads back to the same double.
+std::string exact(double value);
+
+/// Rounded to so many significant digits, for people.
+std::string rounded(double value, int digits = 12);
+
+/// "1 orbit", "2 orbits".
+std::string counted(std::size_t count, std::string_view noun);
+
+/// "0.609 + 0.366 i" or, where the imaginary part is 0, one number.
+std::string rounded(std::complex<double> value, int digits = 12);
+
+}  // namespace graze::apps

@@ -1,0 +1,879 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/continuation/branch/branch_follower.hpp>
+#include <graze/continuation/branch/branch_step.hpp>
+#include <graze/continuation/conditions/grazing_by_events.hpp>
+#include <graze/continuation/problems/clear_section.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace graze {
+
+namespace {
+
+/// Multipliers that cannot be told from those of the bifurcation all along a step pass it in rounding alone: where a doubled branch
+/// begins, and along orbits of a conservative resonance, which all have the same. Two that coincide are known to the root of
+/// rounding only.
+bool in_rounding(const TestFunction& test, const TestPoint& a, const TestPoint& b) {
+  constexpr double rounding = 1e-8, root = 1e-5;
+  const double farthest = std::max(test.distance(a.branch), test.distance(b.branch));
+  const auto coincide = [](const BranchPoint& point) {
+    const auto values = nontrivial(point.multipliers);
+    return values.size() > 1 && std::abs(values[0] - values[1]) < 4.0 * root;
+  };
+  return farthest < (coincide(a.branch) && coincide(b.branch) ? root : rounding);
+}
+
+/// A point of a branch as every orbit that is the same one: a branch that comes back to any of them is closed.
+std::vector<CurvePoint> images_of(const BranchProblem& problem, const CurvePoint& point) {
+  std::vector<CurvePoint> list;
+  for (BranchProblem::Image& image : problem.images(point.u, point.tangent)) {
+    CurvePoint same = point;
+    same.u = std::move(image.u);
+    same.tangent = std::move(image.tangent);
+    list.push_back(std::move(same));
+  }
+  return list;
+}
+
+}  // namespace
+
+BranchFollower::BranchFollower(const HybridSystem& system, const ContinuationOptions& options, double low, double high)
+    : system_(system), options_(options), low_(low), high_(high), hard_contacts_(has_hard_contacts(system)) {}
+
+bool BranchFollower::interrupted_now() {
+  interrupted_ = interrupted_ || (options_.cancelled && options_.cancelled());
+  return interrupted_;
+}
+
+/// The end of the range: the step's end is moved onto it. Empty: not there yet. A step that begins on the end of the range and
+/// ends outside has passed a fold, and is to be made shorter.
+std::optional<Verdict> BranchFollower::end_of_range(BranchProblem& problem, const CurvePoint& before, CurvePoint& after) const {
+  const double value = problem.value(after.u), last = problem.value(before.u);
+  const double tolerance = 1e-14 * (1.0 + std::abs(high_));
+  const bool above = value >= high_ - tolerance && last < high_ && value > last;
+  const bool below = value <= low_ + tolerance && last > low_ && value < last;
+  if (!above && !below) {
+    const bool outside = value > high_ + tolerance || value < low_ - tolerance;
+    return outside ? std::optional(Verdict::reject) : std::nullopt;
+  }
+  const double bound = above ? high_ : low_;
+  const Vector u = at_value(problem, before.u + (bound - last) / (value - last) * (after.u - before.u), bound);
+  if (u.size() == 0) return Verdict::reject;
+  const double length = after.arclength - before.arclength;
+  after.arclength = before.arclength + length * std::clamp((bound - last) / (value - last), 0.0, 1.0);
+  after.u = u;
+  after.tangent = tangent_at(problem.zero_problem(), u, before.tangent);
+  return after.tangent.size() == 0 ? Verdict::reject : Verdict::stop;
+}
+
+void BranchFollower::begin(BranchProblem& problem, const Vector& u, Branch& branch) {
+  branch.points.push_back(problem.branch_point(u, 0.0));
+  last_ = u;
+  mark(problem, u, PointType::EP, branch);
+}
+
+/// Locates what lies between the last point and the next, and takes the next one up; false where the step is to be halved. `met`:
+/// what is known already to lie there.
+bool BranchFollower::take(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, BranchPoint point,
+                          std::vector<MetPoint> met, Branch& branch) {
+  // What is not found where it was announced may be no such point, but a step onto another branch close by.
+  constexpr double smallest_doubt = 1e-5, smallest_step = 1e-8;
+  const bool long_step = !corner_ && after.arclength - before.arclength > smallest_doubt;
+  const auto doubtful = [&](const MetPoint& special) { return special.point.status != PointStatus::converged && long_step; };
+  if (std::any_of(met.begin(), met.end(), doubtful)) return false;
+  const TestPoint a{before, branch.points.back()}, b{after, point};
+  for (const TestFunction& test : test_functions()) {
+    const double f_a = test.value(a), f_b = test.value(b);
+    if (!std::isfinite(f_a) || !std::isfinite(f_b) || (f_a < 0.0) == (f_b < 0.0) || !test.confirm(a, b)) continue;
+    if (in_rounding(test, a, b)) continue;
+    std::optional<MetPoint> special = locate(problem, test, a, b, branch);
+    if (!special) {
+      if (long_step) return false;
+      continue;
+    }
+    // A fold beyond the end of the range: the branch leaves the range and comes back within the step.
+    const bool outside = special->point.value < low_ || special->point.value > high_;
+    if (outside && test.type == PointType::LP && long_step) return false;
+    met.push_back(std::move(*special));
+    if (corner_) {  // at its tip, which lies within the smallest step of the grazing, on the side of the contact
+      SpecialPoint& tip = met.back().point;
+      tip.status = PointStatus::bracketed;
+      tip.value = corner_->value;
+      tip.precision = smallest_step;
+      tip.interval[0] = tip.value - tip.precision;
+      tip.interval[1] = tip.value + tip.precision;
+      met.back().place = corner_->place + (corner_->to_contact ? 1e-12 : -1e-12);
+    }
+    if (doubtful(met.back())) return false;
+  }
+  user_points(problem, before, after, branch, met);
+  std::stable_sort(met.begin(), met.end(), [](const MetPoint& x, const MetPoint& y) { return x.place < y.place; });
+  for (MetPoint& special : met) branch.special_points.push_back(std::move(special.point));
+  branch.points.push_back(std::move(point));
+  last_ = after.u;
+  if (options_.progress) options_.progress(branch);
+  return true;
+}
+
+/// The branch ends just before the orbit of half its period: what lies on the way there is located.
+Verdict BranchFollower::end_at_half(BranchProblem& problem, const CurvePoint& before, double part, CurvePoint& after,
+                                    Branch& branch) {
+  constexpr double just_before = 0.9;
+  const Vector chord = after.u - before.u;
+  CurvePoint last;
+  last.u = before.u + just_before * part * chord;
+  last.arclength = before.arclength + just_before * part * (after.arclength - before.arclength);
+  if (!correct(problem.zero_problem(), chord, last.u, options_.trace).converged()) return Verdict::reject;
+  last.tangent = tangent_at(problem.zero_problem(), last.u, before.tangent);
+  BranchPoint point = problem.branch_point(last.u, branch.points.back().arclength + last.arclength - before.arclength);
+  if (last.tangent.size() == 0 || !point.multipliers.valid || !problem.is_motion(last.u)) return Verdict::reject;
+  if (point.isolated_impacts != branch.points.back().isolated_impacts) return Verdict::reject;
+  if (!take(problem, before, last, std::move(point), {}, branch)) return Verdict::reject;
+  after = std::move(last);
+  returned_ = true;
+  return Verdict::stop;
+}
+
+Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch) {
+  if (interrupted_now()) return Verdict::stop;
+  const std::optional<Verdict> end = end_of_range(problem, before, after);
+  if (end == Verdict::reject) return Verdict::reject;
+  BranchPoint point = problem.branch_point(after.u, branch.points.back().arclength + after.arclength - before.arclength);
+  if (!point.multipliers.valid || leaves_branch(system_, branch, point)) return Verdict::reject;
+  // Where a chatter becomes incomplete infinitely many impacts come apart, each with a grazing of its own.
+  const bool sticks = point.isolated_impacts < point.impacts;
+  if (hard_contacts_ && sticks != (branch.points.back().isolated_impacts < branch.points.back().impacts)) {
+    chatter_ends_ = after.arclength - before.arclength <= 1e-7;
+    return chatter_ends_ ? Verdict::stop : Verdict::reject;
+  }
+  // One grazing at a time: a step across several is halved, down to where they cannot be told apart. Contacts that touch together
+  // (an orbit symmetric between two barriers) are one.
+  const int change = std::abs(point.isolated_impacts - branch.points.back().isolated_impacts);
+  // Orbits on both sides of a hard grazing are different families, even where the corrector finds its way across: never step over
+  // one.
+  if (change == 1 && hard_contacts_) return Verdict::reject;
+  const bool close = after.arclength - before.arclength <= 1e-7;
+  if (change > 1 && hard_contacts_ && !close) return Verdict::reject;
+  if (const auto part = goes_through_half(problem, before.u, after.u)) return end_at_half(problem, before, *part, after, branch);
+  std::vector<MetPoint> met;
+  if (change == 1 || (change > 1 && !hard_contacts_)) met.push_back(locate_impact_change(problem, before, after, point, branch));
+  if (change > 1 && !close && met.back().point.status != PointStatus::converged) return Verdict::reject;
+  if (!take(problem, before, after, std::move(point), std::move(met), branch)) return Verdict::reject;
+  if (end) return Verdict::stop;
+  section_blocked_ = better_section(problem, after.u) != problem.equations().section_phase();
+  return section_blocked_ ? Verdict::stop : Verdict::go_on;
+}
+
+/// A branch that starts on its grazing begins with the first orbit beyond it whose impacts are fast enough. One that ends before
+/// there is such an orbit is kept with the one whose weakest impact is fastest: between two grazings close together, or at the
+/// end of the range.
+Verdict BranchFollower::monitor_beyond_grazing(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after,
+                                               Branch& branch) {
+  const double value = problem.value(after.u);
+  const bool outside = value < low_ || value > high_;
+  refused_ = problem.violation(after.u);
+  if (!outside && !refused_) {
+    const double speed = problem.least_speed(after.u);
+    if (speed > fastest_) {
+      fastest_ = speed;
+      fastest_point_ = after.u;
+    }
+    if (speed < weakest_kept) return Verdict::go_on;
+    const std::optional<CurvePoint> nearer = beside_grazing(problem, beginning_, after);
+    begin(problem, nearer ? nearer->u : after.u, branch);
+    if (!nearer) return Verdict::go_on;
+    BranchPoint point = problem.branch_point(after.u, after.arclength - nearer->arclength);
+    if (point.multipliers.valid && take(problem, *nearer, after, std::move(point), {}, branch)) return Verdict::go_on;
+    branch.points.clear();
+    branch.special_points.clear();
+    return Verdict::reject;
+  }
+  if (fastest_ < weakest_told) return outside ? Verdict::stop : Verdict::reject;
+  begin(problem, fastest_point_, branch);
+  if (outside || reaches_grazing(problem, before, after, branch)) return Verdict::stop;
+  branch.points.clear();
+  branch.special_points.clear();
+  return Verdict::reject;
+}
+
+Verdict BranchFollower::monitor_signature(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after,
+                                          Branch& branch) {
+  if (interrupted_now()) return Verdict::stop;
+  if (branch.points.empty()) return monitor_beyond_grazing(problem, before, after, branch);
+  const std::optional<Verdict> end = end_of_range(problem, before, after);
+  if (end == Verdict::reject) return Verdict::reject;
+  refused_ = problem.violation(after.u);
+  if (refused_) return reaches_grazing(problem, before, after, branch) ? Verdict::stop : Verdict::reject;
+  BranchPoint point = problem.branch_point(after.u, branch.points.back().arclength + after.arclength - before.arclength);
+  if (!point.multipliers.valid || leaves_branch(system_, branch, point)) return Verdict::reject;
+  if (const auto part = goes_through_half(problem, before.u, after.u)) return end_at_half(problem, before, *part, after, branch);
+  if (!take(problem, before, after, std::move(point), {}, branch)) return Verdict::reject;
+  return end.value_or(Verdict::go_on);
+}
+
+/// Where the model allows no value beyond the end of the range, no step leads across it: the last one is made onto it.
+bool BranchFollower::end_on_bound(BranchProblem& problem, Branch& branch) {
+  const BranchPoint& end = branch.points.back();
+  for (const double bound : {low_, high_}) {
+    if (end.value == bound || std::abs(end.value - bound) > 1e-6 * (1.0 + std::abs(bound))) continue;
+    const Vector u = at_value(problem, last_, bound);
+    if (u.size() == 0) return false;
+    BranchPoint point = problem.branch_point(u, end.arclength + std::abs(end.value - bound) / (high_ - low_));
+    if (!point.multipliers.valid || point.signature != end.signature) return false;
+    branch.points.push_back(std::move(point));
+    last_ = u;
+    return true;
+  }
+  return false;
+}
+
+Curve BranchFollower::follow_states(OrbitProblem& problem, const BranchStart& given, Branch& branch) {
+  Vector start = given.u, direction = given.orientation;
+  // Moves start and direction to a section clear of impacts, if need be.
+  const auto clear_section = [&] {
+    const double section = better_section(problem, start);
+    if (section == problem.equations().section_phase()) return;
+    OrbitProblem moved = problem.with_section(section);
+    // Small against the square of the speed of a weak impact, which lives within that distance of the barrier.
+    const double small = 1e-8 / std::max(1e-300, direction.lpNorm<Eigen::Infinity>());
+    const auto here = problem.to_section(moved, start), before = problem.to_section(moved, start - small * direction);
+    if (!here) return;
+    direction =
+        before ? Vector((*here - *before) / small) : Vector(direction[direction.size() - 1] * moved.parameter_direction());
+    start = *here;
+    problem = std::move(moved);
+  };
+  clear_section();
+  Curve curve;
+  // Where the branch began: a closed one comes back there, perhaps with its nodes on another section.
+  std::optional<CurvePoint> first, origin;
+  double first_section = 0.0;
+  const OriginsOf origins_of = [&](const CurvePoint& start_point) { return images_of(problem, origin.value_or(start_point)); };
+  TraceOptions trace_options = options_.trace;
+  for (;;) {
+    section_blocked_ = false;
+    const ZeroProblem zero = problem.zero_problem();
+    // The first point of a curve that goes on is the last one that the branch has.
+    const int kept = std::max(1, static_cast<int>(branch.points.size()));
+    trace_options.max_points = std::max(1, options_.trace.max_points - kept + 1);
+    const auto on_branch = [&](const CurvePoint& before, CurvePoint& after) {
+      if (branch.points.empty()) {
+        begin(problem, before.u, branch);
+        first = before;
+        first_section = problem.equations().section_phase();
+      }
+      return monitor_states(problem, before, after, branch);
+    };
+    curve = trace(zero, start, direction, trace_options, on_branch, origins_of);
+    const Vector plain = std::copysign(1.0, direction[direction.size() - 1]) * problem.parameter_direction();
+    if (curve.stop == TraceStop::start_failed && branch.points.empty() && direction != plain) {
+      direction = plain;
+      continue;
+    }
+    if (curve.stop == TraceStop::min_step && !hard_contacts_ && !branch.points.empty()) {
+      CurvePoint last = curve.points.back();
+      trace_options.initial_step = 1e-6;
+      if (around_corner(problem, branch, last)) {
+        start = last.u;
+        direction = last.tangent;
+        continue;
+      }
+      // States in a stiff contact are as steep as those at a hard one.
+      section_blocked_ = !clear_of_soft_;
+      clear_of_soft_ = true;
+      section_blocked_ = section_blocked_ && better_section(problem, last.u) != problem.equations().section_phase();
+      if (!section_blocked_) break;
+    } else if (curve.stop != TraceStop::monitor || !section_blocked_) {
+      break;
+    }
+    start = curve.points.back().u;
+    direction = curve.points.back().tangent;
+    const double arclength = branch.points.back().arclength;
+    clear_section();
+    branch.points.back() = problem.branch_point(start, arclength);
+    last_ = start;
+    origin.reset();
+    OrbitProblem at_first = problem.with_section(first_section);
+    if (const auto u = at_first.to_section(problem, first->u)) {
+      const double forward = std::copysign(1.0, first->tangent[first->tangent.size() - 1]);
+      origin.emplace();
+      origin->u = *u;
+      origin->tangent = tangent_at(problem.zero_problem(), *u, forward * problem.parameter_direction());
+      if (origin->tangent.size() == 0) origin.reset();
+    }
+  }
+  return curve;
+}
+
+/// The start in the coordinates of its signature; nullopt where it has none without sticking.
+std::optional<BranchStart> BranchFollower::to_signature(OrbitProblem& problem, const BranchStart& start) const {
+  const std::optional<EventNodes> here = event_nodes(problem.orbit(start.u, {}));
+  if (!here) return std::nullopt;
+  BranchStart out;
+  out.sequence = here->sequence;
+  out.step = start.step;
+  const SignatureProblem moved(system_, problem.equations().parameters(), problem.period(), here->sequence, problem.parameter(),
+                               problem.scale(), problem.equations().options());
+  out.u = moved.pack(*here, problem.value(start.u));
+  out.orientation = start.orientation[start.orientation.size() - 1] * moved.parameter_direction();
+  // The parameter alone says which way: the differences of motions that are no orbits say nothing.
+  if (start.orientation.head(start.orientation.size() - 1).isZero(0.0)) return out;
+  // The direction by differences: small against the square of the speed of a weak impact, which lives within that distance of the
+  // barrier.
+  const double small = 1e-8 / std::max(1e-300, start.orientation.lpNorm<Eigen::Infinity>());
+  const Vector u_before = start.u - small * start.orientation;
+  const std::optional<EventNodes> before = event_nodes(problem.orbit(u_before, {}));
+  if (before && before->sequence == here->sequence) {
+    const Vector direction = (out.u - moved.pack(*before, problem.value(u_before))) / small;
+    if (direction.allFinite() && direction.lpNorm<Eigen::Infinity>() < 1e6) out.orientation = direction;
+  }
+  return out;
+}
+
+Curve BranchFollower::follow_signature(SignatureProblem& problem, const BranchStart& start, Branch& branch) {
+  if (start.on_grazing) beginning_ = start.u;
+  return trace(problem.zero_problem(), start.u, start.orientation, options_.trace,
+               [&](const CurvePoint& before, CurvePoint& after) {
+                 if (branch.points.empty() && !start.on_grazing) begin(problem, before.u, branch);
+                 return monitor_signature(problem, before, after, branch);
+               },
+               [&](const CurvePoint& first) { return images_of(problem, first); });
+}
+
+std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const BranchStart& start, Branch& branch) {
+  interrupted_ = returned_ = chatter_ends_ = clear_of_soft_ = false;
+  fastest_ = 0.0;
+  refused_.reset();
+  grazing_.reset();
+  std::optional<BranchStart> by_events;
+  if (start.sequence) {
+    by_events = start;
+  } else if (hard_contacts_ && !problem.equations().autonomous()) {
+    by_events = to_signature(problem, start);
+  }
+  if (by_events) {
+    SignatureProblem signature(system_, branch.parameters, problem.period(), *by_events->sequence, problem.parameter(),
+                               problem.scale(), problem.equations().options());
+    signature.measure_by(by_events->u);
+    const Curve curve = follow_signature(signature, *by_events, branch);
+    if (!branch.points.empty() || start.sequence) return finish(signature, curve, branch, start.on_grazing);
+  }
+  problem.measure_by(start.u);
+  const Curve curve = follow_states(problem, start, branch);
+  return finish(problem, curve, branch, false);
+}
+
+std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const Curve& curve, Branch& branch, bool on_grazing) {
+  TraceStop why = curve.stop;
+  branch.time_carried = problem.time_carried();
+  // Orbits that were met between two grazings, the second of which could not be told, are kept.
+  if (branch.points.empty() && on_grazing && why == TraceStop::min_step && fastest_ >= weakest_told)
+    begin(problem, fastest_point_, branch);
+  const bool nothing_beyond = branch.points.empty() && on_grazing && !curve.points.empty();
+  if (branch.points.empty() && !curve.points.empty() && !on_grazing) begin(problem, curve.points.front().u, branch);
+  if (branch.points.empty()) {
+    branch.stop = interrupted_ ? BranchStop::interrupted : BranchStop::start_failed;
+    if (interrupted_) {
+      branch.message = "it was interrupted";
+    } else if (!nothing_beyond) {
+      branch.message = "the first point did not converge: " + curve.failure;
+    } else if (refused_ && !refused_->lost) {
+      branch.message = "the orbit with one impact more meets a barrier elsewhere at once";
+    } else {
+      branch.message = "no admissible orbit was found beyond the grazing: " + curve.failure;
+    }
+    return std::nullopt;
+  }
+  if (why == TraceStop::min_step && end_on_bound(problem, branch)) why = TraceStop::monitor;
+  branch.direction = branch.points.size() > 1 && branch.points[1].value < branch.points[0].value ? -1 : 1;
+  const BranchPoint& end = branch.points.back();
+  branch.stop_value = end.value;
+  const auto stop = [&](BranchStop reason, std::string message) {
+    branch.stop = reason;
+    branch.message = std::move(message);
+  };
+  auto* states = dynamic_cast<OrbitProblem*>(&problem);
+  if (why == TraceStop::min_step && states) grazing_ = broken_off_at_grazing(*states, branch);
+  if (grazing_) {
+    const SpecialPoint& point = branch.special_points.back();
+    branch.stop_value = point.value;
+    if (branch.points.size() == 1) branch.direction = point.value < end.value ? -1 : 1;
+    stop(BranchStop::grazing, fmt::format("grazing at {} = {:.12g}: an impact is {} ({})", branch.parameter, point.value,
+                                          grazing_->lost ? "lost" : "gained", grazing_scenario_name(grazing_->grazing.scenario)));
+    return std::move(grazing_);
+  }
+  if (interrupted_) {
+    stop(BranchStop::interrupted, "it was interrupted");
+  } else if (returned_) {
+    stop(BranchStop::returned,
+         fmt::format("the doubled orbit has returned to its parent near {} = {:.12g}", branch.parameter, end.value));
+  } else if (chatter_ends_) {
+    const bool sticks = end.isolated_impacts < end.impacts;
+    stop(BranchStop::chatter, fmt::format("at {} = {:.12g} the chatter {} complete, and the mass {}", branch.parameter, end.value,
+                                          sticks ? "is no longer" : "becomes", sticks ? "does not stick beyond" : "sticks beyond"));
+  } else if (why == TraceStop::monitor) {
+    stop(BranchStop::reached_bound, fmt::format("the end of the range, {} = {:.12g}, was reached", branch.parameter, end.value));
+  } else if (why == TraceStop::closed) {
+    stop(BranchStop::returned,
+         fmt::format("the branch is closed: at {} = {:.12g} it is back where it was before", branch.parameter, end.value));
+  } else if (why == TraceStop::point_limit) {
+    stop(BranchStop::point_limit, fmt::format("{} points were computed, the limit", branch.points.size()));
+  } else {
+    const std::string reason =
+        refused_ ? "several contacts graze there so close together that they cannot be told apart" : curve.failure;
+    stop(BranchStop::step_too_small, fmt::format("no point is found beyond {} = {:.12g} even with the smallest step ({})",
+                                                 branch.parameter, problem.value(curve.points.back().u), reason));
+    if (curve.first_failed) {
+      BranchPoint failed;
+      failed.value = problem.value(*curve.first_failed);
+      failed.duration = end.duration;
+      if (states && states->equations().section_phase() == 0.0) failed.states = {curve.first_failed->head(states->states())};
+      branch.first_failed = std::move(failed);
+    }
+  }
+  mark(problem, last_, branch.stop == BranchStop::step_too_small ? PointType::MX : PointType::EP, branch);
+  return std::nullopt;
+}
+
+namespace {
+
+/// How far along the step from `before` u lies, in arclength.
+double place_of(const ZeroProblem& zero, const CurvePoint& before, const Vector& u) {
+  return zero.weights.cwiseProduct(before.tangent).dot(u - before.u);
+}
+
+/// Where within its stretches a motion without contacts comes nearest to one, as a fraction of a stretch: there its first will
+/// be.
+double nearest_approach(OrbitProblem& problem, const Vector& shortened, double length) {
+  constexpr int samples = 32;
+  ShootingEquations& equations = problem.equations();
+  double nearest = -std::numeric_limits<double>::infinity(), place = 0.5;
+  Transition transition;
+  for (int j = 0; j < problem.nodes(); ++j) {
+    const double start = equations.node_time(shortened, j), step = length / samples;
+    Vector x = equations.node(shortened, j);
+    for (int k = 0; k < samples; ++k) {
+      for (const Event& event : problem.system().events) {
+        if (event.from != equations.stretch(j).mode0) continue;
+        const double gap = event.guard.value(start + k * step, x, equations.parameters());
+        if (!(gap > nearest)) continue;
+        nearest = gap;
+        place = static_cast<double>(k) / samples;
+      }
+      carry(equations.propagator(), start + k * step, start + (k + 1) * step, x, {.sensitivity = Sensitivity::none}, transition);
+      if (transition.termination != Termination::time) return 0.5;
+      x = transition.x1;
+    }
+  }
+  return place;
+}
+
+}  // namespace
+
+double BranchFollower::better_section(OrbitProblem& problem, const Vector& u) const {
+  const double current = problem.equations().section_phase();
+  if (!(hard_contacts_ || clear_of_soft_) || problem.equations().autonomous() ||
+      !problem.evaluate(u, {.sensitivity = Sensitivity::none, .keep_events = true}))
+    return current;
+  // Places of the events within a stretch, as fractions of it, from its start.
+  const Vector shortened = u.head(u.size() - 1);
+  const double length = problem.equations().duration(shortened) / problem.nodes();
+  std::vector<double> places;
+  for (int j = 0; j < problem.nodes(); ++j)
+    for (const EventRecord& event : problem.equations().stretch(j).events)
+      places.push_back((event.t - problem.equations().node_time(shortened, j)) / length);
+  if (places.empty()) places.push_back(nearest_approach(problem, shortened, length));
+  std::sort(places.begin(), places.end());
+  const double room = std::min(places.front(), 1.0 - places.back());
+  constexpr double too_close = 0.02;
+  if (room > too_close) return current;
+  const Gap gap = widest_gap(places);
+  if (0.5 * gap.length < 2.0 * room) return current;
+  // One stretch is period / nodes forcing periods.
+  return std::fmod(current + gap.middle * problem.period() / problem.nodes(), 1.0);
+}
+
+Vector BranchFollower::at_value(BranchProblem& problem, Vector u, double value) const {
+  u[u.size() - 1] = value;
+  const NewtonReport report = correct(problem.zero_problem(), problem.parameter_direction(), u, options_.trace);
+  if (!report.converged()) return {};
+  u[u.size() - 1] = value;
+  return u;
+}
+
+SpecialPoint BranchFollower::plain_point(BranchProblem& problem, const Vector& u, PointType type, const Branch& branch) const {
+  SpecialPoint point;
+  point.type = type;
+  NewtonReport report;
+  report.status = NewtonStatus::converged;
+  point.orbit = problem.orbit(u, report);
+  point.value = point.interval[0] = point.interval[1] = problem.value(u);
+  point.status = type == PointType::MX ? PointStatus::bracketed : PointStatus::converged;
+  point.after_point = branch.points.empty() ? 0 : branch.points.size() - 1;
+  return point;
+}
+
+void BranchFollower::mark(BranchProblem& problem, const Vector& u, PointType type, Branch& branch) {
+  branch.special_points.push_back(plain_point(problem, u, type, branch));
+}
+
+void BranchFollower::user_points(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, const Branch& branch,
+                                 std::vector<MetPoint>& met) const {
+  if (options_.user_values.empty()) return;
+  // Where the branch turns within the step, a value may be passed on both sides of the fold.
+  std::vector<Vector> course{before.u};
+  for (const MetPoint& point : met)
+    if (point.point.type == PointType::LP && point.point.status == PointStatus::converged) course.push_back(point.u);
+  course.push_back(after.u);
+  for (std::size_t k = 0; k + 1 < course.size(); ++k) {
+    const double a = problem.value(course[k]), b = problem.value(course[k + 1]);
+    for (const double value : options_.user_values) {
+      if ((a < value) == (b < value)) continue;
+      // From a fold on the state goes with the root of the distance in the parameter.
+      const double way = (value - a) / (b - a);
+      const double part = k > 0 ? std::sqrt(way) : k + 2 < course.size() ? 1.0 - std::sqrt(1.0 - way) : way;
+      const Vector u = at_value(problem, course[k] + part * (course[k + 1] - course[k]), value);
+      if (u.size() > 0)
+        met.push_back({place_of(problem.zero_problem(), before, u), u, plain_point(problem, u, PointType::UZ, branch)});
+    }
+  }
+}
+
+/// Empty where the sign changes without such a point.
+std::optional<MetPoint> BranchFollower::locate(BranchProblem& problem, const TestFunction& test, const TestPoint& before,
+                                               const TestPoint& after, const Branch& branch) const {
+  /// How near to the unit circle's point a multiplier is where only the sign change along the branch locates it.
+  constexpr double announced = 1e-3;
+  const ZeroProblem zero = problem.zero_problem();
+  const double length = after.curve.arclength - before.curve.arclength;
+  double lo = 0.0, hi = 1.0, f_lo = test.value(before), f_hi = test.value(after);
+  double value_lo = problem.value(before.curve.u), value_hi = problem.value(after.curve.u);
+  CurvePoint best = after.curve;
+  BranchPoint best_branch = after.branch;
+  int side = 0;
+  // Closes in on the sign change along the curve (Illinois).
+  const auto close_in = [&](int steps, double small, double narrow) {
+    for (int i = 0; i < steps && hi - lo > narrow; ++i) {
+      const double s = std::clamp((lo * f_hi - hi * f_lo) / (f_hi - f_lo), lo + 0.01 * (hi - lo), hi - 0.01 * (hi - lo));
+      CurvePoint trial;
+      trial.u = before.curve.u + s * (after.curve.u - before.curve.u);
+      if (!correct(zero, after.curve.u - before.curve.u, trial.u, options_.trace).converged()) break;
+      trial.tangent = tangent_at(zero, trial.u, before.curve.tangent);
+      if (trial.tangent.size() == 0) break;
+      trial.arclength = before.curve.arclength + s * length;
+      const BranchPoint here = problem.branch_point(trial.u, trial.arclength);
+      if (!here.multipliers.valid) break;
+      const double f = test.value({trial, here});
+      best = trial;
+      best_branch = here;
+      if ((f < 0.0) == (f_lo < 0.0)) {
+        lo = s;
+        f_lo = f;
+        value_lo = here.value;
+        if (side == 1) f_hi *= 0.5;
+        side = 1;
+      } else {
+        hi = s;
+        f_hi = f;
+        value_hi = here.value;
+        if (side == -1) f_lo *= 0.5;
+        side = -1;
+      }
+      if (std::abs(f) < small) break;
+    }
+  };
+  close_in(8, 1e-5, 1e-7);
+  SpecialPoint point;
+  point.type = test.type;
+  point.after_point = branch.points.size() - 1;
+  LocatedPoint located = test.locate(problem, best.u, {best, best_branch});
+  // Newton must not have left for another point of the kind: it stays within the step that announced this one.
+  const auto within_step = [&](const Vector& u) {
+    constexpr double slack = 0.01;
+    const double place = place_of(zero, before.curve, u);
+    return weighted_norm(zero.weights, u - best.u) <= length && place >= -slack * length && place <= (1.0 + slack) * length;
+  };
+  point.newton = located.newton;
+  if (located.newton.converged() && within_step(located.u)) {
+    point.status = PointStatus::converged;
+    point.precision = std::max(located.precision, 4e-16 * std::abs(problem.value(located.u)));
+    point.value = problem.value(located.u);
+    point.orbit = problem.orbit(located.u, located.newton);
+    point.orbit.multipliers = problem.branch_point(located.u, 0.0).multipliers;
+    best.u = located.u;
+    if (test.describe) test.describe(problem, located, point);
+  } else {
+    // Where Newton fails, as at the corner of a stiff contact, the sign change along the curve is followed down to rounding. A
+    // sign that changes with no multiplier where the condition wants one is that of another event, or of a jump.
+    close_in(60, 0.0, 1e-12);
+    if (!corner_ && !(test.distance(best_branch) < announced)) return std::nullopt;
+    point.value = problem.value(best.u);
+    point.precision = std::max(std::abs(value_hi - value_lo), 1e-13 * (1.0 + std::abs(point.value)));
+    point.status = hi - lo <= 1e-10 ? PointStatus::converged : PointStatus::bracketed;
+    NewtonReport report;
+    report.status = NewtonStatus::converged;
+    point.orbit = problem.orbit(best.u, report);
+    point.orbit.multipliers = best_branch.multipliers;
+    point.details["method"] = std::string("sign change along the branch");
+  }
+  point.interval[0] = point.value - point.precision;
+  point.interval[1] = point.value + point.precision;
+  return MetPoint{place_of(zero, before.curve, best.u), best.u, std::move(point)};
+}
+
+SpecialPoint BranchFollower::grazing_point(const LocatedGrazing& located, int impacts_before, int impacts_after,
+                                           const Branch& branch) const {
+  SpecialPoint point;
+  point.type = PointType::GR;
+  point.after_point = branch.points.size() - 1;
+  point.status = PointStatus::converged;
+  point.newton = located.newton;
+  point.value = located.u[located.u.size() - 1];
+  point.precision = std::max(located.precision, 4e-16 * std::abs(point.value));
+  point.interval[0] = point.value - point.precision;
+  point.interval[1] = point.value + point.precision;
+  point.orbit = located.orbit;
+  point.orbit.admissible = branch.points.back().admissible;
+  point.touching = located.contacts;
+  set_impacts(point, impacts_before, impacts_after);
+  point.details["scenario"] = std::string(grazing_scenario_name(located.scenario));
+  point.details["time"] = located.t;
+  if (system_.forcing_frequency) {
+    const double T = forcing_period(system_, point.orbit.parameters);
+    point.details["phase"] = 2.0 * std::numbers::pi * std::fmod(located.t / T, 1.0);
+  }
+  return point;
+}
+
+MetPoint BranchFollower::locate_impact_change(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after,
+                                              const BranchPoint& reached, const Branch& branch) const {
+  const BranchPoint& last = branch.points.back();
+  const bool lost = reached.impacts < last.impacts;
+  const int change = std::abs(reached.isolated_impacts - last.isolated_impacts);
+  const Vector& with_impact = lost ? before.u : after.u;
+  const double low = std::min(last.value, reached.value), high = std::max(last.value, reached.value), width = high - low;
+  // A contact that reaches over a node is cut in two: then the nodes are moved.
+  const double section = problem.equations().section_phase();
+  for (const double further : {0.0, 0.37, 0.71}) {
+    const bool moving = further > 0.0;
+    if (moving && problem.equations().autonomous()) break;
+    std::optional<OrbitProblem> moved;
+    if (moving) moved.emplace(problem.with_section(std::fmod(section + further, 1.0)));
+    std::optional<Vector> u = moving ? problem.to_section(*moved, with_impact) : with_impact;
+    // Contacts that touch together are left out one by one: on a stretch each, the others do not count before it.
+    if (change > 1 && u) {
+      OrbitProblem& coarse = moving ? *moved : problem;
+      OrbitProblem fine = coarse.with_nodes(4);
+      u = coarse.to_nodes(fine, *u);
+      moved.emplace(std::move(fine));
+    }
+    OrbitProblem& here = moved ? *moved : problem;
+    // One that grazes need not be the weakest of all contacts yet.
+    constexpr int considered = 4;
+    const std::vector<GrazingGuess> guesses =
+        u ? weakest_contacts(here, *u, change > 1 ? change : considered) : std::vector<GrazingGuess>{};
+    const auto within_step = [&](const LocatedGrazing& found) {
+      const double value = found.newton.converged() ? here.value(found.u) : std::numeric_limits<double>::quiet_NaN();
+      return value >= low - 0.01 * width && value <= high + 0.01 * width;
+    };
+    LocatedGrazing located;
+    for (std::size_t k = 0; k < guesses.size() && !within_step(located); ++k)
+      if (k == 0 || change == 1) located = locate_grazing(here, *u, guesses[k]);
+    if (!within_step(located)) continue;
+    const double value = here.value(located.u);
+    const auto apart = [&](const GrazingGuess& other) {
+      const LocatedGrazing found = locate_grazing(here, *u, other);
+      return !found.newton.converged() || std::abs(here.value(found.u) - value) > 1e-10 * (1.0 + std::abs(value));
+    };
+    if (change > 1 && std::any_of(guesses.begin() + 1, guesses.end(), apart)) continue;
+    const Vector along =
+        before.u + (value - before.u[before.u.size() - 1]) / (after.u - before.u)[before.u.size() - 1] * (after.u - before.u);
+    const Vector& place = moved ? along : located.u;
+    return {place_of(problem.zero_problem(), before, place), place,
+            grazing_point(located, last.impacts, reached.impacts, branch)};
+  }
+  SpecialPoint point;
+  point.type = PointType::GR;
+  point.after_point = branch.points.size() - 1;
+  point.value = 0.5 * (low + high);
+  point.precision = 0.5 * width;
+  point.interval[0] = low;
+  point.interval[1] = high;
+  point.orbit = problem.orbit(with_impact, {});
+  point.details["kind"] = lost ? "lost" : "gained";
+  point.details["impacts"] = std::vector<double>{static_cast<double>(last.impacts), static_cast<double>(reached.impacts)};
+  const Vector middle = 0.5 * (before.u + after.u);
+  return {place_of(problem.zero_problem(), before, middle), middle, std::move(point)};
+}
+
+bool BranchFollower::reaches_grazing(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch) {
+  const ZeroProblem zero = problem.zero_problem();
+  const double length = after.arclength - before.arclength;
+  const Vector chord = after.u - before.u;
+  auto beyond = problem.violation(after.u);
+  Vector good = before.u;
+  double lo = 0.0, hi = 1.0;
+  // To where the last motion (with impacts of at least that speed) and the first solution that is none are next to each other.
+  const auto close_in = [&](double speed) {
+    for (int i = 0; i < 40 && (hi - lo) * length > 1e-9; ++i) {
+      const double middle = 0.5 * (lo + hi);
+      Vector u = before.u + middle * chord;
+      if (!correct(zero, chord, u, options_.trace).converged()) return false;
+      const auto violation = problem.violation(u);
+      if (violation) beyond = violation;
+      if (violation || problem.least_speed(u) < speed) {
+        hi = middle;
+      } else {
+        good = u;
+        lo = middle;
+      }
+    }
+    return true;
+  };
+  if (!close_in(weakest_kept)) return false;
+  // An orbit about to gain an impact is kept from so far before that a free run tells it from the grazing.
+  constexpr double told_apart = 1e-8;
+  CurvePoint last = before;
+  last.u = good;
+  double kept = lo;
+  if (!beyond->lost && lo * length > told_apart) {
+    const double earlier = lo - told_apart / length;
+    Vector u = before.u + earlier * chord;
+    if (correct(zero, chord, u, options_.trace).converged() && !problem.violation(u)) {
+      last.u = std::move(u);
+      kept = earlier;
+    }
+  }
+  last.arclength = before.arclength + kept * length;
+  last.tangent = tangent_at(zero, last.u, before.tangent);
+  BranchPoint point;
+  if (kept > 0.0 && last.tangent.size() > 0) point = problem.branch_point(last.u, branch.points.back().arclength + kept * length);
+  hi = 1.0;
+  if (!close_in(0.0)) return false;
+  const std::size_t parameter = parameter_index(system_.parameters, options_.parameter);
+  // The bracket's end, and what rounding of a speed or of a gap leaves.
+  constexpr double next_to = 1e-7;
+  std::optional<GrazingAhead> ahead = grazing_ahead(problem, good, *beyond, parameter, next_to + 4.0 * (hi - lo) * length);
+  if (!ahead) return false;
+  // What lies before the grazing on this step is taken up; the grazing's own multipliers are singular.
+  if (point.multipliers.valid && !take(problem, before, last, std::move(point), {}, branch)) return false;
+  if (!(kept > 0.0 && last.tangent.size() > 0)) last = before;
+  if (!take_up_to_grazing(problem, ahead->u, last, branch)) return false;
+  const int impacts = branch.points.back().impacts;
+  branch.special_points.push_back(
+      grazing_point(ahead->grazing, impacts, impacts + (ahead->lost ? -ahead->grazing.touches : 1), branch));
+  after = std::move(last);
+  grazing_ = GrazingEnd{std::move(ahead->grazing), ahead->lost};
+  return true;
+}
+
+/// A fold or a period doubling closer to the grazing than the branch's points are kept: the signs of its conditions, regular in
+/// the coordinates of the events, are others at the grazing than at `point`. Then the point between the two that is nearest to
+/// the grazing and still on its side of it; empty where there is nothing between.
+std::optional<CurvePoint> BranchFollower::beside_grazing(SignatureProblem& problem, const Vector& grazing,
+                                                         const CurvePoint& point) const {
+  const ZeroProblem zero = problem.zero_problem();
+  struct Signs {
+    bool turned, doubled;
+    bool operator==(const Signs&) const = default;
+  };
+  const auto signs = [&](const Vector& u, const Vector& tangent) {
+    return Signs{tangent[tangent.size() - 1] < 0.0, problem.cyclic(u, -1.0).real().partialPivLu().determinant() < 0.0};
+  };
+  const Vector tangent = tangent_at(zero, grazing, point.tangent);
+  if (tangent.size() == 0) return std::nullopt;
+  const Signs there = signs(grazing, tangent);
+  if (there == signs(point.u, point.tangent)) return std::nullopt;
+  const Vector chord = point.u - grazing;
+  for (double part = 0.5; part * weighted_norm(zero.weights, chord) > weakest_told; part *= 0.5) {
+    CurvePoint between;
+    between.u = grazing + part * chord;
+    if (!correct(zero, chord, between.u, options_.trace).converged() || problem.violation(between.u)) return std::nullopt;
+    between.tangent = tangent_at(zero, between.u, point.tangent);
+    if (between.tangent.size() == 0) return std::nullopt;
+    if (signs(between.u, between.tangent) != there) continue;
+    between.arclength = point.arclength - (1.0 - part) * weighted_norm(zero.weights, chord);
+    return between;
+  }
+  return std::nullopt;
+}
+
+bool BranchFollower::take_up_to_grazing(SignatureProblem& problem, const Vector& grazing, CurvePoint& last, Branch& branch) {
+  std::optional<CurvePoint> nearer = beside_grazing(problem, grazing, last);
+  if (!nearer) return true;
+  nearer->arclength = 2.0 * last.arclength - nearer->arclength;  // it lies ahead
+  BranchPoint point = problem.branch_point(nearer->u, branch.points.back().arclength + nearer->arclength - last.arclength);
+  if (!point.multipliers.valid) return true;
+  if (!take(problem, last, *nearer, std::move(point), {}, branch)) return false;
+  last = std::move(*nearer);
+  return true;
+}
+
+/// The grazing of a stiff contact is a corner of the branch, narrower than steps can be (like the stiffness to the power -2). The
+/// branch goes on beyond it as that of a hard contact would: `last`, its end, is moved there. False where there is no corner.
+bool BranchFollower::around_corner(OrbitProblem& problem, Branch& branch, CurvePoint& last) {
+  constexpr double near = 1e-4;
+  const ZeroProblem zero = problem.zero_problem();
+  const BranchPoint& end = branch.points.back();
+  for (const bool weakest : {true, false}) {
+    const std::optional<GrazingGuess> guess = weakest ? weakest_contact(problem, last.u) : nearest_miss(problem, last.u);
+    if (!guess) continue;
+    const LocatedGrazing located = locate_grazing(problem, last.u, *guess);
+    if (!located.newton.converged() || located.scenario != GrazingScenario::smooth ||
+        weighted_norm(zero.weights, located.u - last.u) > near)
+      continue;
+    // The grazing may have been passed, and the tip of the corner lie beyond it.
+    const double value = problem.value(located.u);
+    const SpecialPoint& met_last = branch.special_points.back();
+    const bool passed = met_last.type == PointType::GR && std::abs(met_last.value - value) < 1e-9 * (1.0 + std::abs(value));
+    const bool to_contact = passed ? std::get<std::string>(met_last.details.at("kind")) == "gained" : !weakest;
+    const int impacts = end.isolated_impacts + (passed ? 0 : to_contact ? 1 : -1);
+    for (const double speed : {1e-3, 3e-3, 1e-2, 3e-4, 3e-2}) {
+      // With contact: at that speed, as that of a hard contact. Without: as far from the grazing.
+      const double height = speed * speed / (2.0 * -located.curvature), side = located.top_dp > 0.0 ? -1.0 : 1.0;
+      const double change = to_contact ? (located.response * speed + height) / located.top_dp : side * speed;
+      Vector away = change * located.family_dp;
+      if (to_contact) away += speed * located.impulse;
+      CurvePoint next;
+      next.u = located.u + away;
+      if (!away.allFinite() || !correct(zero, problem.parameter_direction(), next.u, options_.trace).converged()) continue;
+      if (weighted_norm(zero.weights, next.u - located.u - away) > 0.5 * weighted_norm(zero.weights, away)) continue;
+      next.tangent = tangent_at(zero, next.u, next.u - located.u);
+      next.arclength = last.arclength + weighted_norm(zero.weights, next.u - last.u);
+      BranchPoint point = problem.branch_point(next.u, end.arclength + next.arclength - last.arclength);
+      if (next.tangent.size() == 0 || !point.multipliers.valid || point.isolated_impacts != impacts) continue;
+      std::vector<MetPoint> met;
+      if (!passed)
+        met.push_back({place_of(zero, last, located.u), located.u, grazing_point(located, end.impacts, point.impacts, branch)});
+      corner_ = Corner{value, place_of(zero, last, located.u), to_contact};
+      const bool taken = take(problem, last, next, std::move(point), std::move(met), branch);
+      corner_.reset();
+      if (!taken) continue;
+      last = std::move(next);
+      return true;
+    }
+  }
+  return false;
+}
+
+std::optional<GrazingEnd> BranchFollower::broken_off_at_grazing(OrbitProblem& problem, Branch& branch) {
+  const BranchPoint& end = branch.points.back();
+  const Vector u = problem.pack(end.nodes, end.duration, end.value);
+  // The impact about to be lost, or else the maximum about to become one: whichever grazing lies right beyond the last point.
+  for (const bool lost : {true, false}) {
+    const std::optional<GrazingGuess> guess = lost ? weakest_contact(problem, u) : nearest_miss(problem, u);
+    if (!guess) continue;
+    std::optional<LocatedGrazing> located = hard_grazing_near(problem, u, *guess);
+    if (!located) continue;
+    branch.special_points.push_back(grazing_point(*located, end.impacts, end.impacts + (lost ? -1 : 1), branch));
+    return GrazingEnd{std::move(*located), lost};
+  }
+  return std::nullopt;
+}
+
+}  // namespace graze

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/continuation/branch/branch_step.hpp>
+#include <graze/continuation/conditions/test_function.hpp>
+#include <graze/lib/motion/transition.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace graze {
+
+namespace {
+
+/// Number of real multipliers beyond -1 and beyond +1, and of complex ones outside the circle.
+std::array<int, 3> unstable_kinds(const BranchPoint& point) {
+  std::array<int, 3> count{};
+  for (const auto& mu : nontrivial(point.multipliers)) {
+    if (std::abs(mu) <= 1.0) continue;
+    ++count[mu.imag() != 0.0 ? 2 : mu.real() < 0.0 ? 0 : 1];
+  }
+  return count;
+}
+
+/// Whether the events can be those of a symmetric orbit: each with another one, at the barrier opposite, half the period later.
+bool may_be_symmetric(const Signature& signature) {
+  const std::size_t half = signature.events.size() / 2;
+  if (signature.events.size() % 2 != 0) return false;
+  for (std::size_t k = 0; k < half; ++k)
+    if (signature.events[k] == signature.events[k + half]) return false;
+  return true;
+}
+
+/// How far the orbit is from its mirror image half its (odd) period later, relative to 1 + |x|. NaN where the motion cannot be
+/// carried there.
+double asymmetry(const HybridSystem& system, const Branch& branch, const BranchPoint& point) {
+  Vector p = branch.parameters;
+  p[static_cast<Eigen::Index>(parameter_index(system.parameters, branch.parameter))] = point.value;
+  Propagator propagator(system, p);
+  Transition transition;
+  const Vector& start = point.states[static_cast<std::size_t>(branch.period / 2)];
+  carry(propagator, 0.0, 0.5 * forcing_period(system, p), start, {.sensitivity = Sensitivity::none}, transition);
+  if (transition.termination != Termination::time) return std::nan("");
+  return (transition.x1 + point.state()).lpNorm<Eigen::Infinity>() / (1.0 + point.state().lpNorm<Eigen::Infinity>());
+}
+
+bool skips_something(const BranchPoint& last, const BranchPoint& next) {
+  const auto a = unstable_kinds(last), b = unstable_kinds(next);
+  return std::abs(a[0] - b[0]) > 1 || std::abs(a[1] - b[1]) > 1 || std::abs(a[2] - b[2]) > 2;
+}
+
+bool changes_symmetry(const HybridSystem& system, const Branch& branch, const BranchPoint& next) {
+  // Between the two a small enough step ends, if symmetry is lost without a branch point: by the parameter itself, or at a
+  // branch point that was met exactly.
+  constexpr double symmetric = 1e-8, broken = 1e-5;
+  const BranchPoint& last = branch.points.back();
+  if (!system.forcing_frequency || branch.period % 2 == 0) return false;
+  if (last.signature.events.size() != next.signature.events.size()) return false;
+  if (!may_be_symmetric(last.signature) || !may_be_symmetric(next.signature)) return false;
+  const double before = asymmetry(system, branch, last);
+  if (before < symmetric) return asymmetry(system, branch, next) > broken;
+  return before > broken && asymmetry(system, branch, next) < symmetric;
+}
+
+}  // namespace
+
+bool leaves_branch(const HybridSystem& system, const Branch& branch, const BranchPoint& next) {
+  return skips_something(branch.points.back(), next) || changes_symmetry(system, branch, next);
+}
+
+std::optional<double> goes_through_half(const BranchProblem& problem, const Vector& before, const Vector& after) {
+  // A curve that turns by 0.3 at most within the step bends away from its chord by less than this part of it.
+  constexpr double bend = 0.1;
+  const Vector a = problem.half_difference(before), b = problem.half_difference(after);
+  if (a.size() == 0 || !(a.dot(b) < 0.0)) return std::nullopt;
+  const Vector chord = b - a;
+  const double part = -a.dot(chord) / chord.squaredNorm();
+  if (!((a + part * chord).norm() < bend * chord.norm())) return std::nullopt;
+  return part;
+}
+
+}  // namespace graze

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/continuation/branch/branch_switching.hpp>
+
+#include <graze/continuation/conditions/multiplier_condition.hpp>
+#include <graze/continuation/conditions/test_function.hpp>
+#include <graze/continuation/problems/signature_problem.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+namespace graze {
+
+namespace {
+
+/// From a grazing on steps begin small: folds and period doublings may follow within a speed of a thousandth.
+constexpr double first_step = 1e-5;
+
+/// A grazing in the coordinates of the events of the orbits that begin there, `added` of which have speed zero.
+struct SignatureStart {
+  SignatureProblem problem;
+  BranchStart start;
+  std::vector<std::size_t> added;
+};
+
+SignatureStart start_with(OrbitProblem& problem, const PeriodicOrbit& orbit, const EventNodes& nodes, double value,
+                          std::vector<std::size_t> added) {
+  SignatureStart out{{problem.system(), orbit.parameters, problem.period(), nodes.sequence, problem.parameter(), problem.scale(),
+                      problem.equations().options()},
+                     {},
+                     std::move(added)};
+  BranchStart& start = out.start;
+  start.u = out.problem.pack(nodes, value);
+  start.orientation = Vector::Zero(start.u.size());
+  for (const std::size_t place : out.added) start.orientation += out.problem.speed_gradient(start.u, static_cast<int>(place));
+  start.sequence = nodes.sequence;
+  start.step = first_step;
+  start.on_grazing = true;
+  return out;
+}
+
+/// Why the orbits right beyond the grazing are no motions; empty if they are.
+std::optional<SignatureEquations::Violation> violated_at_once(SignatureStart& from, const TraceOptions& options) {
+  const ZeroProblem zero = from.problem.zero_problem();
+  const Vector tangent = tangent_at(zero, from.start.u, from.start.orientation);
+  // An arc that the step brings beyond a barrier must be deeper than what an impact is located to (1e-11).
+  Vector u = tangent.size() > 0 ? Vector(from.start.u + 1e-6 * tangent) : from.start.u;
+  if (tangent.size() == 0 || !correct(zero, tangent, u, options).converged()) return SignatureEquations::Violation{};
+  return from.problem.violation(u);
+}
+
+}  // namespace
+
+std::optional<BranchStart> doubled_start(const SpecialPoint& pd, OrbitProblem& parent, const TraceOptions& options) {
+  const HybridSystem& system = parent.system();
+  Vector u = parent.pack(pd.orbit.nodes, pd.orbit.duration, pd.value);
+  std::optional<EventNodes> nodes;
+  if (has_hard_contacts(system) && !parent.equations().autonomous()) nodes = event_nodes(parent.orbit(u, {}));
+  std::optional<SignatureProblem> by_events;
+  if (nodes && impacts(system, {0, nodes->sequence}) == pd.orbit.impacts) {
+    by_events.emplace(system, pd.orbit.parameters, parent.period(), nodes->sequence, parent.parameter(), parent.scale(),
+                      parent.equations().options());
+    u = by_events->pack(*nodes, pd.value);
+  }
+  BranchProblem& problem = by_events ? static_cast<BranchProblem&>(*by_events) : parent;
+  const LocatedPoint located = locate_multiplier(problem, u, {.theta = std::numbers::pi});
+  if (located.v.size() == 0) return std::nullopt;
+  if (by_events && !located.newton.converged()) return std::nullopt;
+  const BranchProblem::Doubled doubled = problem.doubled(by_events ? located.u : u);
+  Vector direction = Vector::Zero(doubled.u.size());
+  const Vector v = located.v.real();
+  direction.head(2 * v.size()) << v, -v;
+  const ZeroProblem zero = doubled.problem->zero_problem();
+  direction /= weighted_norm(zero.weights, direction);
+  // Small, and small steps after it: in a cascade the next bifurcation may follow closely. The parameter follows with the square
+  // of the push, and fast beside a grazing: down to where rounding begins.
+  for (const double push : {2e-4, 5e-5, 1e-5, 2e-6, 2e-7, 2e-8, 1e-3}) {
+    BranchStart start;
+    start.u = doubled.u + push * direction;
+    start.step = push;
+    if (!correct(zero, direction, start.u, options).converged()) continue;
+    start.orientation = start.u - doubled.u;
+    // A correction as long as the push has found something else.
+    if (!(weighted_norm(zero.weights, start.orientation) < 1.5 * push)) continue;
+    if (!doubled.problem->is_motion(start.u)) continue;
+    start.sequence = doubled.problem->sequence();
+    // With other impacts than twice those of its parent it lies beyond a grazing, or on another family.
+    const BranchPoint first = doubled.problem->branch_point(start.u, 0.0);
+    if (first.impacts != 2 * pd.orbit.impacts) continue;
+    start.states = first.states;
+    return start;
+  }
+  return std::nullopt;
+}
+
+std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGrazing& grazing, bool lost,
+                                         const TraceOptions& options) {
+  if (grazing.top_dp == 0.0 || !std::isfinite(grazing.top_dp)) return std::nullopt;
+  const ZeroProblem zero = problem.zero_problem();
+  const double side = grazing.top_dp > 0.0 ? -1.0 : 1.0;  // on which the free maximum stays short of the barrier
+  EventNodes nodes = event_nodes(grazing.orbit).value_or(EventNodes{});
+  const Event& contact = problem.system().events[grazing.event];
+  if (!lost && contact.to != contact.from) return std::nullopt;  // it leads to another mode, and the orbit away
+  const bool sticks = nodes.sequence.size() != grazing.orbit.events.size();
+  if (!sticks && !problem.equations().autonomous() && (!lost || !nodes.sequence.empty())) {
+    // The grazing itself is the orbit without that impact, and the one with it at speed zero; the speed grows from there.
+    nodes.shorten(grazing.orbit.period / problem.period());
+    std::vector<std::size_t> added;
+    if (!lost) added.push_back(nodes.insert(grazing.event, grazing.t, grazing.touch));
+    const double value = problem.value(grazing.u);
+    SignatureStart single = start_with(problem, grazing.orbit, nodes, value, added);
+    if (lost) single.start.orientation = side * single.problem.parameter_direction();
+    auto violation = lost ? std::nullopt : violated_at_once(single, options);
+    while (violation && !violation->lost && violation->met && static_cast<int>(added.size()) < most_together) {
+      const EventRecord& met = *violation->met;
+      double t = std::fmod(met.t, problem.equations().duration(grazing.u.head(grazing.u.size() - 1)));
+      const std::size_t place = nodes.insert(met.event, t, met.x_minus);
+      for (std::size_t& other : added) other += other >= place ? 1 : 0;
+      added.push_back(place);
+      SignatureStart several = start_with(problem, grazing.orbit, nodes, value, added);
+      if (!correct(several.problem.zero_problem(), several.start.orientation, several.start.u, options).converged()) break;
+      violation = violated_at_once(several, options);
+      if (!violation) return several.start;
+    }
+    return single.start;
+  }
+  if (lost) {
+    for (double distance = 1e-7; distance < 1e-3; distance *= 10.0) {
+      BranchStart start{grazing.u + side * distance * grazing.family_dp, side * grazing.family_dp, {}, {}, false, first_step};
+      if (correct(zero, problem.parameter_direction(), start.u, options).converged()) return start;
+    }
+    return std::nullopt;
+  }
+  // An orbit that sticks elsewhere: first order in the impact's speed (LocatedGrazing::response).
+  for (const double speed : {1e-3, 3e-3, 3e-4, 1e-2, 3e-2}) {
+    const double change = grazing.response * speed / grazing.top_dp;
+    BranchStart start{grazing.u + change * grazing.family_dp + speed * grazing.impulse, {}, {}, {}, false, first_step};
+    if (!correct(zero, problem.parameter_direction(), start.u, options).converged()) continue;
+    start.orientation = start.u - grazing.u;
+    if (problem.orbit(start.u, {}).impacts == grazing.orbit.impacts + 1) return start;
+  }
+  return std::nullopt;
+}
+
+std::optional<BranchStart> multiple_start(OrbitProblem& problem, const LocatedGrazing& grazing, TurnPattern pattern,
+                                          const TraceOptions& options) {
+  EventNodes nodes = event_nodes(grazing.orbit).value_or(EventNodes{});
+  const Event& contact = problem.system().events[grazing.event];
+  const bool sticks = nodes.sequence.size() != grazing.orbit.events.size();
+  if (sticks || contact.to != contact.from || problem.equations().autonomous()) return std::nullopt;
+  const double turn = grazing.orbit.duration / grazing.orbit.period * problem.period() / pattern.turns;
+  nodes.shorten(grazing.orbit.period * pattern.turns / problem.period());
+  nodes.repeat(pattern.turns, turn);
+  std::vector<std::size_t> added;
+  for (int k = 0; k < pattern.struck; ++k)
+    added.push_back(nodes.insert(grazing.event, std::fmod(grazing.t, turn) + k * turn, grazing.touch));
+  SignatureStart start = start_with(problem, grazing.orbit, nodes, grazing.u[grazing.u.size() - 1], std::move(added));
+  if (violated_at_once(start, options)) return std::nullopt;
+  return start.start;
+}
+
+void confirm_criticality(const Branch& child, SpecialPoint& pd, const Branch& parent, bool begins) {
+  if (child.points.empty()) return;
+  const std::size_t k = pd.after_point;
+  if (k + 1 >= parent.points.size()) return;
+  const BranchPoint &before = parent.points[k], &after = parent.points[k + 1];
+  const bool unstable_above = (after.multipliers.unstable() > before.multipliers.unstable()) == (after.value > before.value);
+  // Up to its nearest fold the doubled branch stays on one side: there it is farthest away. Next to its birth it is known no
+  // better than the corrector's tolerance over its distance from the parent.
+  const auto is_fold = [](const SpecialPoint& point) { return point.type == PointType::LP; };
+  std::size_t farthest = begins ? child.points.size() - 1 : 0;
+  if (begins) {
+    const auto fold = std::find_if(child.special_points.begin(), child.special_points.end(), is_fold);
+    if (fold != child.special_points.end()) farthest = std::min(farthest, fold->after_point);
+  } else {
+    const auto fold = std::find_if(child.special_points.rbegin(), child.special_points.rend(), is_fold);
+    if (fold != child.special_points.rend()) farthest = std::min(child.points.size() - 1, fold->after_point + 1);
+  }
+  const double away = child.points[farthest].value - pd.value;
+  if (!(std::abs(away) > 4.0 * pd.precision)) return;
+  const bool child_above = away > 0.0;
+  // Supercritical: the doubled orbit lives where its parent has become unstable.
+  const std::string seen = unstable_above == child_above ? "supercritical" : "subcritical";
+  const auto predicted = pd.details.find("criticality");
+  if (predicted == pd.details.end()) {
+    pd.details.insert_or_assign("criticality", seen);
+    pd.details.insert_or_assign("criticality_from", std::string("branch"));
+    return;
+  }
+  const bool agrees = std::get<std::string>(predicted->second) == seen;
+  const char* from = agrees ? "normal form, confirmed by the branch" : "normal form; the branch starts on the other side";
+  pd.details.insert_or_assign("criticality_from", std::string(from));
+}
+
+void confirm_scenario(SpecialPoint& grazing, const Branch& ended, const Branch& beyond, bool begins) {
+  const auto beyond_one = [](const BranchPoint& point) {
+    const std::vector<std::complex<double>> all = nontrivial(point.multipliers);
+    return std::count_if(all.begin(), all.end(), [](std::complex<double> mu) { return mu.imag() == 0.0 && mu.real() > 1.0; });
+  };
+  // The nearest orbit whose side can be told.
+  const auto nearest = [&](auto first, auto last) -> const BranchPoint* {
+    const auto told = [&](const BranchPoint& point) { return std::abs(point.value - grazing.value) > 4.0 * grazing.precision; };
+    const auto found = std::find_if(first, last, told);
+    return found == last ? nullptr : &*found;
+  };
+  const BranchPoint* before = nearest(ended.points.rbegin(), ended.points.rend());
+  const BranchPoint* after =
+      begins ? nearest(beyond.points.begin(), beyond.points.end()) : nearest(beyond.points.rbegin(), beyond.points.rend());
+  if (!before || !after) {
+    grazing.details.insert_or_assign("scenario_from", std::string("linear response"));
+    return;
+  }
+  const auto name = [](bool persistence) {
+    return std::string(grazing_scenario_name(persistence ? GrazingScenario::persistence : GrazingScenario::nonsmooth_fold));
+  };
+  const std::string sides = name((before->value < grazing.value) != (after->value < grazing.value));
+  const std::string parity = name((beyond_one(*before) + beyond_one(*after)) % 2 == 0);
+  const std::string response = std::get<std::string>(grazing.details.at("scenario"));
+  auto& impacts = std::get<std::vector<double>>(grazing.details.at("impacts"));
+  const bool gained = std::get<std::string>(grazing.details.at("kind")) == "gained";
+  const bool several = gained ? after->impacts != impacts.back() : impacts.front() - impacts.back() > 1.0;
+  std::string from = "directions, multipliers and linear response";
+  if (several) {  // the linear response is that to one impact alone
+    if (gained) impacts.back() = after->impacts;
+    grazing.details.insert_or_assign("scenario", sides);
+    from = "directions; several contacts touch together";
+  } else if (response != name(true) && response != name(false)) {
+    grazing.details.insert_or_assign("scenario", sides);
+    from = sides == parity ? "directions and multipliers" : "directions";
+  } else if (response != sides) {
+    from = "linear response; the orbits kept lie as at a " + sides;
+  } else if (parity != sides) {
+    from = "directions and linear response; the multipliers kept are those of a " + parity;
+  }
+  grazing.details.insert_or_assign("scenario_from", std::move(from));
+}
+
+}  // namespace graze

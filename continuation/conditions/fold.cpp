@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// LP: the branch turns in the parameter; a multiplier passes +1. Test: the parameter's component of the tangent. It also passes
+// zero where the branch is the one that turns in a pitchfork, which a multiplier only touches +1 in: that is a branch point.
+#include <graze/continuation/conditions/test_function.hpp>
+
+namespace graze {
+
+TestFunction fold_test() {
+  TestFunction test;
+  test.type = PointType::LP;
+  test.summary = "fold: the parameter's component of the tangent passes zero (a multiplier passes +1)";
+  test.value = [](const TestPoint& point) { return point.curve.tangent[point.curve.tangent.size() - 1]; };
+  test.confirm = [](const TestPoint& before, const TestPoint& after) {
+    return (real_beyond(before, 1) + real_beyond(after, 1)) % 2 == 1;
+  };
+  test.distance = [](const BranchPoint& point) { return nearest_multiplier(point, 1.0); };
+  test.locate = [](BranchProblem& problem, const Vector& u, const TestPoint&) {
+    return locate_multiplier(problem, u, {.theta = 0.0});
+  };
+  return test;
+}
+
+}  // namespace graze

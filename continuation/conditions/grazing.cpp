@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/continuation/conditions/grazing.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace graze {
+
+namespace {
+
+/// Rounding of one evaluation of the equations, relative to 1 + |x| (as for multipliers).
+constexpr double rounding = 1e-14;
+
+/// h and dh/dt of a guard along a mode's field, with their gradients in x, and derivatives in t and one parameter.
+struct GuardAndRate {
+  double h, rate;
+  Vector h_dx, rate_dx;
+  double rate_dt, h_dp, rate_dp;
+};
+
+GuardAndRate guard_and_rate(const HybridSystem& system, const Guard& guard, const Touch& at, const Vector& p,
+                            std::size_t parameter) {
+  const auto n = static_cast<Eigen::Index>(system.states), index = static_cast<Eigen::Index>(parameter);
+  const Mode& mode = system.modes[at.mode];
+  Vector f(n), f_dt = Vector::Zero(n), h_dp = Vector::Zero(p.size());
+  Matrix f_dx(n, n), f_dp = Matrix::Zero(n, p.size());
+  mode.field(at.t, at.x, p, f);
+  mode.field_dx(at.t, at.x, p, f_dx);
+  mode.field_dp(at.t, at.x, p, f_dp);
+  if (mode.field_dt) mode.field_dt(at.t, at.x, p, f_dt);
+  GuardAndRate out;
+  out.h_dx.resize(n);
+  guard.dx(at.t, at.x, p, out.h_dx);
+  if (guard.dp) guard.dp(at.t, at.x, p, h_dp);
+  out.h = guard.value(at.t, at.x, p);
+  out.rate = out.h_dx.dot(f) + (guard.dt ? guard.dt(at.t, at.x, p) : 0.0);
+  // The guard's own curvature is left out: it makes Newton's matrix inexact, not the solution.
+  out.rate_dx = f_dx.transpose() * out.h_dx;
+  out.rate_dt = out.h_dx.dot(f_dt);
+  out.h_dp = h_dp[index];
+  out.rate_dp = out.h_dx.dot(f_dp.col(index));
+  return out;
+}
+
+/// The linear response of the periodic orbit to the weak impact's impulse, per unit of its speed: where the orbit with the impact
+/// lies.
+void analyse(OrbitProblem& problem, const GrazingGuess& guess, const GuardAndRate& at, const Matrix& jacobian,
+             LocatedGrazing& located) {
+  ShootingEquations& equations = problem.equations();
+  const Event& event = problem.system().events[guess.event];
+  const int n = problem.states(), j = guess.stretch;
+  const Touch& touch = equations.stretch(j).touch;
+  const Eigen::Index size = jacobian.rows();
+  const Eigen::PartialPivLU<Matrix> states(jacobian.leftCols(size));
+  const Vector u_dp = states.solve(-jacobian.col(size));
+  located.family_dp.resize(size + 1);
+  located.family_dp << u_dp, 1.0;
+  located.top_dp = at.h_dx.dot(touch.Phi * u_dp.segment(j * n, n) + equations.fixed_time_dp(j, touch.Phi, touch.Psi)) + at.h_dp;
+  // The reset changes a state that arrives with unit normal speed by (D_x g - I) w, where w is the direction of that speed.
+  // A soft contact is taken as the hard one that it becomes with its stiffness, which gives the speed back.
+  Matrix reset_dx = Matrix::Identity(n, n);
+  if (!event.continuous && event.reset.map) event.reset.dx(touch.t, touch.x, equations.parameters(), reset_dx);
+  const Vector w = at.rate_dx / at.rate_dx.squaredNorm();
+  const Vector kick = event.continuous ? Vector(-2.0 * w) : Vector(reset_dx * w - w);
+  // Applied at the touch it arrives at the end of the stretch as the rest of the stretch's map carries it.
+  const Matrix rest = touch.Phi.transpose().partialPivLu().solve(equations.stretch(j).Phi.transpose()).transpose();
+  located.gradient = at.h_dx;
+  located.kick = kick;
+  located.round = {rest};
+  for (int k = 1; k < problem.nodes(); ++k) located.round.push_back(equations.stretch((j + k) % problem.nodes()).Phi);
+  located.round.push_back(touch.Phi);
+  if (event.continuous) located.scenario = GrazingScenario::smooth;
+  if (located.touches > 1) return;  // what follows is the response to one impact alone
+  Vector right = Vector::Zero(size);
+  right.segment(j * n, n) = -rest * kick;
+  const Vector response = states.solve(right);
+  located.impulse.resize(size + 1);
+  located.impulse << response, 0.0;
+  located.response = -at.h_dx.dot(touch.Phi * response.segment(j * n, n));
+  if (event.continuous) return;
+  if (std::isfinite(located.response) && located.response != 0.0)
+    located.scenario = located.response > 0.0 ? GrazingScenario::persistence : GrazingScenario::nonsmooth_fold;
+}
+
+/// A contact of speed zero at t, as events.
+void add_contact(const HybridSystem& system, std::size_t event, const Touch& touch, double t, std::vector<EventRecord>& events) {
+  EventRecord record;
+  record.event = event;
+  record.kind = system.events[event].kind;
+  record.t = t;
+  record.x_minus = record.x_plus = touch.x;
+  record.mode_plus = system.events[event].to;
+  events.push_back(record);
+  if (record.kind != EventKind::enter && record.kind != EventKind::leave) return;
+  const std::size_t mode = system.events[event].from;
+  const auto back = std::find_if(system.events.begin(), system.events.end(), [&](const Event& other) {
+    return other.from == record.mode_plus && other.to == mode && (other.kind == EventKind::leave || other.kind == EventKind::enter);
+  });
+  if (back == system.events.end()) return;
+  record.event = static_cast<std::size_t>(back - system.events.begin());
+  record.kind = back->kind;
+  record.mode_plus = back->to;
+  events.push_back(std::move(record));
+}
+
+}  // namespace
+
+std::optional<GrazingGuess> weakest_contact(OrbitProblem& problem, const Vector& u) {
+  const std::vector<GrazingGuess> weakest = weakest_contacts(problem, u, 1);
+  return weakest.empty() ? std::nullopt : std::optional(weakest.front());
+}
+
+std::vector<GrazingGuess> weakest_contacts(OrbitProblem& problem, const Vector& u, int count) {
+  std::vector<GrazingGuess> list;
+  if (!problem.evaluate(u, {.sensitivity = Sensitivity::none, .keep_events = true})) return list;
+  const HybridSystem& system = problem.system();
+  const ShootingEquations& equations = problem.equations();
+  for (int j = 0; j < problem.nodes(); ++j) {
+    const std::vector<EventRecord>& events = equations.stretch(j).events;
+    for (std::size_t k = 0; k < events.size(); ++k) {
+      // A short flight between two soft contacts is one contact that all but loses touch: its grazing is met from inside.
+      const bool parted = events[k].kind == EventKind::leave && k + 1 < events.size() && events[k + 1].kind == EventKind::enter &&
+                          system.events[events[k + 1].event].to == system.events[events[k].event].from;
+      if (!begins_contact(events[k].kind) && !parted) continue;
+      GrazingGuess guess;
+      guess.event = events[k].event;
+      guess.stretch = j;
+      guess.events_before = k;
+      guess.speed = events[k].normal_speed;
+      // A soft contact is left by an event of its own; its middle is the touch. What follows it bounds the time of resuming.
+      const bool soft = parted || system.events[guess.event].kind == EventKind::enter;
+      const std::size_t after = k + (soft ? 2 : 1);
+      const double left = soft && k + 1 < events.size() ? events[k + 1].t : events[k].t;
+      const double length = equations.duration(u.head(u.size() - 1)) / problem.nodes();
+      const double next = after < events.size() ? events[after].t : equations.node_time(u.head(u.size() - 1), j) + length;
+      guess.t = 0.5 * (events[k].t + left);
+      guess.t_resume = left + std::min(0.5 * (next - left), 0.05 * length);
+      list.push_back(guess);
+    }
+  }
+  std::stable_sort(list.begin(), list.end(), [](const GrazingGuess& a, const GrazingGuess& b) { return a.speed < b.speed; });
+  list.resize(std::min(list.size(), static_cast<std::size_t>(count)));
+  return list;
+}
+
+std::optional<GrazingGuess> nearest_miss(OrbitProblem& problem, const Vector& u) {
+  const std::vector<GrazingGuess> misses = near_misses(problem, u, std::numeric_limits<double>::infinity());
+  return misses.empty() ? std::nullopt : std::optional(misses.front());
+}
+
+std::vector<GrazingGuess> near_misses(OrbitProblem& problem, const Vector& u, double within) {
+  constexpr int samples = 400;
+  std::vector<GrazingGuess> list;
+  if (!problem.evaluate(u, {.sensitivity = Sensitivity::none, .keep_events = true})) return list;
+  const HybridSystem& system = problem.system();
+  ShootingEquations& equations = problem.equations();
+  Propagator& propagator = equations.propagator();
+  const Vector shortened = u.head(u.size() - 1);
+  const double length = equations.duration(shortened) / problem.nodes();
+  const auto sorted = [&] {
+    std::stable_sort(list.begin(), list.end(), [](const GrazingGuess& a, const GrazingGuess& b) { return a.gap < b.gap; });
+    return list;
+  };
+  for (int j = 0; j < problem.nodes(); ++j) {
+    const double start = equations.node_time(shortened, j);
+    HybridState state = propagator.start(start, equations.node(shortened, j));
+    std::vector<double> before(system.events.size(), -std::numeric_limits<double>::infinity()), last = before;
+    std::size_t events = 0;
+    for (int i = 1; i <= samples; ++i) {
+      const double t = start + length * i / samples;
+      for (StepEnd end = StepEnd::event; end == StepEnd::event;) {
+        end = propagator.step(state, t);
+        if (end == StepEnd::failed) return sorted();
+        if (end == StepEnd::event) {
+          ++events;
+          std::fill(before.begin(), before.end(), -std::numeric_limits<double>::infinity());
+          last = before;
+        }
+      }
+      for (std::size_t e = 0; e < system.events.size(); ++e) {
+        const Event& event = system.events[e];
+        if (!begins_contact(event.kind) || event.from != state.mode) continue;
+        const double h = event.guard.value(state.t, state.x, propagator.parameters());
+        if (std::isfinite(before[e]) && last[e] >= before[e] && last[e] >= h) {
+          // The parabola through the three samples.
+          const double bend = before[e] - 2.0 * last[e] + h, slope = 0.5 * (h - before[e]);
+          const double aside = bend < 0.0 ? -slope / bend : 0.0, gap = -(last[e] + 0.5 * slope * aside);
+          const double top = t - length / samples;
+          if (gap < within) list.push_back({e, j, events, top, top + 0.02 * length, 0.0, gap});
+        }
+        before[e] = last[e];
+        last[e] = h;
+      }
+    }
+  }
+  return sorted();
+}
+
+LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const GrazingGuess& guess,
+                              const std::vector<GrazingGuess>& together) {
+  LocatedGrazing located;
+  located.touches = 1 + static_cast<int>(together.size());
+  located.u = start;
+  located.event = guess.event;
+  const HybridSystem& system = problem.system();
+  ShootingEquations& equations = problem.equations();
+  const Guard& guard = system.events[guess.event].guard;
+  const Eigen::Index unknowns = problem.unknowns();
+  const int n = problem.states(), j = guess.stretch;
+  double t = guess.t;
+  const double resume_after = guess.t_resume - guess.t;
+  const auto leave_out = [&] { equations.leave_out(j, {guess.events_before, t, t + resume_after}); };
+  for (const GrazingGuess& other : together) equations.leave_out(other.stretch, {other.events_before, other.t, other.t_resume});
+  Vector residual;
+  Matrix jacobian;
+  double last_step = std::numeric_limits<double>::infinity();
+  for (int iteration = 0; iteration < 25; ++iteration) {
+    leave_out();
+    if (!problem.residual(located.u, residual, &jacobian)) {
+      located.newton.status = NewtonStatus::evaluation_failed;
+      break;
+    }
+    const Touch& touch = equations.stretch(j).touch;
+    const Vector p = equations.parameters();
+    const GuardAndRate at = guard_and_rate(system, guard, touch, p, problem.parameter());
+    const Vector x_dp = equations.fixed_time_dp(j, touch.Phi, touch.Psi);
+    Matrix A = Matrix::Zero(unknowns + 1, unknowns + 1);
+    A.topLeftCorner(unknowns - 1, unknowns) = jacobian;
+    A.row(unknowns - 1).segment(j * n, n) = at.h_dx.transpose() * touch.Phi;
+    A.row(unknowns).segment(j * n, n) = at.rate_dx.transpose() * touch.Phi;
+    A(unknowns - 1, unknowns - 1) = at.h_dx.dot(x_dp) + at.h_dp;
+    A(unknowns, unknowns - 1) = at.rate_dx.dot(x_dp) + at.rate_dp;
+    Vector f(n);
+    equations.propagator().field(touch.mode, touch.t, touch.x, f);
+    located.curvature = at.rate_dx.dot(f) + at.rate_dt;
+    A(unknowns - 1, unknowns) = at.rate;
+    A(unknowns, unknowns) = located.curvature;
+    Vector right(unknowns + 1);
+    right << -residual, -at.h, -at.rate;
+    const double scale = 1.0 + located.u.head(unknowns - 1).lpNorm<Eigen::Infinity>();
+    located.newton.residual_history.push_back(right.lpNorm<Eigen::Infinity>() / scale);
+    const Eigen::PartialPivLU<Matrix> lu(A);
+    const Vector step = lu.solve(right);
+    if (!step.allFinite()) {
+      located.newton.status = NewtonStatus::singular;
+      break;
+    }
+    const Vector row = lu.transpose().solve(Vector(Vector::Unit(unknowns + 1, unknowns - 1)));
+    located.precision = rounding * scale * row.lpNorm<1>();
+    const double step_size = step.lpNorm<Eigen::Infinity>() / scale;
+    if (located.newton.residual() < 1e-11 && (step_size < 1e-14 || step_size >= 0.5 * last_step)) {
+      located.newton.status = located.curvature < 0.0 ? NewtonStatus::converged : NewtonStatus::stalled;
+      located.precision = std::max(located.precision, std::abs(step[unknowns - 1]));
+      if (located.newton.converged()) analyse(problem, guess, at, jacobian, located);
+      break;
+    }
+    if (step_size > 1.0) {  // it has left for somewhere else
+      located.newton.status = NewtonStatus::stalled;
+      break;
+    }
+    last_step = step_size;
+    located.u += step.head(unknowns);
+    t += step[unknowns];
+    located.newton.status = NewtonStatus::iteration_limit;
+  }
+  const Vector shortened = located.u.head(unknowns - 1);
+  if (located.newton.converged()) {
+    leave_out();
+    located.orbit = problem.orbit(located.u, located.newton);
+    located.touch = equations.stretch(j).touch.x;
+    const auto orbit_time = [&](int stretch, double time) {
+      const double duration = equations.duration(shortened);
+      const double since_phase_0 = equations.orbit_time(shortened, stretch) + time - equations.node_time(shortened, stretch);
+      const double within = std::fmod(since_phase_0, duration);
+      return within < 0.0 ? within + duration : within;
+    };
+    located.t = orbit_time(j, t);
+    add_contact(system, guess.event, equations.stretch(j).touch, located.t, located.contacts);
+    for (const GrazingGuess& other : together) {
+      const Touch& touch = equations.stretch(other.stretch).touch;
+      add_contact(system, other.event, touch, orbit_time(other.stretch, touch.t), located.contacts);
+    }
+  }
+  equations.leave_out(-1);
+  return located;
+}
+
+}  // namespace graze

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/continuation/conditions/grazing_by_events.hpp>
+#include <graze/continuation/problems/clear_section.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace graze {
+
+namespace {
+
+/// From u on, the solution with event k at speed zero: Newton in the coordinates of the events.
+bool to_zero_speed(SignatureProblem& problem, Vector& u, int k) {
+  constexpr int most = 20;
+  const ZeroProblem zero = problem.zero_problem();
+  Vector residual;
+  Matrix jacobian;
+  double last = 0.1;  // a longer step has left for somewhere else
+  for (int iteration = 0; iteration < most; ++iteration) {
+    if (!zero.evaluate(u, residual, &jacobian)) return false;
+    Matrix A(u.size(), u.size());
+    A << jacobian, problem.speed_gradient(u, k).transpose();
+    Vector right(u.size());
+    right << -residual, -problem.speed(u, k);
+    const Vector step = A.partialPivLu().solve(right);
+    const double size = step.lpNorm<Eigen::Infinity>() / (1.0 + u.lpNorm<Eigen::Infinity>());
+    if (last < 1e-8 && !(size < 0.5 * last)) return true;
+    if (!(size < last)) return false;
+    u += step;
+    last = size;
+  }
+  return false;
+}
+
+/// A touch: whose guard, and when.
+struct TouchTime {
+  std::size_t event;
+  double time;
+};
+
+/// The events of u without speed, event k first.
+std::vector<TouchTime> touching_with(SignatureProblem& problem, const Vector& u, int k) {
+  constexpr double touching = 1e-9;  // rounding of a speed, amplified by what the orbit's other impacts do to it
+  const std::vector<std::size_t>& sequence = problem.equations().sequence();
+  std::vector<TouchTime> list{{sequence[static_cast<std::size_t>(k)], problem.event_time(u, k)}};
+  for (int other = 0; other < problem.equations().events(); ++other)
+    if (other != k && std::abs(problem.speed(u, other)) < touching)
+      list.push_back({sequence[static_cast<std::size_t>(other)], problem.event_time(u, other)});
+  return list;
+}
+
+/// Adds what else all but touches: free maxima of the motion u, some of which rounding may have made a contact.
+void add_others(SignatureProblem& problem, const Vector& u, std::vector<TouchTime>& list) {
+  constexpr double touching = 1e-6;  // u is next to the grazing; a maximum that does not touch is left out without harm
+  Vector v;
+  OrbitProblem& states = problem.stroboscopic(u, v);
+  const ShootingEquations& equations = states.equations();
+  const Vector shortened = v.head(v.size() - 1);
+  const double duration = equations.duration(shortened), same = 0.01 * duration / equations.period();
+  std::vector<GrazingGuess> found = near_misses(states, v, touching);
+  for (const GrazingGuess& contact : weakest_contacts(states, v, problem.equations().events() + 8))
+    if (contact.speed * contact.speed < 1e-2 * touching) found.push_back(contact);
+  for (const GrazingGuess& guess : found) {
+    const double time = equations.orbit_time(shortened, guess.stretch) + guess.t - equations.node_time(shortened, guess.stretch);
+    const auto known = [&](const TouchTime& touch) {
+      return touch.event == guess.event && std::abs(std::remainder(touch.time - time, duration)) < same;
+    };
+    if (std::none_of(list.begin(), list.end(), known)) list.push_back({guess.event, time});
+  }
+}
+
+/// Where a touch of u lies in the stroboscopic equations, of which v is the orbit.
+GrazingGuess guess_of(SignatureProblem& problem, const Vector& u, const TouchTime& touch, OrbitProblem& states, const Vector& v) {
+  const SignatureEquations& equations = problem.equations();
+  const double duration = equations.duration(), length = duration / states.nodes();
+  const double section = states.equations().section_phase() * duration / equations.period();
+  const auto since_section = [&](double time) {
+    const double t = std::fmod(time - section, duration);
+    return t < 0.0 ? t + duration : t;
+  };
+  const double here = since_section(touch.time);
+  GrazingGuess guess;
+  guess.event = touch.event;
+  guess.stretch = std::min(static_cast<int>(here / length), states.nodes() - 1);
+  double next = (guess.stretch + 1) * length;
+  for (int other = 0; other < equations.events(); ++other) {
+    const double t = since_section(equations.time(u, other));
+    if (t < here && t >= guess.stretch * length) ++guess.events_before;
+    if (t > here) next = std::min(next, t);
+  }
+  const Vector shortened = v.head(v.size() - 1);
+  guess.t = states.equations().node_time(shortened, guess.stretch) + here - guess.stretch * length;
+  guess.t_resume = guess.t + std::min(0.5 * (next - here), 0.05 * length);
+  return guess;
+}
+
+/// The orbit at u in states between which there is one touch at most; nullopt where no nodes a power of two to the period do.
+std::optional<OrbitProblem> states_between(SignatureProblem& problem, const Vector& u, const std::vector<TouchTime>& touches,
+                                           Vector& out) {
+  const SignatureEquations& equations = problem.equations();
+  const double T = equations.duration() / equations.period();
+  for (const int per_period : {1, 2, 4, 8}) {
+    const double length = T / per_period;
+    std::vector<double> places;
+    const auto add = [&](double time) { places.push_back(time / length - std::floor(time / length)); };
+    for (int k = 0; k < equations.events(); ++k) add(equations.time(u, k));
+    for (const TouchTime& touch : touches) add(touch.time);
+    std::sort(places.begin(), places.end());
+    const double section = std::fmod(widest_gap(places).middle, 1.0) / per_period;
+    std::vector<double> stretches;
+    for (const TouchTime& touch : touches) {
+      const double count = per_period * equations.period();
+      const double stretch = std::floor((touch.time - section * T) / length);
+      stretches.push_back(stretch - count * std::floor(stretch / count));
+    }
+    std::sort(stretches.begin(), stretches.end());
+    if (std::adjacent_find(stretches.begin(), stretches.end()) == stretches.end())
+      return problem.in_states(u, per_period, section, out);
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<LocatedGrazing> hard_grazing_near(OrbitProblem& problem, const Vector& u, const GrazingGuess& guess,
+                                                const std::vector<GrazingGuess>& together) {
+  constexpr double near = 0.02;
+  LocatedGrazing located = locate_grazing(problem, u, guess, together);
+  if (!located.newton.converged() || located.scenario == GrazingScenario::smooth) return std::nullopt;
+  if (weighted_norm(problem.zero_problem().weights, located.u - u) > near) return std::nullopt;
+  return located;
+}
+
+namespace {
+
+/// A solution with a touch: `problem` has it as event `touching`, of speed zero at `at`; u is the same in the coordinates of the
+/// branch.
+struct Touching {
+  std::optional<SignatureProblem> longer;  ///< where the touch is no event of the branch
+  Vector at, u;
+  int event = 0;
+};
+
+/// Event k of the branch without speed; empty where that lies elsewhere.
+std::optional<Touching> without_speed(SignatureProblem& problem, const Vector& u, int k, double reach) {
+  Touching out{{}, u, {}, k};
+  if (!to_zero_speed(problem, out.at, k)) return std::nullopt;
+  if (weighted_norm(problem.zero_problem().weights, out.at - u) > reach) return std::nullopt;
+  out.u = out.at;
+  return out;
+}
+
+/// The maximum that has met a guard as an event without speed; empty where that lies elsewhere.
+std::optional<Touching> with_touch(SignatureProblem& problem, const Vector& u, const EventRecord& met, std::size_t parameter,
+                                   double reach) {
+  const SignatureEquations& equations = problem.equations();
+  EventNodes nodes = problem.unpack(u);
+  const auto place = static_cast<Eigen::Index>(nodes.insert(met.event, met.t, met.x_minus));
+  Touching out{SignatureProblem(equations.system(), equations.parameters(), equations.period(), nodes.sequence, parameter,
+                                1.0, problem.flow_options()),
+               {},
+               {},
+               static_cast<int>(place)};
+  out.at = out.longer->pack(nodes, problem.value(u));
+  if (!to_zero_speed(*out.longer, out.at, out.event)) return std::nullopt;
+  const Eigen::Index size = equations.states() + 1, rest = out.at.size() - (place + 1) * size;
+  out.u.resize(u.size());
+  out.u << out.at.head(place * size), out.at.tail(rest);
+  if (weighted_norm(problem.zero_problem().weights, out.u - u) > reach) return std::nullopt;
+  return out;
+}
+
+/// The extended system has found this grazing, and no other one beside it.
+bool agrees(const OrbitProblem& states, const LocatedGrazing& located, const Touching& touching) {
+  constexpr double same = 1e-9;
+  const double value = touching.at[touching.at.size() - 1];
+  return std::abs(states.value(located.u) - value) < same * (1.0 + std::abs(value)) + 10.0 * located.precision;
+}
+
+std::optional<LocatedGrazing> located_at(SignatureProblem& problem, const Vector& u, Touching& touching, bool lost) {
+  SignatureProblem& with = touching.longer ? *touching.longer : problem;
+  std::vector<TouchTime> touches = touching_with(with, touching.at, touching.event);
+  const std::size_t struck = touches.size();
+  Vector v;
+  if (struck == 1) {
+    OrbitProblem& states = with.stroboscopic(touching.at, v);
+    std::optional<LocatedGrazing> located = hard_grazing_near(states, v, guess_of(with, touching.at, touches.front(), states, v));
+    if (located && agrees(states, *located, touching)) return located;
+  }
+  if (lost) add_others(problem, u, touches);
+  std::optional<OrbitProblem> states = states_between(with, touching.at, touches, v);
+  if (!states) return std::nullopt;
+  std::vector<GrazingGuess> guesses;
+  for (const TouchTime& touch : touches) guesses.push_back(guess_of(with, touching.at, touch, *states, v));
+  std::optional<LocatedGrazing> located = hard_grazing_near(*states, v, guesses.front(), {guesses.begin() + 1, guesses.end()});
+  if (!located || !agrees(*states, *located, touching)) return std::nullopt;
+  located->touches = static_cast<int>(struck);  // the maxima that touch too are no contacts of the orbit, and come last
+  located->contacts.resize(std::min(struck, located->contacts.size()));
+  return located;
+}
+
+}  // namespace
+
+std::optional<GrazingAhead> grazing_ahead(SignatureProblem& problem, const Vector& u, const SignatureEquations::Violation& beyond,
+                                          std::size_t parameter, double reach) {
+  const SignatureEquations& equations = problem.equations();
+  const auto found = [&](std::optional<Touching> touching, bool lost) -> std::optional<GrazingAhead> {
+    if (!touching) return std::nullopt;
+    std::optional<LocatedGrazing> located = located_at(problem, u, *touching, lost);
+    if (!located) return std::nullopt;
+    return GrazingAhead{std::move(*located), lost, std::move(touching->u)};
+  };
+  // An impact that is lost can look like one that is gained: its arc beyond the barrier is met before it. So the weak impacts
+  // come first, the weakest before the others.
+  constexpr double weak = 1e-3;
+  std::vector<std::pair<double, int>> slow;
+  for (int k = 0; k < equations.events(); ++k) {
+    const double speed = problem.speed(u, k);
+    if (speed < weak || (beyond.lost && k == beyond.event)) slow.emplace_back(speed, k);
+  }
+  std::sort(slow.begin(), slow.end());
+  for (const auto& [speed, k] : slow) {
+    const Event& contact = equations.system().events[equations.sequence()[static_cast<std::size_t>(k)]];
+    if (contact.to != contact.from) continue;
+    if (auto ahead = found(without_speed(problem, u, k, reach), true)) return ahead;
+  }
+  if (beyond.lost || !beyond.met) return std::nullopt;
+  const Event& contact = equations.system().events[beyond.met->event];
+  if (contact.to == contact.from) return found(with_touch(problem, u, *beyond.met, parameter, reach), false);
+  // A contact that leads to another mode is no event of an orbit with this signature.
+  Vector v;
+  OrbitProblem& states = problem.stroboscopic(u, v);
+  const std::optional<GrazingGuess> guess = nearest_miss(states, v);
+  std::optional<LocatedGrazing> located = guess ? hard_grazing_near(states, v, *guess) : std::nullopt;
+  if (!located || weighted_norm(states.zero_problem().weights, located->u - v) > reach) return std::nullopt;
+  return GrazingAhead{std::move(*located), false, u};
+}
+
+}  // namespace graze

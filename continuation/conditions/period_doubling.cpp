@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// PD: a multiplier passes -1. Test: the product of (1 + mu) over all multipliers.
+//
+// Criticality from the normal form xi -> -xi + c xi^3 on the centre manifold (Kuznetsov, Elements of Applied Bifurcation Theory,
+// 3rd ed., eq. (5.46)-(5.47)): with M q = -q, M^T p = -p, p.q = 1,
+//     c = p . [C(q, q, q) + 3 B(q, (I - M)^{-1} B(q, q))] / 6;   c > 0: supercritical, c < 0: subcritical.
+// B and C come from central differences of the (exact) Jacobian of the period-n map along q.
+//
+// Beside a grazing that map bends over lengths of the square of the weak impact's speed, and differences say nothing. In the
+// coordinates of the events the equations H of the orbit run through twice are smooth there. With K(-1) v = 0, w^H K(-1) = 0,
+// phi = (v, -v), psi = (w, -w) and H_u h2 = -H_uu phi phi, the reduction of Lyapunov and Schmidt gives the same coefficient in
+// the amplitude along phi:
+//     c = -psi . [H_uuu phi phi phi + 3 H_uu phi h2] / (12 w . (dK/dsigma) v).
+#include <graze/continuation/conditions/test_function.hpp>
+#include <graze/lib/numerics/null_vectors.hpp>
+
+#include <graze/continuation/problems/orbit_problem.hpp>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <optional>
+
+namespace graze {
+
+namespace {
+
+struct NormalForm {
+  double c = 0.0;
+  double error = 0.0;  ///< how far halving the difference step moved c
+  /// Its sign stands above its error: that is estimated, not bounded.
+  bool decides() const { return std::isfinite(c) && std::abs(c) > 10.0 * error; }
+};
+
+/// By differences of a step that must stay within the orbit's signature, and be large against their own rounding: the first that
+/// gives a hundredth of c, or else the one with the least error.
+std::optional<NormalForm> by_differences(const std::function<std::optional<double>(double h)>& coefficient) {
+  constexpr double largest = 4e-3, smallest = 1e-5, accurate = 1e-2;
+  std::optional<NormalForm> best;
+  for (double h = largest; h > smallest; h *= 0.5) {
+    const auto coarse = coefficient(h), fine = coefficient(h / 2);
+    if (!coarse || !fine || !std::isfinite(*coarse) || !std::isfinite(*fine)) continue;
+    const NormalForm form{(4.0 * *fine - *coarse) / 3.0, std::abs(*fine - *coarse)};
+    if (!best || form.error * std::abs(best->c) < best->error * std::abs(form.c)) best = form;
+    if (form.error <= accurate * std::abs(form.c)) break;
+  }
+  return best;
+}
+
+std::optional<NormalForm> normal_form(OrbitProblem& problem, const Vector& u) {
+  const int n = problem.states();
+  ShootingEquations& equations = problem.equations();
+  const double duration = equations.duration(u.head(u.size() - 1));
+  const double start = equations.node_time(u.head(u.size() - 1), 0);
+  const Vector x0 = u.head(n);
+  Transition transition;
+  std::vector<std::size_t> sequence;
+  const auto jacobian = [&](const Vector& x) -> std::optional<Matrix> {
+    carry(equations.propagator(), start, start + duration, x, {.sensitivity = Sensitivity::state}, transition);
+    if (transition.termination != Termination::time) return std::nullopt;
+    if (sequence.empty()) sequence = transition.event_sequence;
+    if (transition.event_sequence != sequence) return std::nullopt;
+    return transition.Phi;
+  };
+  const std::optional<Matrix> M = jacobian(x0);
+  if (!M) return std::nullopt;
+  // Left and right eigenvectors for -1: null vectors of M + I.
+  const NullVectors<Matrix> null = null_vectors(Matrix(*M + Matrix::Identity(n, n)));
+  const Vector& q = null.right;
+  Vector p = null.left;
+  p /= p.dot(q);
+  const Eigen::PartialPivLU<Matrix> second_order(Matrix::Identity(n, n) - *M);
+  return by_differences([&](double h) -> std::optional<double> {
+    const auto ahead = jacobian(x0 + h * q), behind = jacobian(x0 - h * q);
+    if (!ahead || !behind) return std::nullopt;
+    const Matrix along = (*ahead - *behind) / (2.0 * h);
+    const Matrix second = (*ahead - 2.0 * *M + *behind) / (h * h);
+    const Vector h2 = second_order.solve(along * q);
+    return (p.dot(second * q) + 3.0 * p.dot(along * h2)) / 6.0;
+  });
+}
+
+/// The same coefficient in the branch's own coordinates.
+std::optional<NormalForm> normal_form_by_events(BranchProblem& problem, const LocatedPoint& located) {
+  const BranchProblem::Doubled doubled = problem.doubled(located.u);
+  const ZeroProblem zero = doubled.problem->zero_problem();
+  const Eigen::Index size = doubled.u.size() - 1, half = size / 2;
+  const Vector v = located.v.real(), w = located.w.real();
+  Vector phi = Vector::Zero(size + 1), psi(size);
+  phi.head(size) << v, -v;
+  psi << w, -w;
+  const auto jacobian = [&](double h) -> std::optional<Matrix> {
+    Vector residual;
+    Matrix J;
+    if (!zero.evaluate(doubled.u + h * phi, residual, &J)) return std::nullopt;
+    return Matrix(J.leftCols(size));
+  };
+  const std::optional<Matrix> J = jacobian(0.0);
+  if (!J) return std::nullopt;
+  Matrix bordered(size + 1, size + 1);
+  bordered << *J, psi, phi.head(size).transpose(), 0.0;
+  const Eigen::PartialPivLU<Matrix> second_order(bordered);
+  const Matrix dK = (problem.cyclic(located.u, 1.0) - problem.cyclic(located.u, 0.0)).real();
+  const double turn = 12.0 * w.dot(dK * v);
+  if (half != v.size() || turn == 0.0) return std::nullopt;
+  return by_differences([&](double h) -> std::optional<double> {
+    const auto ahead = jacobian(h), behind = jacobian(-h);
+    if (!ahead || !behind) return std::nullopt;
+    const Matrix along = (*ahead - *behind) / (2.0 * h), second = (*ahead - 2.0 * *J + *behind) / (h * h);
+    Vector right(size + 1);
+    right << -along * phi.head(size), 0.0;
+    const Vector h2 = second_order.solve(right).head(size);
+    return -(psi.dot(second * phi.head(size)) + 3.0 * psi.dot(along * h2)) / turn;
+  });
+}
+
+void describe(BranchProblem& problem, const LocatedPoint& located, SpecialPoint& point) {
+  const auto verdict = [&](const NormalForm& form, const char* from) {
+    point.details.insert_or_assign("criticality", std::string(form.c > 0.0 ? "supercritical" : "subcritical"));
+    point.details.insert_or_assign("criticality_from", std::string(from));
+  };
+  Vector u;
+  OrbitProblem& states = problem.stroboscopic(located.u, u);
+  const std::optional<NormalForm> form = normal_form(states, u);
+  if (form && form->decides()) {
+    point.details["normal_form"] = form->c;
+    point.details["normal_form_error"] = form->error;
+    verdict(*form, "normal form");
+  }
+  if (&problem == static_cast<BranchProblem*>(&states)) return;
+  const std::optional<NormalForm> smooth = normal_form_by_events(problem, located);
+  if (!smooth || !smooth->decides() || (form && form->decides() && (form->c > 0.0) == (smooth->c > 0.0))) return;
+  // The states at fixed phases bend too sharply for differences.
+  point.details.erase("normal_form");
+  point.details.erase("normal_form_error");
+  verdict(*smooth, "normal form in the coordinates of the events");
+}
+
+}  // namespace
+
+TestFunction period_doubling_test() {
+  TestFunction test;
+  test.type = PointType::PD;
+  test.summary = "period doubling: the product of (1 + multiplier) passes zero (a multiplier passes -1)";
+  test.value = [](const TestPoint& point) {
+    std::complex<double> product = 1.0;
+    for (const auto& mu : nontrivial(point.branch.multipliers)) product *= (1.0 + mu) / (1.0 + std::abs(mu));
+    return product.real();
+  };
+  test.confirm = [](const TestPoint& before, const TestPoint& after) {
+    return (real_beyond(before, -1) + real_beyond(after, -1)) % 2 == 1;
+  };
+  test.distance = [](const BranchPoint& point) { return nearest_multiplier(point, -1.0); };
+  test.locate = [](BranchProblem& problem, const Vector& u, const TestPoint&) {
+    return locate_multiplier(problem, u, {.theta = std::numbers::pi});
+  };
+  test.describe = describe;
+  return test;
+}
+
+}  // namespace graze

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/continuation/conditions/test_function.hpp>
+
+#include <limits>
+
+namespace graze {
+
+const std::vector<TestFunction>& test_functions() {
+  static const std::vector<TestFunction> list = {fold_test(), period_doubling_test(), branch_point_test(), neimark_sacker_test()};
+  return list;
+}
+
+std::vector<std::complex<double>> nontrivial(const FloquetMultipliers& multipliers) {
+  return {multipliers.values.begin(),
+          multipliers.values.end() - std::min<std::ptrdiff_t>(multipliers.trivial, std::ssize(multipliers.values))};
+}
+
+double nearest_multiplier(const BranchPoint& point, double mu) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& value : nontrivial(point.multipliers)) least = std::min(least, std::abs(value - mu));
+  return least;
+}
+
+int real_beyond(const TestPoint& point, int unit) {
+  int count = 0;
+  for (const auto& mu : nontrivial(point.branch.multipliers)) count += mu.imag() == 0.0 && unit * mu.real() > 1.0 ? 1 : 0;
+  return count;
+}
+
+}  // namespace graze

@@ -1,0 +1,566 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/continuation/graph/branch_graph.hpp>
+
+#include <graze/continuation/branch/branch_end.hpp>
+#include <graze/continuation/branch/branch_switching.hpp>
+#include <graze/continuation/conditions/grazing_turns.hpp>
+#include <graze/continuation/graph/chatter_series.hpp>
+#include <graze/continuation/graph/task_queues.hpp>
+#include <graze/continuation/problems/labels.hpp>
+#include <graze/floquet/attractor/attractor.hpp>
+
+#include <fmt/format.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <stdexcept>
+
+namespace graze {
+
+namespace {
+
+/// Branches followed before what they brought is taken up. Fixed, so that the result does not depend on the number of threads.
+constexpr std::size_t round_size = 4;
+using Origin = BranchOrigin;
+using Task = BranchTask;
+using Outcome = BranchOutcome;
+
+/// Whether it is stable somewhere.
+bool is_stable(const Branch& branch) {
+  return std::any_of(branch.points.begin(), branch.points.end(), [](const BranchPoint& point) { return point.stable; });
+}
+
+/// Whether it is stable on either side of its special point.
+bool is_stable_beside(const Branch& branch, const SpecialPoint& point) {
+  const auto stable = [&](std::size_t k) { return k < branch.points.size() && branch.points[k].stable; };
+  return stable(point.after_point) || stable(point.after_point + 1);
+}
+
+/// A series towards complete chatter that is not followed further.
+struct ChatterSeries {
+  int period = 0, impacts = 0;  ///< of the last family that was followed
+  double from = 0.0, to = 0.0;  ///< the last grazing but one, and where they accumulate
+
+  /// Whether an orbit belongs to one of its further families, or to one of several times their period.
+  bool explains(const PeriodicOrbit& orbit, double value) const {
+    const bool inside = value >= std::min(from, to) && value <= std::max(from, to);
+    return inside && orbit.period % period == 0 && orbit.impacts == orbit.isolated_impacts &&
+           orbit.impacts * period > impacts * orbit.period;
+  }
+};
+
+class Graph {
+ public:
+  Graph(const HybridSystem& system, const ContinuationOptions& options, const FamilyChoice& choice)
+      : system_(system), options_(options), choice_(choice), parameter_(parameter_index(system.parameters, options.parameter)),
+        low_(std::min(*options.from, options.to)), high_(std::max(*options.from, options.to)) {
+    if (options.progress) {
+      options_.progress = [this, tell = options.progress](const Branch& branch) {
+        const std::lock_guard lock(progress_);
+        tell(branch);
+      };
+    }
+  }
+
+  BranchGraph all(const std::vector<BranchSeed>& seeds, const std::vector<Branch>& so_far) {
+    for (const Branch& branch : so_far)
+      if (branch.stop != BranchStop::interrupted && !branch.points.empty()) restore(branch);
+    for (const BranchSeed& seed : seeds) add_seed(seed, 0);
+    oneapi::tbb::task_arena arena(std::max(1, options_.threads));
+    while (!tasks_.empty() && !cancelled()) {
+      if (static_cast<int>(graph_.branches.size()) >= options_.max_branches) {
+        cut_off_rest(fmt::format("{} branches are the limit", options_.max_branches));
+        break;
+      }
+      std::vector<Task> round = tasks_.next_round(round_size);
+      if (!choice_.all) std::erase_if(round, [&](const Task& task) { return leaves_out(task); });
+      std::vector<Outcome> outcomes(round.size());
+      const std::size_t known = graph_.branches.size();
+      arena.execute([&] {
+        oneapi::tbb::parallel_for(std::size_t{0}, round.size(), [&](std::size_t k) {
+          if (!cancelled()) outcomes[k] = follow(round[k], static_cast<int>(known + k) + 1);
+        });
+      });
+      for (std::size_t k = 0; k < round.size(); ++k) {
+        const bool full = static_cast<int>(graph_.branches.size()) >= options_.max_branches;
+        if (!outcomes[k].nothing.empty() && !cancelled()) {
+          if (round[k].origin == Origin::beyond_grazing)
+            set_scenario_alone(graph_.branches[round[k].parent], outcomes[k].nothing, outcomes[k].none);
+          cut_off(round[k], std::move(outcomes[k].nothing));
+        } else if (outcomes[k].branch && !full) {
+          accept(round[k], std::move(outcomes[k]));
+        } else if (outcomes[k].branch || cancelled()) {
+          cut_off(round[k], full ? fmt::format("{} branches are the limit", options_.max_branches) : was_interrupted);
+        }
+      }
+      if (options_.complete) options_.complete(graph_.branches);
+    }
+    for (std::size_t k = 0; k < graph_.branches.size(); ++k) {
+      confirm_grazing(k);
+      confirm_return(graph_.branches[k]);
+    }
+    graph_.interrupted = cancelled();
+    if (graph_.interrupted) cut_off_rest(was_interrupted);
+    if (!choice_.all && !graph_.interrupted) keep_stable();
+    for (const auto& [reason, count] : left_out_) graph_.cut_off.push_back({0, "left out", reason, count});
+    return std::move(graph_);
+  }
+
+ private:
+  bool cancelled() const { return options_.cancelled && options_.cancelled(); }
+
+  void cut_off(const Task& task, std::string reason, int families = 0) {
+    if (task.origin == Origin::seed) return graph_.cut_off.push_back({0, "seed", std::move(reason)});
+    const Branch& parent = graph_.branches[task.parent];
+    if (task.origin == Origin::multiple) reason = "families of several times its period: " + reason;
+    CutOff entry{parent.id, parent.special_points[task.special].label, std::move(reason), families};
+    const auto same = [&](const CutOff& other) { return other.label == entry.label && other.reason == entry.reason; };
+    if (std::none_of(graph_.cut_off.begin(), graph_.cut_off.end(), same)) graph_.cut_off.push_back(std::move(entry));
+  }
+
+  /// Whether a task is not wanted (FamilyChoice). It is counted.
+  bool leaves_out(const Task& task) {
+    const auto because = [&](std::string reason) {
+      ++left_out_[std::move(reason)];
+      return true;
+    };
+    const bool seed = task.origin == Origin::seed;
+    const Branch* parent = seed ? nullptr : &graph_.branches[task.parent];
+    const int impacts = seed ? task.orbit.isolated_impacts : parent->points.front().isolated_impacts;
+    if (impacts > choice_.most_impacts * (seed ? task.orbit.period : parent->period))
+      return because(fmt::format("more than {} impacts in a forcing period", choice_.most_impacts));
+    if (seed && std::any_of(series_.begin(), series_.end(), [&](const ChatterSeries& series) {
+          return series.explains(task.orbit, value_of(task.orbit));
+        }))
+      return because("of a series towards complete chatter");
+    const bool promising = seed ? task.orbit.stable() : is_stable_beside(*parent, parent->special_points[task.special]);
+    if (promising || fruitless_ < choice_.patience) return false;
+    return because(fmt::format("beyond unstable orbits; {} branches in a row were stable nowhere", choice_.patience));
+  }
+
+  /// Where the parent of a branch is; empty for a branch without one, or of which an earlier run has not left one.
+  std::optional<std::size_t> parent_of(const Branch& branch) const {
+    if (!branch.parent) return std::nullopt;
+    const auto with_id = [&](const Branch& other) { return other.id == branch.parent->branch; };
+    const auto found = std::find_if(graph_.branches.begin(), graph_.branches.end(), with_id);
+    if (found == graph_.branches.end()) return std::nullopt;
+    return static_cast<std::size_t>(found - graph_.branches.begin());
+  }
+
+  /// Drops what FamilyChoice does not keep.
+  void keep_stable() {
+    std::vector<Branch>& branches = graph_.branches;
+    std::vector<char> kept(branches.size());
+    for (std::size_t k = 0; k < branches.size(); ++k) {
+      const Branch& branch = branches[k];
+      if (const auto parent = parent_of(branch))
+        for (const SpecialPoint& point : branches[*parent].special_points)
+          if (point.label == branch.parent->label && is_stable_beside(branches[*parent], point)) kept[k] = 1;
+      if (!is_stable(branch)) continue;
+      kept[k] = 1;
+      if (branch.stop != BranchStop::grazing || !branch.points.back().stable || !ends_[k]) continue;
+      if (const KnownEdge* edge = edge_beyond(edges_, k, branch.special_points.back(), *ends_[k])) kept[edge->branch] = 1;
+    }
+    // A parent comes before its children.
+    for (std::size_t k = branches.size(); k-- > 0;)
+      if (const auto parent = kept[k] ? parent_of(branches[k]) : std::nullopt) kept[*parent] = 1;
+    std::vector<Branch> list;
+    for (std::size_t k = 0; k < branches.size(); ++k)
+      if (kept[k]) list.push_back(std::move(branches[k]));
+    if (const auto dropped = static_cast<int>(branches.size() - list.size()); dropped > 0)
+      left_out_["stable nowhere, and no bound of what is stable"] = dropped;
+    const auto is_there = [&](const CutOff& cut) {
+      return cut.branch == 0 || std::any_of(list.begin(), list.end(), [&](const Branch& b) { return b.id == cut.branch; });
+    };
+    std::erase_if(graph_.cut_off, [&](const CutOff& cut) { return !is_there(cut); });
+    branches = std::move(list);
+  }
+
+  /// The grazing at the end of the branch `index` as the last of a series towards complete chatter, if it is that.
+  std::optional<SeriesLimit> series_at(std::size_t index) const {
+    std::array<double, grazings_of_series> values{};
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      const Branch& branch = graph_.branches[index];
+      if (branch.stop != BranchStop::grazing) return std::nullopt;
+      const SpecialPoint& end = branch.special_points.back();
+      const auto kind = end.details.find("kind");
+      if (kind == end.details.end() || std::get<std::string>(kind->second) != "gained") return std::nullopt;
+      values[k] = end.value;
+      if (k + 1 == values.size()) break;
+      const std::optional<std::size_t> before = parent_of(branch);
+      if (!before) return std::nullopt;
+      index = *before;
+      const Branch& parent = graph_.branches[index];
+      if (parent.special_points.back().label != branch.parent->label || !is_partner(branch, parent) ||
+          parent.period != branch.period)
+        return std::nullopt;
+    }
+    return limit_of_series(values);
+  }
+
+  /// Notes the series, and goes on with the orbits that stick beyond the value where it accumulates.
+  void end_series(std::size_t index, const SeriesLimit& found, int generation) {
+    const Branch& branch = graph_.branches[index];
+    const SpecialPoint& end = branch.special_points.back();
+    const double before = found.value - (found.value - end.value) / found.ratio;  // the last grazing but one
+    series_.push_back({branch.period, branch.points.back().impacts, before, found.value});
+    cut_off({Origin::beyond_grazing, {}, 1, index, branch.special_points.size() - 1},
+            fmt::format("a series towards complete chatter, one impact more at each grazing, their distances in the ratio {:.3g}, "
+                        "which accumulates at {} = {:.9g}: it is not followed impact by impact",
+                        found.ratio, options_.parameter, found.value));
+    // As far beyond the accumulation as the last family lies before it.
+    const double beyond = std::clamp(2.0 * found.value - before, low_, high_);
+    Vector p = branch.parameters;
+    p[static_cast<Eigen::Index>(parameter_)] = beyond;
+    AttractorOptions settling;
+    settling.recurrence = 1e-4;
+    settling.lyapunov.flow = options_.shooting.flow;
+    settling.lyapunov.cancelled = options_.cancelled;
+    if (!mode_at(system_, 0.0, end.orbit.state, p)) return;
+    const Attractor attractor = approach_attractor(system_, p, end.orbit.state, settling);
+    if (attractor.orbit && attractor.orbit->isolated_impacts < attractor.orbit->impacts)
+      add_seed({*attractor.orbit}, generation);
+  }
+
+  /// The partner born on the grazing at the end of this branch, or null.
+  const Branch* child_at(const Branch& branch) const {
+    for (const Branch& other : graph_.branches)
+      if (other.parent && other.parent->label == branch.special_points.back().label && is_partner(other, branch)) return &other;
+    return nullptr;
+  }
+
+  /// With the family on the other side, whichever way that was reached: as its child, as its parent, or from a seed of its own.
+  void confirm_grazing(std::size_t index) {
+    Branch& branch = graph_.branches[index];
+    if (branch.stop != BranchStop::grazing || branch.points.empty()) return;
+    const SpecialPoint& point = branch.special_points.back();
+    const Branch* beyond = child_at(branch);
+    bool begins = true;
+    if (const KnownEdge* edge = !beyond && ends_[index] ? edge_beyond(edges_, index, point, *ends_[index]) : nullptr) {
+      beyond = &graph_.branches[edge->branch];
+      begins = edge->begins;
+    }
+    if (!beyond) return;
+    set_scenario(branch, [&](SpecialPoint& grazing) { confirm_scenario(grazing, branch, *beyond, begins); });
+  }
+
+  /// The period doubling at which a doubled branch ends: the nearest one to its last point, on a branch of half the period.
+  void confirm_return(const Branch& child) {
+    constexpr double nearest_told = 0.1;  // two of the longest steps
+    if (child.stop != BranchStop::returned || child.period % 2 != 0 || child.points.empty()) return;
+    const BranchPoint& end = child.points.back();
+    double nearest = nearest_told;
+    std::pair<Branch*, SpecialPoint*> found{};
+    for (Branch& parent : graph_.branches) {
+      if (2 * parent.period != child.period) continue;
+      for (SpecialPoint& point : parent.special_points) {
+        if (point.type != PointType::PD || 2 * point.orbit.impacts != end.impacts) continue;
+        double distance = std::numeric_limits<double>::infinity();
+        for (const Vector& state : point.orbit.states)
+          distance = std::min(distance, (state - end.state()).lpNorm<Eigen::Infinity>() / (1.0 + state.lpNorm<Eigen::Infinity>()));
+        distance = std::max(distance, std::abs(point.value - end.value) / (high_ - low_));
+        if (!(distance < nearest)) continue;
+        nearest = distance;
+        found = {&parent, &point};
+      }
+    }
+    if (found.first) confirm_criticality(child, *found.second, *found.first, false);
+  }
+
+  void cut_off_rest(const std::string& reason) {
+    tasks_.for_each([&](const Task& task) { cut_off(task, reason); });
+  }
+
+  void add_seed(const BranchSeed& seed, int generation) {
+    ++last_seed_;
+    for (const int direction : seed.directions) {
+      Task task{Origin::seed, seed.orbit, direction, 0, 0, generation};
+      task.seed = last_seed_;
+      tasks_.add(std::move(task));
+    }
+  }
+
+  OrbitProblem problem_at(const PeriodicOrbit& orbit, int copies = 1) const {
+    return orbit_problem(system_, orbit, options_, low_, high_, copies);
+  }
+
+  double value_of(const PeriodicOrbit& orbit) const { return orbit.parameters[static_cast<Eigen::Index>(parameter_)]; }
+
+  /// Branches from the seed `except` do not count.
+  bool is_known(const std::vector<Vector>& states, double value, int except = 0) const {
+    for (std::size_t k = 0; k < graph_.branches.size(); ++k)
+      if ((except == 0 || seeds_[k] != except) && lies_on(system_, graph_.branches[k], states, value)) return true;
+    return false;
+  }
+
+  bool is_known(const GrazingEdge& edge) const {
+    return std::any_of(edges_.begin(), edges_.end(), [&](const KnownEdge& known) { return same_edge(known.edge, edge); });
+  }
+
+  Branch new_branch(const Task& task, const PeriodicOrbit& orbit, int period, int provisional_id) const {
+    Branch branch;
+    if (task.origin != Origin::seed) {
+      const Branch& parent = graph_.branches[task.parent];
+      branch.parent = BranchParent{parent.id, parent.special_points[task.special].label};
+    }
+    branch.id = provisional_id;
+    branch.period = period;
+    branch.parameter = options_.parameter;
+    branch.parameters = orbit.parameters;
+    return branch;
+  }
+
+  // What follows up to accept() is run side by side, and only looks at what is there.
+
+  /// What cannot be started is no reason to lose what there is.
+  Outcome follow(const Task& task, int provisional_id) const {
+    try {
+      return follow_origin(task, provisional_id);
+    } catch (const std::invalid_argument& refused) {
+      Outcome out;
+      out.nothing = fmt::format("the branch could not be started ({})", refused.what());
+      return out;
+    }
+  }
+
+  Outcome follow_origin(const Task& task, int provisional_id) const {
+    switch (task.origin) {
+    case Origin::seed:
+      return follow_seed(task, provisional_id);
+    case Origin::doubled:
+      return follow_doubled(task, provisional_id);
+    case Origin::beyond_grazing:
+      return follow_beyond_grazing(task, provisional_id);
+    case Origin::multiple:
+      return follow_multiple(task, provisional_id);
+    }
+    return {};
+  }
+
+  void follow_from(const BranchStart& start, OrbitProblem& problem, Branch branch, Outcome& out) const {
+    ContinuationOptions options = options_;
+    if (start.step > 0.0) options.trace.initial_step = start.step;
+    BranchFollower follower(system_, options, low_, high_);
+    out.grazing = follower.follow(problem, start, branch);
+    if (out.grazing)
+      out.ends = edge_at(branch.special_points.back(), branch.special_points.back().orbit, branch.points.back().impacts);
+    if (branch.stop == BranchStop::returned && branch.period % 2 == 0 && options_.follow_parents)
+      out.half = half_of(system_, branch, options_);
+    const bool nothing = out.begins && branch.stop == BranchStop::start_failed;
+    if (nothing) out.nothing = branch.message;
+    if (!nothing) out.branch = std::move(branch);
+  }
+
+  Outcome follow_seed(const Task& task, int provisional_id) const {
+    Outcome out;
+    const double value = value_of(task.orbit);
+    if (task.direction > 0 ? value >= high_ : value <= low_) return out;  // straight out of the range
+    if (is_known(task.orbit.states, value, task.seed)) return out;
+    OrbitProblem problem = problem_at(task.orbit);
+    const Vector u = problem.pack(task.orbit.nodes, task.orbit.duration, value);
+    follow_from({u, task.direction * problem.parameter_direction()}, problem,
+                new_branch(task, task.orbit, task.orbit.period, provisional_id), out);
+    return out;
+  }
+
+  Outcome follow_doubled(const Task& task, int provisional_id) const {
+    Outcome out;
+    const SpecialPoint& pd = graph_.branches[task.parent].special_points[task.special];
+    PeriodicOrbit at_pd = pd.orbit;
+    at_pd.parameters[static_cast<Eigen::Index>(parameter_)] = pd.value;
+    OrbitProblem parent = problem_at(at_pd);
+    Branch branch = new_branch(task, at_pd, 2 * at_pd.period, provisional_id);
+    if (const std::optional<BranchStart> start = doubled_start(pd, parent, options_.trace)) {
+      OrbitProblem doubled = problem_at(at_pd, 2);
+      const double value = start->u[start->u.size() - 1];
+      if (value < low_ || value > high_ || is_known(start->states, value)) return out;
+      follow_from(*start, doubled, std::move(branch), out);
+      return out;
+    }
+    branch.stop = BranchStop::start_failed;
+    branch.stop_value = pd.value;
+    branch.message = fmt::format("no doubled orbit was found beside {}", pd.label);
+    out.branch = std::move(branch);
+    return out;
+  }
+
+  /// The orbits with the impact removed (or added) from the grazing on: they exist on one side of it only.
+  Outcome follow_beyond_grazing(const Task& task, int provisional_id) const {
+    Outcome out;
+    if (child_at(graph_.branches[task.parent])) return out;
+    const std::optional<GrazingEnd> known_end =
+        ends_[task.parent] ? ends_[task.parent] : grazing_end_of(system_, graph_.branches[task.parent], options_, low_, high_);
+    if (!known_end) {
+      out.nothing = "the grazing was not found again";
+      return out;
+    }
+    GrazingEnd end = *known_end;
+    const SpecialPoint& point = graph_.branches[task.parent].special_points[task.special];
+    PeriodicOrbit at_grazing = point.orbit;
+    const GrazingEdge partner = partner_edge(point, end.grazing, end.lost, &at_grazing);
+    if (is_known(partner)) return out;
+    OrbitProblem problem = problem_at(at_grazing);
+    const std::optional<BranchStart> start = partner_start(problem, end.grazing, end.lost, options_.trace);
+    out.none = leads_away(system_, end.grazing.event);
+    if (!start) out.nothing = "no orbit was found beyond the grazing";
+    if (!start || problem.value(start->u) < low_ || problem.value(start->u) > high_) return out;
+    out.begins = partner;
+    follow_from(*start, problem, new_branch(task, at_grazing, at_grazing.period, provisional_id), out);
+    if (out.branch && !out.branch->points.empty())
+      out.begins->impacts = out.branch->points.front().impacts;  // several, where several contacts touch at once
+    return out;
+  }
+
+  /// The orbits of several times the period of the one that touches, if there are any.
+  Outcome follow_multiple(const Task& task, int provisional_id) const {
+    Outcome out;
+    GrazingEnd end = *ends_[task.parent];
+    const SpecialPoint& point = graph_.branches[task.parent].special_points[task.special];
+    PeriodicOrbit touching;
+    const GrazingEdge edge = pattern_edge(touching_edge(point, end.grazing, end.lost, &touching), task.pattern);
+    if (is_known(edge)) return out;
+    OrbitProblem problem = problem_at(touching, task.pattern.turns);
+    const std::optional<BranchStart> start = multiple_start(problem, end.grazing, task.pattern, options_.trace);
+    if (!start || problem.value(start->u) < low_ || problem.value(start->u) > high_) return out;
+    out.begins = edge;
+    follow_from(*start, problem, new_branch(task, touching, edge.period, provisional_id), out);
+    return out;
+  }
+
+  void accept(const Task& task, Outcome outcome) {
+    Branch& branch = *outcome.branch;
+    if (outcome.begins && is_known(*outcome.begins)) return;
+    if (outcome.ends && is_known(*outcome.ends)) return;
+    // Others of the same round may have been the same family: points inside the branch tell, which are nobody's ends (and of
+    // which one may lie next to a fold, where lies_on sees nothing).
+    for (const std::size_t quarter : {1, 2, 3}) {
+      if (branch.points.size() <= 4) break;
+      const BranchPoint& inside = branch.points[branch.points.size() * quarter / 4];
+      if (is_known(inside.states, inside.value)) return;
+    }
+    branch.id = ++last_id_;
+    for (SpecialPoint& point : branch.special_points) point.label = labels_.next(point.type);
+    if (task.origin == Origin::doubled)
+      confirm_criticality(branch, graph_.branches[task.parent].special_points[task.special], graph_.branches[task.parent], true);
+    const std::size_t index = graph_.branches.size();
+    if (outcome.begins) edges_.push_back({*outcome.begins, index, true});
+    if (outcome.ends) edges_.push_back({*outcome.ends, index, false});
+    ends_.push_back(std::move(outcome.grazing));
+    seeds_.push_back(task.seed);
+    graph_.branches.push_back(std::move(branch));
+    const bool longer = task.origin == Origin::doubled || task.origin == Origin::multiple;
+    add_tasks(task.generation + (longer ? 1 : 0), std::move(outcome.half));
+  }
+
+  /// A branch of an earlier run takes its place as it is; what begins on it is followed unless it is there too.
+  void restore(const Branch& branch) {
+    last_id_ = std::max(last_id_, branch.id);
+    for (const SpecialPoint& point : branch.special_points) labels_.take(point);
+    const auto with_id = [&](const Branch& other) { return branch.parent && other.id == branch.parent->branch; };
+    const auto parent = std::find_if(graph_.branches.begin(), graph_.branches.end(), with_id);
+    int generation = 0;
+    if (parent != graph_.branches.end()) {
+      generation = generations_[static_cast<std::size_t>(parent - graph_.branches.begin())];
+      for (const SpecialPoint& point : parent->special_points) {
+        if (point.label != branch.parent->label) continue;
+        if (point.type == PointType::PD) ++generation;
+        if (point.type != PointType::GR) continue;
+        if (!is_partner(branch, *parent)) ++generation;
+        edges_.push_back({first_edge(point, branch), graph_.branches.size(), true});
+      }
+    }
+    if (branch.stop == BranchStop::grazing)
+      edges_.push_back({edge_at(branch.special_points.back(), branch.special_points.back().orbit, branch.points.back().impacts),
+                        graph_.branches.size(), false});
+    graph_.branches.push_back(branch);
+    ends_.push_back(options_.max_multiple > 1 ? grazing_end_of(system_, branch, options_, low_, high_) : std::nullopt);
+    seeds_.push_back(0);
+    add_tasks(generation,
+              branch.stop == BranchStop::returned && options_.follow_parents ? half_of(system_, branch, options_) : std::nullopt);
+  }
+
+  /// What begins on the branch accepted last.
+  void add_tasks(int generation, std::optional<PeriodicOrbit> half) {
+    generations_.push_back(generation);
+    const std::size_t index = graph_.branches.size() - 1;
+    const Branch& branch = graph_.branches[index];
+    fruitless_ = is_stable(branch) ? 0 : fruitless_ + 1;
+    if (const std::optional<SeriesLimit> found = choice_.all ? std::nullopt : series_at(index)) {
+      end_series(index, *found, generation);
+    } else if (branch.stop == BranchStop::grazing) {
+      const Task beyond{Origin::beyond_grazing, {}, 1, index, branch.special_points.size() - 1, generation};
+      tasks_.add(beyond);
+      add_multiples(beyond);
+    }
+    if (branch.stop == BranchStop::step_too_small)
+      cut_off({Origin::doubled, {}, 1, index, branch.special_points.size() - 1}, branch.message);
+    if (half) add_seed({*half}, generation);
+    for (std::size_t s = 0; s < branch.special_points.size(); ++s) {
+      if (branch.special_points[s].type != PointType::PD || generation >= options_.switch_generations) continue;
+      const Task doubled{Origin::doubled, {}, 1, index, s, generation};
+      if (options_.max_period > 0 && 2 * branch.period > options_.max_period) {
+        cut_off(doubled, fmt::format("period {} is above the limit, {}", 2 * branch.period, options_.max_period));
+        continue;
+      }
+      tasks_.add(doubled);
+    }
+  }
+
+  /// The families of several times a period that may begin on the grazing where the branch accepted last ends.
+  void add_multiples(const Task& beyond) {
+    if (beyond.generation >= options_.switch_generations || options_.max_multiple < 2) return;
+    Task task = beyond;
+    task.origin = Origin::multiple;
+    if (!ends_[beyond.parent]) return cut_off(task, "the grazing was not found again");
+    GrazingEnd end = *ends_[beyond.parent];
+    PeriodicOrbit orbit;
+    const GrazingEdge touching =
+        touching_edge(graph_.branches[beyond.parent].special_points[beyond.special], end.grazing, end.lost, &orbit);
+    // Several branches may end there.
+    if (std::any_of(spread_.begin(), spread_.end(), [&](const GrazingEdge& done) { return same_edge(done, touching); })) return;
+    spread_.push_back(touching);
+    const int most = options_.max_multiple;
+    const int longest = options_.max_period > 0 ? std::min(most, options_.max_period / touching.period) : most;
+    for (const TurnPattern pattern : patterns_up_to(longest, end.lost)) {
+      task.pattern = pattern;
+      tasks_.add(task);
+    }
+    if (const int others = families_not_followed(end.grazing, static_cast<int>(orbit.nodes.size()), longest); others > 0)
+      cut_off(task, others_text(others, longest), others);
+  }
+
+  const HybridSystem& system_;
+  ContinuationOptions options_;
+  FamilyChoice choice_;
+  std::size_t parameter_;
+  double low_, high_;
+  std::mutex progress_;
+  Labels labels_;
+  BranchGraph graph_;
+  TaskQueues tasks_;
+  std::vector<std::optional<GrazingEnd>> ends_;  ///< of each branch
+  std::vector<int> generations_;
+  std::vector<int> seeds_;  ///< of each branch: the seed it came from, or 0
+  std::vector<KnownEdge> edges_;
+  std::vector<GrazingEdge> spread_;  ///< orbits that touch, at grazings where multiples have been looked for
+  std::vector<ChatterSeries> series_;
+  std::map<std::string, int> left_out_;  ///< reasons of FamilyChoice, and how often each was met
+  int fruitless_ = 0;                    ///< branches in a row that were stable nowhere
+  int last_seed_ = 0, last_id_ = 0;
+};
+
+}  // namespace
+
+BranchGraph follow_branches(const HybridSystem& system, const std::vector<BranchSeed>& seeds, const ContinuationOptions& options,
+                            const std::vector<Branch>& so_far, const FamilyChoice& choice) {
+  if (options.max_multiple < 1)
+    throw std::invalid_argument(fmt::format("max_multiple is {}; allowed is 1 and more", options.max_multiple));
+  return Graph(system, options, choice).all(seeds, so_far);
+}
+
+}  // namespace graze

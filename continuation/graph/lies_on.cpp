@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/continuation/graph/branch_graph.hpp>
+#include <graze/continuation/problems/signature_problem.hpp>
+
+#include <algorithm>
+
+namespace graze {
+
+namespace {
+
+/// From a to b at s, node by node.
+OrbitShape between(const OrbitShape& a, const OrbitShape& b, double s) {
+  OrbitShape out = a;
+  for (std::size_t k = 0; k < a.nodes.size(); ++k) {
+    out.nodes[k].time += s * (b.nodes[k].time - a.nodes[k].time);
+    out.nodes[k].state += s * (b.nodes[k].state - a.nodes[k].state);
+  }
+  return out;
+}
+
+/// Newton from a guess at that value of the parameter (in `p`), in the coordinates in which it is given; empty where it fails.
+std::optional<OrbitShape> corrected(const HybridSystem& system, const Vector& p, std::size_t parameter, const OrbitShape& guess,
+                                    double duration) {
+  TraceOptions patient;
+  patient.max_iterations = 20;
+  const double value = p[static_cast<Eigen::Index>(parameter)], unit = duration / guess.period;
+  OrbitShape out = guess;
+  if (guess.by_events(system) && !guess.autonomous) {
+    EventNodes nodes;
+    for (const OrbitShape::Node& node : guess.nodes) {
+      nodes.sequence.push_back(node.event);
+      nodes.times.push_back(node.time * unit);
+      nodes.states.push_back(node.state);
+    }
+    SignatureProblem problem(system, p, guess.period, nodes.sequence, parameter, 1.0);
+    Vector u = problem.pack(nodes, value);
+    if (!correct(problem.zero_problem(), problem.parameter_direction(), u, patient).converged() || problem.violation(u))
+      return std::nullopt;
+    nodes = problem.unpack(u);
+    for (std::size_t k = 0; k < out.nodes.size(); ++k) {
+      out.nodes[k].time = nodes.times[k] / unit;
+      out.nodes[k].state = nodes.states[k];
+    }
+    return out;
+  }
+  std::vector<Vector> states;
+  for (const OrbitShape::Node& node : guess.nodes) states.push_back(node.state);
+  OrbitProblem problem(system, p, guess.period, static_cast<int>(states.size()), parameter, 1.0);
+  Vector u = problem.pack(states, duration, value);
+  if (guess.autonomous) problem.equations().set_phase_reference(states.front());
+  if (!correct(problem.zero_problem(), problem.parameter_direction(), u, patient).converged()) return std::nullopt;
+  for (std::size_t k = 0; k < out.nodes.size(); ++k)
+    out.nodes[k].state = problem.equations().node(u, static_cast<int>(k));
+  return out;
+}
+
+}  // namespace
+
+bool lies_on(const HybridSystem& system, const Branch& branch, const std::vector<Vector>& states, double value) {
+  if (states.size() != static_cast<std::size_t>(branch.period)) return false;
+  const std::size_t parameter = parameter_index(system.parameters, branch.parameter);
+  const auto at = [&](double v) {
+    Vector p = branch.parameters;
+    p[static_cast<Eigen::Index>(parameter)] = v;
+    return p;
+  };
+  const auto shape = [&](const BranchPoint& point) {
+    return point.shape.nodes.empty() ? shape_of(system, at(point.value), point.states, point.duration) : point.shape;
+  };
+  std::optional<OrbitShape> here;
+  for (std::size_t i = 0; i + 1 < branch.points.size(); ++i) {
+    const BranchPoint &a = branch.points[i], &b = branch.points[i + 1];
+    if (a.value == b.value || value < std::min(a.value, b.value) || value > std::max(a.value, b.value)) continue;
+    const double s = (value - a.value) / (b.value - a.value);
+    const double duration = system.forcing_frequency ? branch.period * forcing_period(system, at(value))
+                                                     : a.duration + s * (b.duration - a.duration);
+    if (!here) here = shape_of(system, at(value), states, duration);
+    const OrbitShape first = shape(a);
+    const std::optional<AlignedShape> second = aligned(shape(b), first);
+    if (!second) continue;
+    // Between two points the curve stays closer to its chord than half its length; Newton then decides.
+    constexpr double rounding = 1e-6;
+    const OrbitShape guess = between(first, second->shape, s);
+    const std::optional<AlignedShape> orbit = aligned(*here, guess);
+    if (!orbit || orbit->distance > 0.5 * second->distance + rounding) continue;
+    if (guess.sticks) return true;  // what follows from the ends of its sticking is settled
+    const std::optional<OrbitShape> found = corrected(system, at(value), parameter, guess, duration);
+    if (!found) continue;
+    const std::optional<AlignedShape> same = aligned(*found, orbit->shape);
+    if (same && same->distance < rounding) return true;
+  }
+  return false;
+}
+
+}  // namespace graze

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/continuation/graph/skeleton.hpp>
+
+#include <graze/floquet/attractor/attractor.hpp>
+#include <graze/lib/numerics/parallel.hpp>
+
+#include <fmt/format.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <stdexcept>
+
+namespace graze {
+
+namespace {
+
+constexpr std::size_t ways = 3;         // to settle: see attractors()
+constexpr std::size_t block_size = 10;  // values of the search for stable orbits that share a box
+
+/// Events in a forcing period up to which transients are as long and values as many as the options say. Above, they shrink: at low
+/// frequencies a period holds hundreds of events, and costs (and dissipates) as much as many periods do elsewhere.
+constexpr double usual_events = 16.0;
+constexpr int shortest_transient = 40, shortest_for_box = 16, fewest_values = 61, fewest_starts = 2;
+
+/// In a forcing period: orbits that have more are likely to belong to a series towards complete chatter.
+constexpr int few_impacts = 4;
+
+void check_forced(const HybridSystem& system) {
+  if (!system.forcing_frequency) throw std::invalid_argument("the skeleton is that of a forced system; this one is autonomous");
+}
+
+/// Events in a forcing period of motions from rest and from beside it, once their first periods are over: the most of them.
+double events_per_period(const HybridSystem& system, const Vector& p, const FlowOptions& flow) {
+  constexpr int first = 20, counted = 10;
+  const double T = forcing_period(system, p);
+  Propagator propagator(system, p, {}, flow);
+  Transition transition;
+  double most = 0.0;
+  for (const double start : {0.0, 1.0, -1.0}) {
+    Vector x = Vector::Constant(static_cast<Eigen::Index>(system.states), start);
+    if (!mode_at(system, 0.0, x, p)) continue;
+    std::size_t events = 0;
+    for (int k = 0; k < first + counted; ++k) {
+      carry(propagator, 0.0, T, x, {.sensitivity = Sensitivity::none}, transition);
+      if (transition.termination != Termination::time) break;
+      x = transition.x1;
+      if (k >= first) events += transition.event_sequence.size();
+    }
+    most = std::max(most, static_cast<double>(events) / counted);
+  }
+  return most;
+}
+
+class SeedFinder {
+ public:
+  SeedFinder(const HybridSystem& system, const Vector& p, const SkeletonOptions& options)
+      : system_(system), p_(p), options_(options),
+        parameter_(static_cast<Eigen::Index>(parameter_index(system.parameters, options.continuation.parameter))),
+        low_(std::min(*options.continuation.from, options.continuation.to)),
+        high_(std::max(*options.continuation.from, options.continuation.to)) {
+    shrink_to_effort();
+    fineness_.values = std::max(2, options_.stable_values);
+    fineness_.spacing = (high_ - low_) / (fineness_.values - 1);
+    fineness_.starts = options_.stable_search.starts;
+    fineness_.max_period = longest();
+    if (options_.families.all) {
+      fineness_.unstable_values = options_.searched_values;
+      fineness_.unstable_period = std::min(options_.searched_period, longest());
+    }
+    blocks_ = divided_up(static_cast<std::size_t>(fineness_.values), block_size);
+    found_.resize(ways + blocks_ +
+                  static_cast<std::size_t>(fineness_.unstable_values) * static_cast<std::size_t>(fineness_.unstable_period));
+    done_.resize(found_.size());
+    if (options.searched_so_far.size() != done_.size()) return;
+    done_ = options.searched_so_far;
+    for (const SkeletonSeed& seed : options.seeds_so_far) {
+      const auto part = static_cast<std::size_t>(seed.part);
+      if (part < done_.size() && done_[part]) found_[part].push_back(seed.orbit);
+    }
+  }
+
+  /// `keep`: told after each part, of what there is by then.
+  void search_all(const std::function<void()>& keep) {
+    std::size_t count = static_cast<std::size_t>(std::count(done_.begin(), done_.end(), char{1}));
+    std::mutex telling;
+    oneapi::tbb::task_arena arena(std::max(1, options_.continuation.threads));
+    arena.execute([&] {
+      oneapi::tbb::parallel_for(std::size_t{0}, done_.size(), [&](std::size_t part) {
+        if (cancelled() || done_[part]) return;
+        std::vector<PeriodicOrbit> orbits = do_part(part);
+        const std::lock_guard lock(telling);
+        found_[part] = std::move(orbits);
+        done_[part] = !cancelled();
+        ++count;
+        if (options_.progress)
+          options_.progress("looking for orbits", static_cast<double>(count) / static_cast<double>(done_.size()));
+        keep();
+      });
+    });
+  }
+
+  /// What there is, in a fixed order.
+  std::vector<SkeletonSeed> seeds() const {
+    std::vector<SkeletonSeed> list;
+    add(list, options_.more_seeds, "given", -1);
+    for (std::size_t part = 0; part < found_.size(); ++part)
+      add(list, found_[part], part < ways ? "settled" : "searched", static_cast<int>(part));
+    return list;
+  }
+
+  const std::vector<char>& done() const { return done_; }
+  const SearchFineness& fineness() const { return fineness_; }
+
+ private:
+  bool cancelled() const { return options_.continuation.cancelled && options_.continuation.cancelled(); }
+
+  /// The longest period that is looked for.
+  int longest() const {
+    const int period = options_.continuation.max_period;
+    return period > 0 ? period : options_.stable_search.settling.max_period;
+  }
+
+  void shrink_to_effort() {
+    double events = 0.0;
+    for (const double part : {0.0, 0.5, 1.0})
+      events += events_per_period(system_, at(low_ + part * (high_ - low_)), options_.continuation.shooting.flow) / 3.0;
+    const double effort = std::max(1.0, events / usual_events);
+    const auto shrink = [](int& number, double by, int least) {
+      number = std::max(std::min(number, least), static_cast<int>(number / by));
+    };
+    StableSearchOptions& stable = options_.stable_search;
+    shrink(options_.settle, effort, shortest_transient);
+    shrink(options_.settled_values, std::sqrt(effort), fewest_values);
+    shrink(stable.settling.periods, std::sqrt(effort), shortest_transient);
+    shrink(stable.starts, effort, fewest_starts);
+    shrink(stable.box_periods, effort, shortest_for_box);
+    stable.settling.max_period = std::min(stable.settling.max_period, stable.settling.periods);
+  }
+
+  Vector at(double value) const {
+    Vector p = p_;
+    p[parameter_] = value;
+    return p;
+  }
+
+  bool wanted(const PeriodicOrbit& orbit) const {
+    const int longest = options_.continuation.max_period;
+    return orbit.converged() && orbit.admissible == Admissibility::admissible && (longest <= 0 || orbit.period <= longest);
+  }
+
+  std::vector<PeriodicOrbit> do_part(std::size_t part) const {
+    std::vector<PeriodicOrbit> orbits = part < ways             ? attractors(static_cast<int>(part))
+                                        : part < ways + blocks_ ? search_stable(part - ways)
+                                                                : search(static_cast<int>(part - ways - blocks_));
+    std::erase_if(orbits, [&](const PeriodicOrbit& orbit) { return !wanted(orbit); });
+    return orbits;
+  }
+
+  std::vector<PeriodicOrbit> search_stable(std::size_t block) const {
+    StableSearchOptions searching = options_.stable_search;
+    searching.settling.cancelled = options_.continuation.cancelled;
+    searching.settling.shooting = options_.continuation.shooting;
+    searching.seed = options_.search.seed + static_cast<unsigned>(block);
+    const std::size_t end = std::min(static_cast<std::size_t>(fineness_.values), (block + 1) * block_size);
+    std::vector<Vector> parameters;
+    for (std::size_t i = block * block_size; i < end; ++i)
+      parameters.push_back(at(low_ + static_cast<double>(i) / (fineness_.values - 1) * (high_ - low_)));
+    return search_stable_orbits(system_, parameters, searching);
+  }
+
+  /// Way 0: from rest at each value; 1: sweep up; 2: sweep down.
+  std::vector<PeriodicOrbit> attractors(int way) const {
+    std::vector<PeriodicOrbit> found;
+    const Vector rest = Vector::Zero(static_cast<Eigen::Index>(system_.states));
+    std::optional<Vector> previous;
+    const int count = std::max(2, options_.settled_values);
+    for (int i = 0; i < count && !cancelled(); ++i) {
+      const double part = static_cast<double>(i) / (count - 1);
+      const Vector p = at(way == 2 ? high_ - part * (high_ - low_) : low_ + part * (high_ - low_));
+      AttractorOptions settling;
+      settling.transient = options_.settle;
+      settling.max_period = std::min(settling.max_period, options_.settle);
+      settling.recurrence = 1e-4;  // chaotic transients are long: without it they would have to be cut off long before
+      settling.lyapunov.cancelled = options_.continuation.cancelled;
+      settling.lyapunov.flow = options_.continuation.shooting.flow;
+      for (const Vector& start : {previous.value_or(rest), rest}) {
+        if (!mode_at(system_, 0.0, start, p)) continue;
+        const Attractor attractor = approach_attractor(system_, p, start, settling);
+        if (attractor.termination != Termination::time) continue;
+        if (way != 0) previous = attractor.state;
+        if (attractor.orbit) found.push_back(*attractor.orbit);
+        break;
+      }
+    }
+    return found;
+  }
+
+  std::vector<PeriodicOrbit> search(int number) const {
+    const int period = number % fineness_.unstable_period + 1, place = number / fineness_.unstable_period;
+    SearchOptions searching = options_.search;
+    searching.cancelled = options_.continuation.cancelled;
+    searching.shooting = options_.continuation.shooting;
+    const double part = options_.searched_values > 1 ? static_cast<double>(place) / (options_.searched_values - 1) : 0.5;
+    return search_orbits(system_, at(low_ + part * (high_ - low_)), period, searching).orbits;
+  }
+
+  void add(std::vector<SkeletonSeed>& list, const std::vector<PeriodicOrbit>& orbits, const char* origin, int part) const {
+    for (const PeriodicOrbit& orbit : orbits) {
+      const bool known = std::any_of(list.begin(), list.end(), [&](const SkeletonSeed& seed) {
+        return seed.orbit.parameters == orbit.parameters && same_orbit(seed.orbit, orbit);
+      });
+      if (!known && wanted(orbit)) list.push_back({orbit, origin, part});
+    }
+  }
+
+  const HybridSystem& system_;
+  const Vector& p_;
+  SkeletonOptions options_;
+  Eigen::Index parameter_;
+  double low_, high_;
+  SearchFineness fineness_;
+  std::size_t blocks_ = 0;  ///< of values, for the search for stable orbits
+  std::vector<std::vector<PeriodicOrbit>> found_;  ///< by each part: ways to settle, stable blocks, searches
+  std::vector<char> done_;                         ///< by several threads, so no bits
+};
+
+}  // namespace
+
+std::vector<SkeletonSeed> skeleton_seeds(const HybridSystem& system, const Vector& p, const SkeletonOptions& options) {
+  check_forced(system);
+  SeedFinder finder(system, p, options);
+  finder.search_all([] {});
+  return finder.seeds();
+}
+
+Skeleton skeleton(const HybridSystem& system, const Vector& p, const SkeletonOptions& options) {
+  check_forced(system);
+  SeedFinder finder(system, p, options);
+  finder.search_all([&] {
+    if (options.keep)
+      options.keep([&] { return Skeleton{finder.seeds(), finder.done(), finder.fineness(), {options.so_far, {}, true}}; });
+  });
+  Skeleton out{finder.seeds(), finder.done(), finder.fineness(), {}};
+  std::vector<BranchSeed> starts;
+  for (const SkeletonSeed& seed : out.seeds) starts.push_back({seed.orbit});
+  // Of orbits that were searched, short ones first: a doubled one is then met where it is born.
+  const auto searched = std::find_if(out.seeds.begin(), out.seeds.end(), [](const SkeletonSeed& seed) {
+    return seed.part >= static_cast<int>(ways);
+  });
+  std::stable_sort(starts.begin() + (searched - out.seeds.begin()), starts.end(),
+                   [](const BranchSeed& a, const BranchSeed& b) { return a.orbit.period < b.orbit.period; });
+  // A series towards complete chatter is followed from its beginning, which explains seeds further along it.
+  if (!options.families.all)
+    std::stable_partition(starts.begin(), starts.end(), [](const BranchSeed& seed) {
+      return seed.orbit.isolated_impacts <= few_impacts * seed.orbit.period;
+    });
+  ContinuationOptions following = options.continuation;
+  following.follow_parents = true;
+  following.switch_generations = std::max(following.switch_generations, 64);  // the period is the limit
+  following.max_multiple = options.max_multiple > 0 ? options.max_multiple : std::max(1, following.max_period);
+  if (options.keep)
+    following.complete = [&](const std::vector<Branch>& branches) {
+      options.keep([&] { return Skeleton{out.seeds, out.searched, out.fineness, {branches, {}, true}}; });
+    };
+  out.graph = follow_branches(system, starts, following, options.so_far, options.families);
+  return out;
+}
+
+}  // namespace graze

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/continuation/graph/branch_graph.hpp>
+#include <graze/continuation/graph/sweep_against_branches.hpp>
+
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <algorithm>
+
+namespace graze {
+
+OffBranches off_branches(const HybridSystem& system, const std::vector<Branch>& branches, const std::vector<SweepRow>& rows,
+                         int longest_period, int threads) {
+  OffBranches out;
+  std::vector<std::size_t> compared;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i].attractor.type != AttractorType::periodic) continue;
+    if (rows[i].attractor.period > longest_period)
+      ++out.longer;
+    else
+      compared.push_back(i);
+  }
+  out.compared = compared.size();
+  std::vector<char> found(compared.size(), 0);
+  oneapi::tbb::task_arena arena(std::max(1, threads));
+  arena.execute([&] {
+    oneapi::tbb::parallel_for(std::size_t{0}, compared.size(), [&](std::size_t k) {
+      const SweepRow& row = rows[compared[k]];
+      found[k] = std::any_of(branches.begin(), branches.end(),
+                             [&](const Branch& branch) { return lies_on(system, branch, row.states, row.value); });
+    });
+  });
+  for (std::size_t k = 0; k < compared.size(); ++k)
+    if (!found[k]) out.rows.push_back(compared[k]);
+  return out;
+}
+
+}  // namespace graze

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// BranchProblem: periodic orbits in one parameter as a curve, whatever its coordinates: states at fixed phases (OrbitProblem), or
+// instants and states at the events of a fixed signature (SignatureProblem). The parameter's value is the last unknown.
+#pragma once
+
+#include <graze/continuation/problems/branch.hpp>
+#include <graze/continuation/trace/zero_problem.hpp>
+
+#include <algorithm>
+#include <complex>
+#include <memory>
+#include <vector>
+
+namespace graze {
+
+class OrbitProblem;
+
+class BranchProblem {
+ public:
+  virtual ~BranchProblem() = default;
+
+  virtual Eigen::Index unknowns() const = 0;
+  virtual ZeroProblem zero_problem() = 0;
+  /// The small record of the orbit at u that a branch keeps, and the orbit with everything known of it.
+  virtual BranchPoint branch_point(const Vector& u, double arclength) = 0;
+  virtual PeriodicOrbit orbit(const Vector& u, NewtonReport report) = 0;
+  /// The same orbit in states at fixed phases. The reference holds until the next call.
+  virtual OrbitProblem& stroboscopic(const Vector& u, Vector& out) = 0;
+
+  /// K(sigma) at u: the derivative of the equations in the orbit's own unknowns, with the link from the last node to the first
+  /// multiplied by sigma. It is singular where sigma is a multiplier. The equations have been evaluated at u.
+  virtual Eigen::MatrixXcd cyclic(const Vector& u, std::complex<double> sigma) = 0;
+  /// w^H (dK/du_i) v for every unknown u_i (the value last), by central differences at u.
+  virtual Eigen::VectorXcd cyclic_derivative(const Vector& u, std::complex<double> sigma, const Eigen::VectorXcd& w,
+                                             const Eigen::VectorXcd& v) = 0;
+  /// Whether the solution u is a motion: one of a fixed signature may pass through a barrier.
+  virtual bool is_motion(const Vector&) { return true; }
+  /// The hard events that the unknowns belong to, in order; empty for states at fixed phases.
+  virtual std::vector<std::size_t> sequence() const { return {}; }
+  /// Size of the orbit's states, 1 + |x|: errors of the equations are relative to it.
+  virtual double state_scale(const Vector& u) const = 0;
+
+  /// The same orbit with its nodes counted from another one or another forcing period, in the same unknowns; `tangent`, a
+  /// direction at u, is moved with it. The first is u itself.
+  struct Image {
+    Vector u, tangent;
+  };
+  virtual std::vector<Image> images(const Vector& u, const Vector& tangent) const = 0;
+  /// The equations of the orbit run through twice, and u in their unknowns.
+  struct Doubled {
+    std::unique_ptr<BranchProblem> problem;
+    Vector u;
+  };
+  virtual Doubled doubled(const Vector& u) const = 0;
+  /// Second half of an orbit minus the first, in its unknowns: zero where it has half the period. Empty where it cannot have.
+  virtual Vector half_difference(const Vector& u) const = 0;
+
+  /// Lengths and tolerances are those of states of order one: states much larger than that, as those of the orbit at u, are
+  /// measured in fiftieths of their size. To be set before the branch through u is followed.
+  void measure_by(const Vector& u) { size_ = std::max(1.0, 0.02 * state_scale(u)); }
+
+  /// Dimensionless time carried so far: the measure of cost.
+  virtual double time_carried() const = 0;
+
+  double value(const Vector& u) const { return u[u.size() - 1]; }
+  /// Direction in which only the parameter changes.
+  Vector parameter_direction() const { return Vector::Unit(unknowns(), unknowns() - 1); }
+
+ protected:
+  double size_ = 1.0;  ///< see measure_by
+};
+
+/// A value that the corrector's rounding has carried just beyond the range of a parameter is put back onto its end.
+double within_range(const ParameterInfo& parameter, double value);
+
+}  // namespace graze

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/continuation/problems/orbit_problem.hpp>
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+#include <stdexcept>
+
+namespace graze {
+
+namespace {
+
+/// Step of the central differences of transition matrices, relative: they only steer Newton, and near a weak impact of a hard
+/// contact the matrices change over lengths of the square of its speed.
+constexpr double difference_step = 1e-7;
+
+}  // namespace
+
+OrbitProblem::OrbitProblem(const HybridSystem& system, const Vector& p, int period, int nodes, std::size_t parameter,
+                           double scale, const FlowOptions& options, double section_phase)
+    : equations_(system, p, period, nodes, parameter, options, section_phase), p_(p), parameter_(parameter), scale_(scale) {}
+
+OrbitProblem OrbitProblem::with_section(double section_phase) const {
+  OrbitProblem other(system(), p_, period(), nodes(), parameter_, scale_, equations_.options(), section_phase);
+  other.size_ = size_;
+  return other;
+}
+
+std::optional<Vector> OrbitProblem::to_section(OrbitProblem& other, const Vector& u) {
+  const int n = states(), N = nodes();
+  if (!evaluate(u, {.sensitivity = Sensitivity::none})) return std::nullopt;
+  const Vector shortened = u.head(u.size() - 1);
+  const double length = equations_.duration(shortened) / N;
+  // Each new node lies on the stretch that begins at one of the old ones.
+  const double T = equations_.duration(shortened) / period();
+  double ahead = std::fmod((other.equations_.section_phase() - equations_.section_phase()) * T, length);
+  if (ahead < 0.0) ahead += length;
+  const auto shift =
+      static_cast<int>(std::lround((equations_.section_phase() * T + ahead - other.equations_.section_phase() * T) / length));
+  Vector moved = u;
+  Transition transition;
+  for (int j = 0; j < N; ++j) {
+    const double start = equations_.node_time(shortened, j);
+    carry(equations_.propagator(), start, start + ahead, equations_.node(shortened, j), {.sensitivity = Sensitivity::none},
+          transition);
+    if (transition.termination != Termination::time) return std::nullopt;
+    const int target = ((j + shift) % N + N) % N;
+    moved.segment(target * n, n) = transition.x1;
+  }
+  return moved;
+}
+
+OrbitProblem OrbitProblem::with_nodes(int times) const {
+  OrbitProblem finer(system(),  p_,     period(),           times * nodes(),
+                     parameter_, scale_, equations_.options(), equations_.section_phase());
+  finer.size_ = size_;
+  return finer;
+}
+
+std::optional<Vector> OrbitProblem::to_nodes(OrbitProblem& finer, const Vector& u) {
+  const int times = finer.nodes() / nodes();
+  if (!evaluate(u, {.sensitivity = Sensitivity::none})) return std::nullopt;
+  const Vector shortened = u.head(u.size() - 1);
+  const double length = equations_.duration(shortened) / finer.nodes();
+  std::vector<Vector> nodes_there;
+  Transition transition;
+  for (int j = 0; j < nodes(); ++j) {
+    nodes_there.push_back(equations_.node(shortened, j));
+    for (int k = 1; k < times; ++k) {
+      const double start = equations_.node_time(shortened, j);
+      carry(equations_.propagator(), start, start + k * length, nodes_there[static_cast<std::size_t>(j * times)],
+            {.sensitivity = Sensitivity::none}, transition);
+      if (transition.termination != Termination::time) return std::nullopt;
+      nodes_there.push_back(transition.x1);
+    }
+  }
+  return finer.pack(nodes_there, equations_.duration(shortened), value(u));
+}
+
+Vector OrbitProblem::pack(const std::vector<Vector>& nodes, double duration, double value) const {
+  if (static_cast<int>(nodes.size()) != this->nodes())
+    throw std::invalid_argument(fmt::format("{} nodes were given; these equations have {}", nodes.size(), this->nodes()));
+  Vector u(unknowns());
+  const int n = states();
+  for (int j = 0; j < this->nodes(); ++j) u.segment(j * n, n) = nodes[static_cast<std::size_t>(j)];
+  if (equations_.autonomous()) u[n * this->nodes()] = duration;
+  u[u.size() - 1] = value;
+  return u;
+}
+
+double within_range(const ParameterInfo& parameter, double value) {
+  constexpr double slack = 1e-13;
+  if (value < parameter.lower && value > parameter.lower - slack && !parameter.lower_open) return parameter.lower;
+  if (value > parameter.upper && value < parameter.upper + slack) return parameter.upper;
+  return value;
+}
+
+bool OrbitProblem::evaluate(const Vector& u, const TransitionOptions& options) {
+  p_[static_cast<Eigen::Index>(parameter_)] = within_range(system().parameters[parameter_], value(u));
+  try {
+    equations_.set_parameters(p_);
+  } catch (const std::invalid_argument& refused) {
+    failure_ = refused.what();
+    return false;
+  }
+  // Where a branch begins there is no orbit before that the phase could refer to.
+  if (equations_.autonomous() && !equations_.has_phase_reference()) equations_.set_phase_reference(u.head(states()));
+  if (equations_.evaluate(u.head(u.size() - 1), options)) return true;
+  failure_ = termination_text(equations_.failure());
+  return false;
+}
+
+std::string OrbitProblem::failure() const { return failure_; }
+
+bool OrbitProblem::residual(const Vector& u, Vector& residual, Matrix* jacobian) {
+  if (!evaluate(u, {.sensitivity = jacobian ? Sensitivity::state_and_parameters : Sensitivity::none})) return false;
+  equations_.residual(u.head(u.size() - 1), residual);
+  if (jacobian) equations_.jacobian(*jacobian);
+  return residual.allFinite() && (!jacobian || jacobian->allFinite());
+}
+
+ZeroProblem OrbitProblem::zero_problem() {
+  ZeroProblem problem;
+  problem.unknowns = unknowns();
+  problem.evaluate = [this](const Vector& u, Vector& r, Matrix* J) { return residual(u, r, J); };
+  problem.failure = [this] { return failure(); };
+  // Mean over the nodes, so that arclength does not grow with their number.
+  problem.weights = Vector::Constant(unknowns(), 1.0 / (nodes() * size_ * size_));
+  problem.size = size_;
+  problem.weights[unknowns() - 1] = 1.0 / (scale_ * scale_);
+  return problem;
+}
+
+PeriodicOrbit OrbitProblem::orbit(const Vector& u, NewtonReport report) {
+  p_[static_cast<Eigen::Index>(parameter_)] = within_range(system().parameters[parameter_], value(u));
+  equations_.set_parameters(p_);
+  if (equations_.autonomous()) equations_.set_phase_reference(u.head(states()));
+  return describe_orbit(equations_, u.head(u.size() - 1), std::move(report));
+}
+
+BranchPoint OrbitProblem::branch_point(const Vector& u, double arclength) {
+  NewtonReport accepted;
+  accepted.status = NewtonStatus::converged;
+  const PeriodicOrbit here = orbit(u, accepted);
+  BranchPoint point = to_branch_point(here, value(u), arclength);
+  point.shape = shape_of(system(), here);
+  return point;
+}
+
+BranchPoint to_branch_point(const PeriodicOrbit& orbit, double value, double arclength) {
+  BranchPoint point;
+  point.value = value;
+  point.arclength = arclength;
+  point.states = orbit.states;
+  point.nodes = orbit.nodes;
+  point.section_phase = orbit.section_phase;
+  point.duration = orbit.duration;
+  point.multipliers = orbit.multipliers;
+  point.signature = orbit.signature;
+  point.impacts = orbit.impacts;
+  point.isolated_impacts = orbit.isolated_impacts;
+  point.stable = orbit.stable();
+  point.admissible = orbit.admissible;
+  point.checks = orbit.checks;
+  return point;
+}
+
+Eigen::MatrixXcd OrbitProblem::cyclic(const Vector&, std::complex<double> sigma) {
+  const int n = states(), N = nodes();
+  Eigen::MatrixXcd K = Eigen::MatrixXcd::Zero(n * N, n * N);
+  for (int j = 0; j < N; ++j) {
+    K.block(j * n, j * n, n, n) += equations_.stretch(j).Phi.cast<std::complex<double>>();
+    const std::complex<double> link = j + 1 < N ? 1.0 : sigma;
+    K.block(j * n, (j + 1) % N * n, n, n).diagonal().array() -= link;
+  }
+  return K;
+}
+
+std::vector<BranchProblem::Image> OrbitProblem::images(const Vector& u, const Vector& tangent) const {
+  std::vector<Image> list{{u, tangent}};
+  const Eigen::Index size = states() * nodes();
+  if (equations_.autonomous() || nodes() % period() != 0) return list;
+  const Eigen::Index one_period = size / period();
+  for (Eigen::Index by = one_period; by < size; by += one_period) {
+    const auto later = [&](const Vector& v) {
+      Vector out = v;
+      out.head(size) << v.segment(by, size - by), v.head(by);
+      return out;
+    };
+    list.push_back({later(u), later(tangent)});
+  }
+  return list;
+}
+
+BranchProblem::Doubled OrbitProblem::doubled(const Vector& u) const {
+  const Eigen::Index size = states() * nodes();
+  auto problem = std::make_unique<OrbitProblem>(system(), p_, 2 * period(), 2 * nodes(), parameter_, scale_, equations_.options(),
+                                                equations_.section_phase());
+  problem->size_ = size_;
+  Vector twice(2 * size + 1);
+  twice << u.head(size), u.head(size), value(u);
+  return {std::move(problem), std::move(twice)};
+}
+
+Vector OrbitProblem::half_difference(const Vector& u) const {
+  if (equations_.autonomous() || period() % 2 != 0 || nodes() % 2 != 0) return {};
+  const Eigen::Index half = states() * nodes() / 2;
+  return u.segment(half, half) - u.head(half);
+}
+
+Eigen::VectorXcd OrbitProblem::cyclic_derivative(const Vector& u, std::complex<double>, const Eigen::VectorXcd& w,
+                                                 const Eigen::VectorXcd& v) {
+  const int n = states(), N = nodes();
+  Eigen::VectorXcd derivative = Eigen::VectorXcd::Zero(unknowns());
+  const auto form = [&](int j, const Matrix& Phi) -> std::complex<double> {
+    return w.segment(j * n, n).dot(Phi.cast<std::complex<double>>() * v.segment(j * n, n));
+  };
+  const TransitionOptions tangent{.sensitivity = Sensitivity::state};
+  // A node moves one stretch only; the parameter (and the duration) all of them.
+  if (!evaluate(u, tangent)) return derivative;
+  Transition moved;
+  for (int j = 0; j < N; ++j) {
+    const Vector shortened = u.head(u.size() - 1);
+    const double start = equations_.node_time(shortened, j), length = equations_.duration(shortened) / N;
+    for (int k = 0; k < n; ++k) {
+      std::complex<double> side[2];
+      const double h = difference_step * (1.0 + std::abs(u[j * n + k]));
+      bool defined = true;
+      for (int s = 0; s < 2; ++s) {
+        Vector x = equations_.node(u, j);
+        x[k] += s == 0 ? h : -h;
+        carry(equations_.propagator(), start, start + length, x, tangent, moved);
+        defined = defined && moved.termination == Termination::time;
+        if (defined) side[s] = form(j, moved.Phi);
+      }
+      if (defined) derivative[j * n + k] = (side[0] - side[1]) / (2.0 * h);
+    }
+  }
+  for (Eigen::Index i = n * N; i < unknowns(); ++i) {
+    std::complex<double> side[2] = {0.0, 0.0};
+    const double h = difference_step * (1.0 + std::abs(u[i]));
+    bool defined = true;
+    for (int s = 0; s < 2 && defined; ++s) {
+      Vector shifted = u;
+      shifted[i] += s == 0 ? h : -h;
+      defined = evaluate(shifted, tangent);
+      for (int j = 0; j < N && defined; ++j) side[s] += form(j, equations_.stretch(j).Phi);
+    }
+    if (defined) derivative[i] = (side[0] - side[1]) / (2.0 * h);
+  }
+  evaluate(u, tangent);
+  return derivative;
+}
+
+}  // namespace graze

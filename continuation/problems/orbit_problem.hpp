@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// OrbitProblem: periodic orbits in one parameter as a ZeroProblem. Unknowns u = (x_0, ..., x_{N-1} [, D], value), H the shooting
+// equations. The linear problem behind every bifurcation of maps is that of the cyclic matrix
+//     K(sigma) v = (Phi_j v_j - v_{j+1}, j < N - 1;  Phi_{N-1} v_{N-1} - sigma v_0),   singular where sigma is a multiplier.
+#pragma once
+
+#include <graze/continuation/problems/branch_problem.hpp>
+#include <graze/floquet/orbit/shooting.hpp>
+
+#include <optional>
+
+namespace graze {
+
+class OrbitProblem : public BranchProblem {
+ public:
+  /// `scale`: length by which changes of the parameter are measured in the arclength (usually the range that is followed).
+  OrbitProblem(const HybridSystem& system, const Vector& p, int period, int nodes, std::size_t parameter, double scale,
+               const FlowOptions& options = {}, double section_phase = 0.0);
+
+  /// The same problem with its nodes at another forcing phase, and an orbit of this one in the nodes of the other.
+  OrbitProblem with_section(double section_phase) const;
+  std::optional<Vector> to_section(OrbitProblem& other, const Vector& u);
+
+  /// The same problem with `times` as many nodes, and an orbit of this one in those.
+  OrbitProblem with_nodes(int times) const;
+  std::optional<Vector> to_nodes(OrbitProblem& finer, const Vector& u);
+
+  Eigen::Index unknowns() const override { return equations_.unknowns() + 1; }
+  int period() const { return equations_.period(); }
+  int nodes() const { return equations_.nodes(); }
+  int states() const { return equations_.states(); }
+  ShootingEquations& equations() { return equations_; }
+  const HybridSystem& system() const { return equations_.system(); }
+  std::size_t parameter() const { return parameter_; }
+  double scale() const { return scale_; }
+
+  Vector pack(const std::vector<Vector>& nodes, double duration, double value) const;
+  /// Sets the parameter and evaluates the stretches; false where that is not possible (see failure()).
+  bool evaluate(const Vector& u, const TransitionOptions& options);
+  bool residual(const Vector& u, Vector& residual, Matrix* jacobian);
+  ZeroProblem zero_problem() override;
+  std::string failure() const;
+
+  PeriodicOrbit orbit(const Vector& u, NewtonReport report) override;
+  BranchPoint branch_point(const Vector& u, double arclength) override;
+  double time_carried() const override { return equations_.time_carried(); }
+  OrbitProblem& stroboscopic(const Vector& u, Vector& out) override {
+    out = u;
+    return *this;
+  }
+
+  /// From the stretches evaluated last.
+  Eigen::MatrixXcd cyclic(const Vector& u, std::complex<double> sigma) override;
+  Eigen::VectorXcd cyclic_derivative(const Vector& u, std::complex<double> sigma, const Eigen::VectorXcd& w,
+                                     const Eigen::VectorXcd& v) override;
+  double state_scale(const Vector& u) const override { return 1.0 + u.head(unknowns() - 1).lpNorm<Eigen::Infinity>(); }
+  std::vector<Image> images(const Vector& u, const Vector& tangent) const override;
+  Doubled doubled(const Vector& u) const override;
+  Vector half_difference(const Vector& u) const override;
+
+ private:
+  ShootingEquations equations_;
+  Vector p_;
+  std::size_t parameter_;
+  double scale_;
+  std::string failure_;
+};
+
+/// The record of an orbit that a branch keeps.
+BranchPoint to_branch_point(const PeriodicOrbit& orbit, double value, double arclength);
+
+}  // namespace graze

@@ -1,0 +1,327 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/continuation/problems/clear_section.hpp>
+#include <graze/continuation/problems/signature_problem.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace graze {
+
+std::size_t EventNodes::insert(std::size_t event, double t, const Vector& x) {
+  const auto place = std::upper_bound(times.begin(), times.end(), t) - times.begin();
+  sequence.insert(sequence.begin() + place, event);
+  times.insert(times.begin() + place, t);
+  states.insert(states.begin() + place, x);
+  return static_cast<std::size_t>(place);
+}
+
+void EventNodes::shorten(int turns) {
+  const std::size_t kept = times.size() / static_cast<std::size_t>(turns);
+  sequence.resize(kept);
+  times.resize(kept);
+  states.resize(kept);
+}
+
+void EventNodes::repeat(int turns, double duration) {
+  const std::size_t once = times.size();
+  for (std::size_t k = once; k < once * static_cast<std::size_t>(turns); ++k) {
+    sequence.push_back(sequence[k - once]);
+    times.push_back(times[k - once] + duration);
+    states.push_back(states[k - once]);
+  }
+}
+
+std::optional<EventNodes> event_nodes(const PeriodicOrbit& orbit) {
+  EventNodes nodes;
+  for (const EventRecord& event : orbit.events) {
+    if (event.kind == EventKind::stick || event.kind == EventKind::release) return std::nullopt;
+    nodes.sequence.push_back(event.event);
+    nodes.times.push_back(event.t);
+    nodes.states.push_back(event.x_minus);
+  }
+  if (nodes.sequence.empty()) return std::nullopt;
+  return nodes;
+}
+
+SignatureProblem::SignatureProblem(const HybridSystem& system, const Vector& p, int period, std::vector<std::size_t> sequence,
+                                   std::size_t parameter, double scale, const FlowOptions& options)
+    : equations_(system, p, period, std::move(sequence), parameter, options), p_(p), parameter_(parameter), scale_(scale),
+      options_(options) {}
+
+Vector SignatureProblem::pack(const EventNodes& nodes, double value) const {
+  const int block = equations_.states() + 1;
+  Vector u(unknowns());
+  for (int k = 0; k < equations_.events(); ++k) {
+    u[k * block] = nodes.times[static_cast<std::size_t>(k)];
+    u.segment(k * block + 1, block - 1) = nodes.states[static_cast<std::size_t>(k)];
+  }
+  u[u.size() - 1] = value;
+  return u;
+}
+
+EventNodes SignatureProblem::unpack(const Vector& u) const {
+  EventNodes nodes{equations_.sequence(), {}, {}};
+  for (int k = 0; k < equations_.events(); ++k) {
+    nodes.times.push_back(equations_.time(u, k));
+    nodes.states.push_back(equations_.state(u, k));
+  }
+  return nodes;
+}
+
+bool SignatureProblem::set_value(const Vector& u) {
+  p_[static_cast<Eigen::Index>(parameter_)] = within_range(equations_.system().parameters[parameter_], value(u));
+  try {
+    equations_.set_parameters(p_);
+    return true;
+  } catch (const std::invalid_argument& refused) {
+    failure_ = refused.what();
+    return false;
+  }
+}
+
+ZeroProblem SignatureProblem::zero_problem() {
+  ZeroProblem problem;
+  problem.unknowns = unknowns();
+  problem.evaluate = [this](const Vector& u, Vector& residual, Matrix* jacobian) {
+    if (!set_value(u)) return false;
+    failure_ = "a flight between two impacts could not be carried out";
+    return equations_.evaluate(u, residual, jacobian);
+  };
+  problem.failure = [this] { return failure_; };
+  const int size = equations_.states() + 1;
+  problem.weights = Vector::Constant(unknowns(), 1.0 / (equations_.events() * size_ * size_));
+  for (int k = 0; k < equations_.events(); ++k) problem.weights[k * size] = 1.0 / equations_.events();
+  problem.size = size_;
+  problem.weights[unknowns() - 1] = 1.0 / (scale_ * scale_);
+  return problem;
+}
+
+std::optional<SignatureEquations::Violation> SignatureProblem::violation(const Vector& u) {
+  if (!set_value(u)) return SignatureEquations::Violation{};
+  return equations_.violation(u);
+}
+
+double SignatureProblem::least_speed(const Vector& u) {
+  double least = std::numeric_limits<double>::infinity();
+  if (!set_value(u)) return least;
+  for (int k = 0; k < equations_.events(); ++k) least = std::min(least, equations_.speed(u, k));
+  return least;
+}
+
+double SignatureProblem::speed(const Vector& u, int event) {
+  set_value(u);
+  return equations_.speed(u, event);
+}
+
+Vector SignatureProblem::speed_gradient(const Vector& u, int event) {
+  set_value(u);
+  return equations_.speed_gradient(u, event);
+}
+
+/// A forcing phase over 2 pi clear of impacts: 0 if it is, else the middle of the widest gap between them.
+double SignatureProblem::clear_section(const Vector& u) const {
+  const double T = equations_.duration() / equations_.period();
+  std::vector<double> phases;
+  for (int k = 0; k < equations_.events(); ++k) {
+    const double phase = std::fmod(equations_.time(u, k) / T, 1.0);
+    phases.push_back(phase < 0.0 ? phase + 1.0 : phase);
+  }
+  std::sort(phases.begin(), phases.end());
+  constexpr double room = 0.02;
+  if (phases.front() > room && phases.back() < 1.0 - room) return 0.0;
+  return std::fmod(widest_gap(phases).middle, 1.0);
+}
+
+/// A flight that cannot be carried out leaves no states: NaN, from which nothing can be evaluated, and that is no misuse.
+std::vector<Vector> SignatureProblem::states_at(const Vector& u, const std::vector<double>& times) {
+  std::vector<Vector> states = equations_.states_at(u, times);
+  const Vector nowhere = Vector::Constant(equations_.states(), std::numeric_limits<double>::quiet_NaN());
+  if (states.empty()) states.assign(times.size(), nowhere);
+  return states;
+}
+
+OrbitProblem& SignatureProblem::stroboscopic(const Vector& u, Vector& out) {
+  set_value(u);
+  if (stroboscopic_) carried_elsewhere_ += stroboscopic_->time_carried();
+  stroboscopic_ = std::make_unique<OrbitProblem>(in_states(u, 1, clear_section(u), out));
+  return *stroboscopic_;
+}
+
+OrbitProblem SignatureProblem::in_states(const Vector& u, int per_period, double section, Vector& out) {
+  set_value(u);
+  const int n = equations_.period(), nodes = n * per_period;
+  const double T = equations_.duration() / n;
+  OrbitProblem problem(equations_.system(), p_, n, nodes, parameter_, scale_, options_, section);
+  std::vector<double> times(static_cast<std::size_t>(nodes));
+  for (int j = 0; j < nodes; ++j) times[static_cast<std::size_t>(j)] = (section + static_cast<double>(j) / per_period) * T;
+  out = problem.pack(states_at(u, times), equations_.duration(), value(u));
+  problem.measure_by(out);
+  return problem;
+}
+
+Eigen::MatrixXcd SignatureProblem::cyclic(const Vector& u, std::complex<double> sigma) {
+  const int n = equations_.states(), size = n + 1, m = equations_.events();
+  Eigen::MatrixXcd K = Eigen::MatrixXcd::Zero(m * size, m * size);
+  set_value(u);
+  SignatureEquations::Block block;
+  for (int k = 0; k < m; ++k) {
+    if (!equations_.evaluate(u, k, true, block))
+      return Eigen::MatrixXcd::Constant(m * size, m * size, std::numeric_limits<double>::quiet_NaN());
+    const std::complex<double> link = k + 1 < m ? 1.0 : sigma;
+    K.block(k * size, k * size, n, size) += block.own;
+    K.block(k * size, (k + 1) % m * size, n, size) += link * block.next;
+    K.row(k * size + n).segment(k * size, size) = block.own_gap.transpose();
+  }
+  return K;
+}
+
+Eigen::VectorXcd SignatureProblem::cyclic_derivative(const Vector& u, std::complex<double> sigma, const Eigen::VectorXcd& w,
+                                                     const Eigen::VectorXcd& v) {
+  // Only steers Newton; the equations are smooth, so that a usual step will do.
+  constexpr double difference_step = 1e-6;
+  const int n = equations_.states(), size = n + 1, m = equations_.events();
+  Eigen::VectorXcd derivative = Eigen::VectorXcd::Zero(unknowns());
+  SignatureEquations::Block block;
+  // w^H K v of the rows of event k.
+  const auto form = [&](const Vector& at, int k) -> std::complex<double> {
+    if (!equations_.evaluate(at, k, true, block)) return std::numeric_limits<double>::quiet_NaN();
+    const std::complex<double> link = k + 1 < m ? 1.0 : sigma;
+    const Eigen::VectorXcd rows = block.own * v.segment(k * size, size) + link * (block.next * v.segment((k + 1) % m * size, size));
+    return w.segment(k * size, n).dot(rows) + std::conj(w[k * size + n]) * (block.own_gap.transpose() * v.segment(k * size, size))[0];
+  };
+  for (Eigen::Index i = 0; i < unknowns(); ++i) {
+    const double h = difference_step * (1.0 + std::abs(u[i]));
+    std::complex<double> side[2] = {0.0, 0.0};
+    for (int s = 0; s < 2; ++s) {
+      Vector shifted = u;
+      shifted[i] += s == 0 ? h : -h;
+      if (i + 1 == unknowns()) {
+        set_value(shifted);
+        for (int k = 0; k < m; ++k) side[s] += form(shifted, k);
+        continue;
+      }
+      // An event's state moves the flight after it, its instant the flight before it too.
+      const int k = static_cast<int>(i) / size, before = (k + m - 1) % m;
+      side[s] = form(shifted, k);
+      if (i % size == 0 && before != k) side[s] += form(shifted, before);
+    }
+    derivative[i] = (side[0] - side[1]) / (2.0 * h);
+  }
+  set_value(u);
+  return derivative;
+}
+
+double SignatureProblem::state_scale(const Vector& u) const {
+  // Between events the forced part of a motion and the free one are larger than their sum at the events.
+  constexpr double cancelled = 3.0;
+  double largest = 0.0;
+  for (int k = 0; k < equations_.events(); ++k) largest = std::max(largest, equations_.state(u, k).lpNorm<Eigen::Infinity>());
+  return 1.0 + cancelled * largest;
+}
+
+std::vector<BranchProblem::Image> SignatureProblem::images(const Vector& u, const Vector& tangent) const {
+  const std::vector<std::size_t>& sequence = equations_.sequence();
+  const int m = equations_.events(), size = equations_.states() + 1, n = equations_.period();
+  Vector p = p_;
+  p[static_cast<Eigen::Index>(parameter_)] = value(u);
+  const double T = forcing_period(equations_.system(), p);
+  const double T_dp = forcing_period_dp(equations_.system(), p)[static_cast<Eigen::Index>(parameter_)];
+  std::vector<Image> list{{u, tangent}};
+  for (int by = 0; by < m; ++by) {
+    bool same = true;
+    for (int k = 0; k < m && same; ++k)
+      same = sequence[static_cast<std::size_t>(k)] == sequence[static_cast<std::size_t>((k + by) % m)];
+    // Instants are counted from any forcing period: along a closed branch they may move by some.
+    for (int periods = -n; same && periods <= n; ++periods) {
+      if (by == 0 && periods == 0) continue;
+      Image image{u, tangent};
+      for (int k = 0; k < m; ++k) {
+        const int from = (k + by) % m;
+        const double later = (k + by >= m ? n : 0) + periods;
+        image.u.segment(k * size, size) = u.segment(from * size, size);
+        image.tangent.segment(k * size, size) = tangent.segment(from * size, size);
+        image.u[k * size] += later * T;
+        image.tangent[k * size] += later * T_dp * tangent[tangent.size() - 1];
+      }
+      list.push_back(std::move(image));
+    }
+  }
+  return list;
+}
+
+BranchProblem::Doubled SignatureProblem::doubled(const Vector& u) const {
+  Vector p = p_;
+  p[static_cast<Eigen::Index>(parameter_)] = value(u);
+  EventNodes twice = unpack(u);
+  twice.repeat(2, equations_.period() * forcing_period(equations_.system(), p));
+  auto problem = std::make_unique<SignatureProblem>(equations_.system(), p, 2 * equations_.period(), twice.sequence, parameter_,
+                                                    scale_, options_);
+  problem->size_ = size_;
+  Vector start = problem->pack(twice, value(u));
+  return {std::move(problem), std::move(start)};
+}
+
+Vector SignatureProblem::half_difference(const Vector& u) const {
+  const std::vector<std::size_t>& sequence = equations_.sequence();
+  const int m = equations_.events(), size = equations_.states() + 1, n = equations_.period();
+  if (n % 2 != 0 || m % 2 != 0 || !std::equal(sequence.begin(), sequence.begin() + m / 2, sequence.begin() + m / 2)) return {};
+  Vector p = p_;
+  p[static_cast<Eigen::Index>(parameter_)] = value(u);
+  Vector out = u.segment(m / 2 * size, m / 2 * size) - u.head(m / 2 * size);
+  for (int k = 0; k < m / 2; ++k) out[k * size] -= n / 2 * forcing_period(equations_.system(), p);
+  return out;
+}
+
+double SignatureProblem::time_carried() const {
+  return equations_.time_carried() + carried_elsewhere_ + (stroboscopic_ ? stroboscopic_->time_carried() : 0.0);
+}
+
+PeriodicOrbit SignatureProblem::orbit(const Vector& u, NewtonReport report) {
+  Vector states;
+  OrbitProblem& problem = stroboscopic(u, states);
+  return problem.orbit(states, std::move(report));
+}
+
+BranchPoint SignatureProblem::branch_point(const Vector& u, double arclength) {
+  BranchPoint point;
+  if (!set_value(u)) return point;
+  const HybridSystem& system = equations_.system();
+  const int n = equations_.period(), m = equations_.events();
+  const double T = equations_.duration() / n;
+  point.value = value(u);
+  point.arclength = arclength;
+  point.duration = equations_.duration();
+  point.section_phase = clear_section(u);
+  std::vector<double> phase_0, sections;
+  for (int j = 0; j < n; ++j) {
+    phase_0.push_back(j * T);
+    sections.push_back((point.section_phase + j) * T);
+  }
+  point.states = states_at(u, phase_0);
+  point.nodes = point.section_phase == 0.0 ? point.states : states_at(u, sections);
+  std::vector<std::pair<double, std::size_t>> events;
+  for (int k = 0; k < m; ++k) {
+    double t = std::fmod(equations_.time(u, k), point.duration);
+    if (t < 0.0) t += point.duration;
+    events.emplace_back(t, equations_.sequence()[static_cast<std::size_t>(k)]);
+  }
+  std::sort(events.begin(), events.end());
+  point.signature.mode = equations_.mode_at(u, 0.0);
+  for (const auto& event : events) point.signature.events.push_back(event.second);
+  point.impacts = point.isolated_impacts = impacts(system, point.signature);
+  point.shape.period = n;
+  for (int k = 0; k < m; ++k)
+    point.shape.nodes.push_back({equations_.sequence()[static_cast<std::size_t>(k)], equations_.time(u, k) / T, equations_.state(u, k)});
+  Vector residual;
+  if (equations_.evaluate(u, residual, nullptr))
+    point.checks.residual = residual.lpNorm<Eigen::Infinity>() / (1.0 + u.lpNorm<Eigen::Infinity>());
+  point.multipliers = multipliers(equations_.monodromy(u, &point.checks.liouville), point.duration);
+  point.weakest_speed = least_speed(u);
+  point.stable = point.multipliers.stable();
+  point.admissible = equations_.violation(u) ? Admissibility::inadmissible : Admissibility::admissible;
+  return point;
+}
+
+}  // namespace graze

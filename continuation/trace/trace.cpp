@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/continuation/trace/trace.hpp>
+#include <graze/lib/numerics/orbit_lu.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace graze {
+
+namespace {
+
+Vector weights_of(const ZeroProblem& problem) {
+  return problem.weights.size() == problem.unknowns ? problem.weights : Vector::Ones(problem.unknowns);
+}
+
+/// [J; row] with one row added below.
+Matrix bordered(const Matrix& jacobian, const Vector& row) {
+  Matrix A(jacobian.rows() + 1, jacobian.cols());
+  A << jacobian, row.transpose();
+  return A;
+}
+
+std::string reason(const ZeroProblem& problem, NewtonStatus status) {
+  std::string text(newton_status_text(status));
+  if (status == NewtonStatus::evaluation_failed && problem.failure) text += ": " + problem.failure();
+  return text;
+}
+
+/// True if the step from `last` to `next` passes through `first` the way the curve went on from there, and `next` then becomes that
+/// point. Being near it is not enough: another turn of the curve may be.
+bool returns_to(const CurvePoint& first, const ZeroProblem& problem, const Vector& weights, const CurvePoint& last, CurvePoint& next,
+                const TraceOptions& options) {
+  // Most points of a long curve are far away in the last unknown alone.
+  const Eigen::Index end = first.u.size() - 1;
+  const double length = weighted_norm(weights, next.u - last.u), reach = length / std::sqrt(weights[end]);
+  if (std::abs(first.u[end] - last.u[end]) > 2.0 * reach) return false;
+  const Vector normal = weights.cwiseProduct(first.tangent);
+  const double before = normal.dot(last.u - first.u), after = normal.dot(next.u - first.u);
+  if (!(before < 0.0 && after >= 0.0)) return false;
+  Vector u = last.u + before / (before - after) * (next.u - last.u);
+  if (weighted_norm(weights, u - first.u) > length) return false;
+  if (!correct(problem, first.tangent, u, options).converged()) return false;
+  if (weighted_norm(weights, u - first.u) > 1e-8 * (1.0 + weighted_norm(weights, u))) return false;
+  next.u = first.u;
+  next.tangent = first.tangent;
+  next.arclength = last.arclength + weighted_norm(weights, first.u - last.u);
+  return true;
+}
+
+}  // namespace
+
+NewtonReport correct(const ZeroProblem& problem, const Vector& direction, Vector& u, const TraceOptions& options) {
+  NewtonReport report;
+  const Vector weighted = weights_of(problem).cwiseProduct(direction);
+  const double tolerance = options.tolerance * problem.size, acceptance = options.acceptance * problem.size;
+  Vector residual;
+  Matrix jacobian;
+  if (!problem.evaluate(u, residual, &jacobian)) {
+    report.status = NewtonStatus::evaluation_failed;
+    return report;
+  }
+  report.residual_history.push_back(residual.lpNorm<Eigen::Infinity>());
+  Vector right(problem.unknowns);
+  for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
+    right << -residual, 0.0;
+    const Vector step = OrbitLU<Matrix>(bordered(jacobian, weighted)).solve(right);
+    if (!step.allFinite()) {
+      report.status = NewtonStatus::singular;
+      return report;
+    }
+    const Vector before = u;
+    u += step;
+    if (!problem.evaluate(u, residual, &jacobian)) {
+      report.status = NewtonStatus::evaluation_failed;
+      return report;
+    }
+    const double last = report.residual(), now = residual.lpNorm<Eigen::Infinity>();
+    report.residual_history.push_back(now);
+    if (now <= tolerance || (now <= acceptance && now >= 0.5 * last)) {
+      report.status = NewtonStatus::converged;
+      return report;
+    }
+    if (!(now < 10.0 * last)) {
+      report.status = NewtonStatus::stalled;
+      return report;
+    }
+  }
+  report.status = report.residual() <= acceptance ? NewtonStatus::converged : NewtonStatus::iteration_limit;
+  return report;
+}
+
+Vector tangent_at(const ZeroProblem& problem, const Vector& u, const Vector& orientation) {
+  const Vector weights = weights_of(problem);
+  Vector residual;
+  Matrix jacobian;
+  if (!problem.evaluate(u, residual, &jacobian)) return {};
+  Vector right = Vector::Zero(problem.unknowns);
+  right[problem.unknowns - 1] = 1.0;
+  Vector tangent = OrbitLU<Matrix>(bordered(jacobian, weights.cwiseProduct(orientation))).solve(right);
+  if (!tangent.allFinite()) tangent = Eigen::FullPivLU<Matrix>(jacobian).kernel().col(0);
+  const double length = weighted_norm(weights, tangent);
+  if (!(length > 0.0) || !std::isfinite(length)) return {};
+  tangent /= length;
+  if (weights.cwiseProduct(orientation).dot(tangent) < 0.0) tangent = -tangent;
+  return tangent;
+}
+
+Curve trace(const ZeroProblem& problem, const Vector& u0, const Vector& orientation, const TraceOptions& options,
+            const Monitor& monitor, const OriginsOf& origins_of) {
+  Curve curve;
+  const Vector weights = weights_of(problem);
+  CurvePoint start;
+  start.u = u0;
+  start.newton = correct(problem, orientation / weighted_norm(weights, orientation), start.u, options);
+  if (start.newton.converged()) start.tangent = tangent_at(problem, start.u, orientation);
+  if (start.tangent.size() == 0) {
+    curve.stop = TraceStop::start_failed;
+    curve.first_failed = u0;
+    curve.failure = start.newton.converged() ? "the curve has no tangent there" : reason(problem, start.newton.status);
+    return curve;
+  }
+  curve.points.push_back(start);
+  const std::vector<CurvePoint> origins = origins_of ? origins_of(start) : std::vector<CurvePoint>{start};
+  double step = options.initial_step;
+  while (static_cast<int>(curve.points.size()) < options.max_points) {
+    const CurvePoint& last = curve.points.back();
+    CurvePoint next;
+    const Vector predicted = last.u + step * last.tangent;
+    next.u = predicted;
+    next.newton = correct(problem, last.tangent, next.u, options);
+    Verdict verdict = Verdict::reject;
+    bool closes = false;
+    if (next.newton.converged()) {
+      next.tangent = tangent_at(problem, next.u, last.tangent);
+      next.arclength = last.arclength + weighted_norm(weights, next.u - last.u);
+      const double cosine = next.tangent.size() == 0 ? -1.0 : weights.cwiseProduct(next.tangent).dot(last.tangent);
+      // A jump to a neighbouring curve shows as a correction longer than the step, a kink as a large angle.
+      const bool smooth = std::acos(std::clamp(cosine, -1.0, 1.0)) <= options.max_angle &&
+                          weighted_norm(weights, next.u - predicted) <= 0.5 * step;
+      const auto comes_to = [&](const CurvePoint& point) { return returns_to(point, problem, weights, last, next, options); };
+      closes = smooth && (std::any_of(origins.begin(), origins.end(), comes_to) ||
+                          (curve.points.size() > 2 && std::any_of(curve.points.begin() + 1, curve.points.end() - 2, comes_to)));
+      if (smooth || (step <= options.min_step && next.tangent.size() > 0))
+        verdict = monitor ? monitor(last, next) : Verdict::go_on;
+      if (!smooth && verdict == Verdict::reject) curve.failure = "the curve turns too sharply";
+      if (smooth && verdict == Verdict::reject) curve.failure = "the point was rejected";
+    } else {
+      curve.failure = reason(problem, next.newton.status);
+    }
+    if (verdict == Verdict::reject) {
+      if (step <= options.min_step) {
+        curve.stop = TraceStop::min_step;
+        curve.first_failed = predicted;
+        return curve;
+      }
+      step = std::max(options.min_step, 0.5 * step);
+      continue;
+    }
+    const int iterations = next.newton.iterations();
+    curve.points.push_back(std::move(next));
+    if (verdict == Verdict::stop) {
+      curve.stop = TraceStop::monitor;
+      return curve;
+    }
+    if (closes) {
+      curve.stop = TraceStop::closed;
+      return curve;
+    }
+    if (iterations <= options.good_iterations) step = std::min(options.max_step, 1.5 * step);
+  }
+  curve.stop = TraceStop::point_limit;
+  return curve;
+}
+
+}  // namespace graze

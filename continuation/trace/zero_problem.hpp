@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// ZeroProblem: H(u) = 0 with one equation fewer than unknowns; its solutions form curves, which the tracer follows.
+#pragma once
+
+#include <graze/lib/numerics/vector.hpp>
+
+#include <cmath>
+#include <functional>
+#include <string>
+
+namespace graze {
+
+struct ZeroProblem {
+  Eigen::Index unknowns = 0;
+  /// residual (unknowns - 1) and, unless null, Jacobian (unknowns - 1) x unknowns; false: cannot be evaluated at u.
+  std::function<bool(const Vector& u, Vector& residual, Matrix* jacobian)> evaluate;
+  /// Weights of the arclength norm |u|^2 = sum w_i u_i^2; empty: all 1.
+  Vector weights;
+  /// Tolerances of the residual are relative to this: the size of what it is the difference of.
+  double size = 1.0;
+  /// Why the last evaluation failed, for people; may be empty.
+  std::function<std::string()> failure;
+};
+
+/// |v| in the arclength norm of these weights.
+inline double weighted_norm(const Vector& weights, const Vector& v) { return std::sqrt(weights.dot(v.cwiseAbs2())); }
+
+}  // namespace graze

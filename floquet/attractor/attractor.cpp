@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/attractor/attractor_decision.hpp>
+#include <graze/floquet/attractor/transient.hpp>
+#include <graze/floquet/exponents/lyapunov_lanes.hpp>
+#include <graze/floquet/orbit/observe.hpp>
+#include <graze/lib/numerics/parallel.hpp>
+
+#include <algorithm>
+#include <numbers>
+
+namespace graze {
+
+std::string_view attractor_type_name(AttractorType type) {
+  switch (type) {
+  case AttractorType::undecided:
+    break;
+  case AttractorType::periodic:
+    return "periodic";
+  case AttractorType::chaotic:
+    return "chaotic";
+  }
+  return "undecided";
+}
+
+std::string_view conservative_motion_name(ConservativeMotion motion) {
+  switch (motion) {
+  case ConservativeMotion::unknown:
+    break;
+  case ConservativeMotion::neutral:
+    return "neutral";
+  case ConservativeMotion::island:
+    return "island";
+  case ConservativeMotion::chaotic_sea:
+    return "chaotic sea";
+  }
+  return "undecided";
+}
+
+void describe_orbit(Attractor& attractor, const PeriodicOrbit& orbit) {
+  attractor.type = AttractorType::periodic;
+  attractor.termination = Termination::time;
+  attractor.period = orbit.period;
+  attractor.impacts = orbit.impacts;
+  attractor.isolated_impacts = orbit.isolated_impacts;
+  attractor.rests = orbit.rests;
+  attractor.conservative = orbit.conservative;
+  attractor.motion = orbit.neutral() ? ConservativeMotion::neutral : ConservativeMotion::unknown;
+  attractor.state = orbit.state;
+  attractor.multipliers = orbit.multipliers.values;
+  attractor.exponents = orbit.multipliers.exponents;
+  attractor.standard_errors.assign(attractor.exponents.size(), 0.0);
+  attractor.orbit.reset();
+}
+
+void settle_on(Attractor& attractor, PeriodicOrbit orbit) {
+  describe_orbit(attractor, orbit);
+  attractor.orbit = std::make_shared<const PeriodicOrbit>(std::move(orbit));
+}
+
+Attractor approach_attractor(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options) {
+  Transient approach(system, p, start, options);
+  Propagator propagator(system, p, {}, options.lyapunov.flow);
+  do {
+    if (!carry_watched(propagator, approach, [&] { return cancelled(options); })) approach.stop(Termination::interrupted);
+    if (approach.asks() > 0)
+      approach.answer(look_for_orbit(propagator, approach.state(), approach.asks(), options, approach.passed_by()));
+  } while (approach.open());
+  return std::move(approach).result();
+}
+
+Attractor find_attractor(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options) {
+  Attractor out = approach_attractor(system, p, start, options);
+  average_on_attractor(system, p, out, options);
+  return out;
+}
+
+namespace {
+
+/// Chaos is averaged over so many motions side by side: what fills the lanes of one thread, if the budget leaves each of them the
+/// longer part of it after parting, and up to what fills those of several where each will be carried for ten times that.
+constexpr std::int64_t motions_of_a_thread = 16, most_motions = 128;
+constexpr std::int64_t budget_for_many = 4 * motions_of_a_thread * parting;
+
+/// How long an average may take: to its budget, or until its standard error is so small. (Growths per period have a deviation of
+/// about a third, and periods are some 2 pi long.)
+std::int64_t expected_periods(const LyapunovOptions& averaging) {
+  const double per_error = 3.0 * averaging.standard_error * 2.0 * std::numbers::pi;
+  return static_cast<std::int64_t>(
+      std::min(static_cast<double>(averaging.max_periods), per_error > 0.0 ? 1.0 / (per_error * per_error) : 1e18));
+}
+}  // namespace
+
+int motions_in_chaos(const LyapunovOptions& averaging) {
+  if (averaging.change > 0.0 || averaging.max_periods < budget_for_many) return 1;
+  const std::int64_t wanted = expected_periods(averaging) / (10 * parting);
+  return static_cast<int>(std::clamp(wanted / motions_of_a_thread * motions_of_a_thread, motions_of_a_thread, most_motions));
+}
+
+int motions_in_company(const LyapunovOptions& averaging) {
+  const int alone = motions_in_chaos(averaging);
+  return expected_periods(averaging) < 4 * parting * alone ? 1 : alone;
+}
+
+namespace {
+
+void average_on_orbit(const HybridSystem& system, const Vector& p, Attractor& attractor, const AttractorOptions& options) {
+  LyapunovOptions averaging = options.lyapunov;
+  averaging.max_periods = std::min<std::int64_t>(averaging.max_periods, options.periods_on_orbit);
+  if (averaging.max_periods >= averaging.interval)
+    attractor.time_average = lyapunov_spectrum(system, p, attractor.state, averaging);
+}
+
+/// Where the motions of an average are after so many forcing periods more, in all: those side by side are short, and chaos may be
+/// a transient.
+std::vector<Vector> later_states(const HybridSystem& system, const Vector& p, const LyapunovSpectrum& average,
+                                 const LyapunovOptions& averaging) {
+  constexpr int in_all = 2000;
+  std::vector<Vector> states = average.others;
+  states.insert(states.begin(), average.state);
+  if (states.size() == 1 || average.stop == LyapunovStop::interrupted) return states;
+  LaneCarrier many(system, averaging.flow);
+  if (averaging.all_threads) many.use_all_threads();
+  const std::size_t set = many.add_parameters(p);
+  std::vector<MotionStart> starts;
+  for (const Vector& state : states) starts.push_back({set, state[0], state[1]});
+  const auto periods = static_cast<std::size_t>(std::max(1, in_all / averaging.motions));
+  std::vector<PeriodResult> results;
+  many.carry(starts, periods, false, results);
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    const PeriodResult& end = results[(k + 1) * periods - 1];
+    if (end.termination == Termination::time) states[k] << end.x, end.v;
+  }
+  return states;
+}
+
+/// A time average, and what it says, with a look at where its motions came to.
+void average(const HybridSystem& system, const Vector& p, Attractor& attractor, const LyapunovOptions& averaging,
+             const AttractorOptions& options) {
+  LyapunovSpectrum average = lyapunov_spectrum(system, p, attractor.state, averaging);
+  // Where it was broken off says nothing: the rest may have come to something else.
+  if (average.stop == LyapunovStop::interrupted) return take_average(std::move(average), options, attractor);
+  std::vector<Vector> ends = later_states(system, p, average, averaging);
+  attractor.time_average = std::move(average);
+  attractor.state = attractor.time_average.state;
+  if (ends.size() > 1) ends = that_may_settle(system, p, ends, options.lyapunov.flow);
+  const int most = periods_of_look(options, attractor.time_average.periods_each());
+  const std::size_t together = options.lyapunov.all_threads ? threads_here() : 1;
+  for (std::size_t begin = 0; begin < ends.size(); begin += together) {
+    std::vector<std::optional<PeriodicOrbit>> orbits(std::min(together, ends.size() - begin));
+    in_parallel(orbits.size(), [&](std::size_t i) {
+      Propagator propagator(system, p, {}, options.lyapunov.flow);
+      orbits[i] = look_for_orbit(propagator, ends[begin + i], most, options);
+    });
+    if (cancelled(options)) {  // not all of them were looked at
+      attractor.time_average.stop = LyapunovStop::interrupted;
+      break;
+    }
+    for (auto& orbit : orbits)  // one that has settled tells that the chaos was transient
+      if (orbit) return settle_on(attractor, std::move(*orbit));
+  }
+  take_average(std::move(attractor.time_average), options, attractor);
+}
+
+/// Of the motion that was averaged from `begin` on: null where it cannot linger.
+std::optional<LaminarPhase> lingering(const HybridSystem& system, const Vector& p, const Vector& begin, int round,
+                                   const Attractor& attractor, const AttractorOptions& options) {
+  const double T = forcing_period(system, p);
+  if (attractor.type == AttractorType::periodic || attractor.time_average.stop == LyapunovStop::interrupted ||
+      attractor.time_average.termination != Termination::time || !may_linger(attractor, round, T))
+    return std::nullopt;
+  Propagator propagator(system, p, {}, options.lyapunov.flow);
+  const int most = periods_of_look(options, attractor.time_average.periods_each());
+  const Returns returns = close_returns(propagator, attractor.state, most, nearness_of(options));
+  if (returns.periods.empty()) return std::nullopt;
+  LaminarPhase watch = watch_end(attractor, returns.periods.front(), T, options);
+  const auto stop = [&] { return cancelled(options); };
+  if (!carry_watched(propagator, watch, stop)) return std::nullopt;
+  watch.look_back(begin, attractor.time_average.periods_each());
+  if (!carry_watched(propagator, watch, stop)) return std::nullopt;
+  return watch;
+}
+
+/// Whether the motion that was averaged from `begin` on has to be followed on.
+bool goes_on(const HybridSystem& system, const Vector& p, const Vector& begin, int round, const AttractorOptions& options,
+             Attractor& attractor) {
+  const std::optional<LaminarPhase> watch = lingering(system, p, begin, round, attractor, options);
+  LyapunovStop& stop = attractor.time_average.stop;
+  const bool open = attractor.type != AttractorType::periodic && stop != LyapunovStop::interrupted;
+  if (open && cancelled(options)) stop = LyapunovStop::interrupted;  // it may go on
+  return watch && goes_on(*watch, system, p, round, attractor);
+}
+
+}  // namespace
+
+void average_on_attractor(const HybridSystem& system, const Vector& p, Attractor& attractor, const AttractorOptions& options) {
+  LyapunovOptions averaging = options.lyapunov;
+  averaging.significance = options.significance;  // long enough to tell chaos, too
+  averaging.motions = std::max(averaging.motions, motions_in_chaos(averaging));
+  AttractorOptions longer = options;
+  for (int round = 0; attractor.termination == Termination::time && attractor.type != AttractorType::periodic; ++round) {
+    const Vector begin = attractor.state;
+    average(system, p, attractor, averaging, options);
+    if (wants_confirmation(options, attractor)) average(system, p, attractor, averaging, options);
+    if (!goes_on(system, p, begin, round, options, attractor)) return;
+    longer.transient = longer_transient(longer.transient);
+    attractor = approach_attractor(system, p, attractor.state, longer);
+  }
+  if (attractor.termination == Termination::time) average_on_orbit(system, p, attractor, options);
+}
+
+}  // namespace graze

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/attractor/attractor_decision.hpp>
+#include <graze/floquet/attractor/transient.hpp>
+#include <graze/floquet/exponents/exponents.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace graze {
+
+namespace {
+
+constexpr int most_rounds = 3;
+
+/// Without growth beyond shear for so long, a motion where nothing dissipates is ordered: chaos with an exponent above
+/// ln(1e7) / 1000 = 0.016 a period would have shown.
+constexpr std::int64_t periods_on_island = 1000;
+
+/// By its exponential, what is as small as rounding grows beyond all bounds.
+constexpr double beyond_all_bounds = 40.0;
+
+/// Of a distance, over a forcing period: by its exponential.
+double growth(const Attractor& attractor, double T) {
+  return attractor.type == AttractorType::chaotic ? attractor.exponents[0] * T : 0.0;
+}
+
+/// Not into a barrier.
+void push_off(const HybridSystem& system, const Vector& p, int round, Vector& state) {
+  const double far = 1e-4 * std::pow(10.0, round) * (1.0 + state.lpNorm<Eigen::Infinity>());
+  for (const double way : {-far, far}) {
+    Vector pushed = state;
+    pushed[0] += way;
+    if (!mode_at(system, 0.0, pushed, p)) continue;
+    state = pushed;
+    return;
+  }
+}
+
+}  // namespace
+
+int longer_transient(int transient) {
+  constexpr int shortest = 300;
+  return 3 * std::max(transient, shortest);
+}
+
+std::optional<PeriodicOrbit> look_for_orbit(Propagator& propagator, const Vector& state, int max_period,
+                                            const AttractorOptions& options, RefusedOrbits* refused) {
+  if (options.recurrence > 0.0) return orbit_of_close_returns(propagator, state, max_period, nearness_of(options), refused);
+  return settling_orbit(propagator, state, max_period, options.lyapunov.all_threads);
+}
+
+bool may_linger(const Attractor& attractor, int round, double T) {
+  if (attractor.time_average.conservative()) return false;  // it comes to nothing else
+  return round == 0 || growth(attractor, T) * static_cast<double>(attractor.time_average.periods_each()) <= beyond_all_bounds;
+}
+
+LaminarPhase watch_end(const Attractor& attractor, int period, double T, const AttractorOptions& options) {
+  constexpr double most = 20000.0;
+  const double each = growth(attractor, T);
+  const bool can_tell = each * most > beyond_all_bounds;
+  return {attractor.state, period, nearness_of(options), can_tell ? static_cast<std::int64_t>(beyond_all_bounds / each) : 0};
+}
+
+bool goes_on(const LaminarPhase& watch, const HybridSystem& system, const Vector& p, int round, Attractor& attractor) {
+  if (!watch.goes_on()) return false;
+  if (round == most_rounds) {
+    if (watch.always()) attractor.type = AttractorType::undecided;
+    return false;
+  }
+  if (watch.on_an_orbit()) push_off(system, p, round, attractor.state);
+  return true;
+}
+
+void take_average(LyapunovSpectrum average, const AttractorOptions& options, Attractor& attractor) {
+  attractor.time_average = std::move(average);
+  attractor.state = attractor.time_average.state;
+  attractor.exponents = attractor.time_average.exponents;
+  attractor.standard_errors = attractor.time_average.standard_errors;
+  const LyapunovSpectrum& mean = attractor.time_average;
+  const bool is_chaos = grows_beyond_shear(mean.log_growth, mean.log_volume, mean.periods_each());
+  const bool positive =
+      !attractor.exponents.empty() && attractor.exponents[0] > options.significance * attractor.standard_errors[0];
+  attractor.type = positive && is_chaos ? AttractorType::chaotic : AttractorType::undecided;
+  attractor.conservative = mean.conservative();
+  attractor.motion = ConservativeMotion::unknown;
+  if (attractor.conservative && is_chaos) attractor.motion = ConservativeMotion::chaotic_sea;
+  if (attractor.conservative && !is_chaos && mean.periods_each() >= periods_on_island)
+    attractor.motion = ConservativeMotion::island;
+}
+
+bool wants_confirmation(const AttractorOptions& options, const Attractor& attractor) {
+  return options.recurrence > 0.0 && attractor.type == AttractorType::chaotic &&
+         attractor.time_average.stop == LyapunovStop::standard_error && attractor.time_average.periods < options.confirmed_below;
+}
+
+}  // namespace graze

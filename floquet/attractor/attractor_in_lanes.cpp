@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/attractor/attractor_decision.hpp>
+#include <graze/floquet/attractor/attractor_in_lanes.hpp>
+#include <graze/floquet/attractor/refused_orbits.hpp>
+#include <graze/floquet/attractor/transient.hpp>
+#include <graze/floquet/exponents/lyapunov_lanes.hpp>
+#include <graze/floquet/orbit/observe.hpp>
+
+namespace graze {
+
+namespace {
+
+/// Where an average takes so many periods, it is looked whether its motion has settled meanwhile, and after twice as many again.
+constexpr std::int64_t look_at_average = 2000;
+
+/// Asked before forcing periods are carried.
+struct Stop {
+  const AttractorOptions& options;
+  bool operator()() const { return cancelled(options); }
+};
+
+MotionTask<SettlingLook> look(TaskSlot& lane, const HybridSystem& system, const Vector& p, const Vector& state, int most,
+                            const AttractorOptions& options, RefusedOrbits* refused = nullptr) {
+  return look_for_orbit_in_lanes(lane, system, p, state, most, nearness_of(options), options.lyapunov.flow, refused);
+}
+
+/// approach_attractor.
+MotionTask<Attractor> approach(TaskSlot& lane, const HybridSystem& system, const Vector& p, const Vector& start,
+                             const AttractorOptions& options) {
+  const Stop stop{options};
+  Transient approach(system, p, start, options);
+  do {
+    co_await carry_watched(lane, approach, stop);
+    if (approach.open()) approach.stop(Termination::interrupted);
+    if (approach.asks() == 0) continue;
+    SettlingLook looked = co_await look(lane, system, p, approach.state(), approach.asks(), options, approach.passed_by());
+    approach.answer(std::move(looked.orbit));
+  } while (approach.open());
+  co_return std::move(approach).result();
+}
+
+/// Of a motion that is not known to be periodic. Says whether it has to be followed on, from where it is then.
+MotionTask<bool> average(TaskSlot& lane, const HybridSystem& system, const Vector& p, int round, const AttractorOptions& options,
+                       Attractor& attractor) {
+  const Stop stop{options};
+  const Vector begin = attractor.state;
+  LyapunovOptions averaging = options.lyapunov;
+  averaging.significance = options.significance;
+  for (bool again = false;; again = true) {
+    const AverageStart start{p, attractor.state};
+    LaneAverage average(lane, system, start, averaging);
+    RefusedOrbits refused;
+    for (std::int64_t periods = look_at_average;; periods *= 2) {
+      const bool open = co_await average.carry(lane, periods);
+      if (!open) break;
+      SettlingLook looked = co_await look(lane, system, p, average.state(), periods_of_look(options, periods), options, &refused);
+      if (!looked.orbit) continue;
+      settle_on(attractor, std::move(*looked.orbit));
+      co_return false;
+    }
+    take_average(std::move(average).result(), options, attractor);
+    if (again || !wants_confirmation(options, attractor)) break;
+  }
+  if (stop()) co_return false;  // where averages were broken off says nothing
+  const int periods = periods_of_look(options, attractor.time_average.periods_each());
+  SettlingLook looked = co_await look(lane, system, p, attractor.state, periods, options);
+  if (looked.orbit) {
+    settle_on(attractor, std::move(*looked.orbit));
+    co_return false;
+  }
+  const double T = forcing_period(system, p);
+  if (looked.closest > 0 && may_linger(attractor, round, T)) {
+    LaminarPhase watch = watch_end(attractor, looked.closest, T, options);
+    co_await carry_watched(lane, watch, stop);
+    if (stop()) co_return false;
+    watch.look_back(begin, attractor.time_average.periods_each());
+    co_await carry_watched(lane, watch, stop);
+    if (stop()) co_return false;
+    if (goes_on(watch, system, p, round, attractor)) co_return true;
+  }
+  const bool too_short = attractor.type == AttractorType::undecided && !attractor.conservative && round < rounds_for_undecided;
+  co_return too_short;
+}
+
+/// Whether the lanes know the oscillator, and the options ask for what is done in them.
+bool lanes_do(const HybridSystem& system, const Vector& p, const AttractorOptions& options) {
+  return options.recurrence > 0.0 && options.periods_on_orbit == 0 && LaneCarrier::applies(system, p, options.lyapunov.flow);
+}
+
+MotionTask<> find_to(TaskSlot& lane, const HybridSystem& system, const AverageStart& start, const AttractorOptions& options,
+                   Attractor& attractor) {
+  attractor = co_await approach_attractor_in_lanes(lane, system, start.p, start.state, options);
+  co_await average_on_attractor_in_lanes(lane, system, start.p, attractor, options);
+}
+
+}  // namespace
+
+MotionTask<Attractor> approach_attractor_in_lanes(TaskSlot& lane, const HybridSystem& system, const Vector& p, const Vector& start,
+                                                const AttractorOptions& options) {
+  if (!lanes_do(system, p, options)) {
+    Attractor alone = approach_attractor(system, p, start, options);
+    co_return alone;
+  }
+  lane.take_parameters(p);
+  Attractor attractor = co_await approach(lane, system, p, start, options);
+  co_return attractor;
+}
+
+MotionTask<> average_on_attractor_in_lanes(TaskSlot& lane, const HybridSystem& system, const Vector& p, Attractor& attractor,
+                                         const AttractorOptions& options) {
+  if (!lanes_do(system, p, options)) {
+    average_on_attractor(system, p, attractor, options);
+    co_return;
+  }
+  lane.take_parameters(p);
+  AttractorOptions longer = options;
+  for (int round = 0; attractor.termination == Termination::time && attractor.type != AttractorType::periodic; ++round) {
+    const bool on = co_await average(lane, system, p, round, options, attractor);
+    if (!on || cancelled(options)) break;
+    longer.transient = longer_transient(longer.transient);
+    const Vector from = attractor.state;
+    attractor = co_await approach(lane, system, p, from, longer);
+  }
+}
+
+std::vector<Attractor> find_each_attractor(const HybridSystem& system, const std::vector<AverageStart>& starts,
+                                           const AttractorOptions& options) {
+  std::vector<Attractor> out(starts.size());
+  LaneCarrier many(system, options.lyapunov.flow);
+  TaskPool pool(many);
+  pool.run(starts.size(), [&](std::size_t i, TaskSlot& lane) { return find_to(lane, system, starts[i], options, out[i]); });
+  return out;
+}
+
+}  // namespace graze

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Guesses next to a period doubling, for states at forcing phase 0 of a motion that nearly returns after an even number of
+// periods. Before it, Newton's method fails on the doubled orbit, whose equations are nearly singular there, and not on the one
+// that doubles. Behind it, it may come to that one, which is unstable by then, from states around the doubled one.
+#pragma once
+
+#include <graze/floquet/orbit/state_distance.hpp>
+
+#include <cmath>
+#include <complex>
+#include <cstddef>
+#include <vector>
+
+namespace graze {
+
+inline Vector weighted(double a, const Vector& x, double b, const Vector& y) { return a * x + b * y; }
+inline StatePair weighted(double a, const StatePair& x, double b, const StatePair& y) {
+  return {a * x[0] + b * y[0], a * x[1] + b * y[1]};
+}
+
+/// The states in the middle of the two halves, if those are near each other (`near`: relative to 1 + |x|); else empty.
+template <class State> std::vector<State> between_halves(const std::vector<State>& states, double near) {
+  const std::size_t half = states.size() / 2;
+  if (states.size() % 2 != 0) return {};
+  std::vector<State> out;
+  for (std::size_t k = 0; k < half; ++k) {
+    if (state_distance(states[k], states[k + half]) > near * (1.0 + state_size(states[k]))) return {};
+    out.push_back(weighted(0.5, states[k], 0.5, states[k + half]));
+  }
+  return out;
+}
+
+/// Whether an orbit that a return after so many periods has led to is half as long, and by its first multiplier unstable since a
+/// period doubling not far off.
+inline bool has_doubled(std::size_t period, std::complex<double> mu, std::size_t returned_after) {
+  constexpr double far_off = 0.2;
+  return 2 * period == returned_after && mu.imag() == 0.0 && mu.real() < -1.0 && mu.real() > -1.0 - far_off;
+}
+
+/// States of the doubled orbit around one that has doubled, of period n, states `single` and first multiplier mu: those of the
+/// motion, their distance a from `single` multiplied by one factor. Next to the doubling a is multiplied in 2 n periods by
+/// mu^2 - c a^2 (its normal form; Kuznetsov, Elements of Applied Bifurcation Theory, 3rd ed., sec. 4.4), which is 1 on the
+/// doubled orbit; what the motion does to its own a says c. `motion`: its states from 0 to 3 n periods. Empty where that is no
+/// guess.
+template <class State>
+std::vector<State> doubled_states(const std::vector<State>& single, double mu, const std::vector<State>& motion) {
+  constexpr double most_times = 20.0;
+  const std::size_t n = single.size();
+  const auto across = [&](std::size_t k) { return weighted(0.5, motion[k], -0.5, motion[k + n]); };
+  const double factor = std::sqrt((mu * mu - 1.0) / (mu * mu - state_size(across(2 * n)) / state_size(across(0))));
+  if (!(factor < most_times && factor > 1.0 / most_times)) return {};
+  std::vector<State> out;
+  for (const double side : {factor, -factor})
+    for (std::size_t k = 0; k < n; ++k) out.push_back(weighted(1.0, single[k], side, across(k)));
+  return out;
+}
+
+}  // namespace graze

@@ -1,0 +1,426 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/attractor/attractor_in_lanes.hpp>
+#include <graze/floquet/attractor/search.hpp>
+#include <graze/floquet/orbit/search_box.hpp>
+#include <graze/lib/tasks/task_pool.hpp>
+
+#include <fmt/format.h>
+#include <nlopt.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
+#include <span>
+#include <stdexcept>
+
+namespace graze {
+
+namespace {
+
+/// What a start is worth before it is given up. Measured on the systems of tests/floquet/search.cpp: of the starts that Newton
+/// with 40 iterations and 12 halvings brings home, these limits lose up to two in five, at a fifth of the cost.
+constexpr int scout_iterations = 20, scout_halvings = 3;
+/// Newton that has not halved its residual in this many iterations is hopeless.
+constexpr std::size_t scout_window = 4;
+/// Scouting needs no more than to tell orbits apart; what it finds is then found again with the accuracy asked for.
+constexpr double scout_tolerance = 1e-8, scout_residual = 1e-7;
+/// A scout this close to a known orbit (relative to 1 + |x|) has found it again. Orbits that lie closer together exist only
+/// within about 1e-12 of a bifurcation.
+constexpr double same_place = 1e-6;
+/// Forcing phases (over 2 pi) of the states that Newton solves for, in turn. Where an orbit is in a stiff contact the map from
+/// there to there bends so sharply that hardly a start comes home; half a period away it flies.
+constexpr std::array section_phases = {0.0, 0.5};
+
+FlowOptions scouting(FlowOptions options) {
+  options.tolerance = std::max(options.tolerance, scout_tolerance);
+  return options;
+}
+
+/// The state of one search: what was found, and how long nothing new has come.
+class Search {
+ public:
+  Search(const HybridSystem& system, const Vector& p, int period, const Vector& lower, const Vector& upper,
+         const SearchOptions& options)
+      : system_(system), p_(p), period_(period), lower_(2.0 * lower - upper), upper_(2.0 * upper - lower), options_(options),
+        T_(forcing_period(system, p)) {
+    options_.shooting.reduce_period = true;
+    options_.shooting.nodes = 0;
+    const FlowOptions flow = scouting(options.shooting.flow);
+    for (const double phase : section_phases)
+      sections_.push_back(
+          {phase, {system, p, period, 1, std::nullopt, flow, phase}, {system, p, period, period, std::nullopt, flow, phase}, {}});
+  }
+
+  bool finished() const {
+    return result.starts >= options_.max_starts || idle_ >= options_.patience || (options_.cancelled && options_.cancelled());
+  }
+  bool exhausted() const { return idle_ >= options_.patience; }
+  void forget_patience() { idle_ = 0; }
+
+  /// Newton from a state at phase 0, or at one of the phases in turn.
+  void try_state(const Vector& x) { try_state(sections_.front(), x); }
+  void try_state_in_turn(const Vector& x) { try_state(next_section(), x); }
+
+  /// Newton from beside a known orbit: orbits are born in pairs, at folds and at grazings, and stay near each other.
+  bool try_near_known(std::mt19937_64& random, double size) {
+    Section& section = next_section();
+    if (section.known_states.empty()) return false;
+    std::uniform_int_distribution<std::size_t> pick(0, section.known_states.size() - 1);
+    std::uniform_real_distribution<double> distance(std::log(1e-3 * size), std::log(1e-1 * size));
+    std::normal_distribution<double> normal;
+    Vector direction(lower_.size());
+    for (double& d : direction) d = normal(random);
+    try_state(section, section.known_states[pick(random)] + std::exp(distance(random)) * direction.normalized());
+    return true;
+  }
+
+  /// Newton from one state for each period.
+  void try_nodes(std::span<const Vector> nodes) {
+    count_start();
+    Section& section = sections_.front();
+    Vector u(section.multiple.unknowns());
+    for (std::size_t j = 0; j < nodes.size(); ++j)
+      u.segment(static_cast<Eigen::Index>(j) * nodes[j].size(), nodes[j].size()) = nodes[j];
+    settle_account(section, section.multiple, u);
+  }
+
+  /// |P^n(x) - x|^2 with its gradient 2 (M - I)^T (P^n(x) - x), for NLopt; large where the map is not defined.
+  double mismatch(const Vector& x, double* gradient) {
+    constexpr double undefined = 1e6;
+    carry(propagator(), 0.0, period_ * T_, x,
+          {.sensitivity = gradient ? Sensitivity::state : Sensitivity::none, .max_events = most_events}, transition_);
+    if (transition_.termination != Termination::time) {
+      if (gradient) std::fill_n(gradient, x.size(), 0.0);
+      return undefined;
+    }
+    const Vector gap = transition_.x1 - x;
+    if (gradient) {
+      const Vector slope = 2.0 * (transition_.Phi.transpose() * gap - gap);
+      std::copy(slope.begin(), slope.end(), gradient);
+    }
+    return gap.squaredNorm();
+  }
+
+  Propagator& propagator() { return sections_.front().single.propagator(); }
+  SearchResult result;
+
+ private:
+  static constexpr std::size_t most_events = 1000;
+
+  /// States at one forcing phase: the equations for them, and those of the orbits met so far.
+  struct Section {
+    double phase;
+    ShootingEquations single, multiple;
+    std::vector<Vector> known_states;
+  };
+
+  Section& next_section() { return sections_[static_cast<std::size_t>(result.starts / 2) % sections_.size()]; }
+
+  /// Newton from one state: single and multiple shooting in turn, for each brings home starts that the other does not.
+  void try_state(Section& section, const Vector& x) {
+    ShootingEquations& equations = result.starts % 2 == 0 ? section.multiple : section.single;
+    count_start();
+    const int count = equations.nodes();
+    Vector u(equations.unknowns());
+    u.head(x.size()) = x;
+    const double stretch = equations.duration(u) / count;
+    for (int j = 1; j < count; ++j) {
+      const std::optional<Vector> next = carried(equations.node(u, j - 1), equations.node_time(u, j - 1), stretch);
+      if (!next) return;
+      u.segment(j * x.size(), x.size()) = *next;
+    }
+    settle_account(section, equations, u);
+  }
+
+  std::optional<Vector> carried(const Vector& x, double start, double time) {
+    if (time == 0.0) return x;
+    carry(propagator(), start, start + time, x, {.sensitivity = Sensitivity::none, .max_events = most_events}, transition_);
+    if (transition_.termination != Termination::time) return std::nullopt;
+    return transition_.x1;
+  }
+
+  void count_start() {
+    ++result.starts;
+    ++idle_;
+    if (options_.progress) options_.progress(result.starts, static_cast<int>(result.orbits.size()));
+  }
+
+  /// Newton with few halvings, given up as soon as it is hopeless; true if it has come to an orbit.
+  bool scout(ShootingEquations& equations, Vector& u) {
+    const TransitionOptions tangent{.sensitivity = Sensitivity::state, .max_events = most_events};
+    const Eigen::Index n = lower_.size();
+    if (!equations.evaluate(u, tangent)) return false;
+    const auto relative = [](const Vector& residual, const Vector& at) {
+      return residual.lpNorm<Eigen::Infinity>() / (1.0 + at.lpNorm<Eigen::Infinity>());
+    };
+    equations.residual(u, residual_);
+    std::vector<double> history{relative(residual_, u)};
+    while (history.back() > scout_residual) {
+      if (static_cast<int>(history.size()) > std::min(scout_iterations, options_.shooting.max_iterations)) return false;
+      if (history.size() > scout_window && history.back() > 0.5 * history[history.size() - 1 - scout_window]) return false;
+      equations.jacobian(jacobian_);
+      Vector step = jacobian_.partialPivLu().solve(-residual_);
+      if (!step.allFinite()) return false;
+      const double length = step.lpNorm<Eigen::Infinity>();
+      double factor = std::min(1.0, options_.shooting.max_step * (1.0 + u.lpNorm<Eigen::Infinity>()) / length);
+      Vector trial;
+      int halving = 0;
+      for (;; factor *= 0.5) {
+        trial = u + factor * step;
+        const bool inside = (trial.head(n).array() >= lower_.array()).all() && (trial.head(n).array() <= upper_.array()).all();
+        if (inside && equations.evaluate(trial, tangent)) {
+          equations.residual(trial, residual_);
+          if (relative(residual_, trial) < history.back()) break;
+        }
+        if (++halving > std::min(scout_halvings, options_.shooting.max_halvings)) return false;
+      }
+      u = trial;
+      history.push_back(relative(residual_, u));
+    }
+    return true;
+  }
+
+  /// Lets a start run home, and keeps the orbit if it is a new one.
+  void settle_account(Section& section, ShootingEquations& equations, Vector& u) {
+    if (!scout(equations, u)) return;
+    const Eigen::Index n = lower_.size();
+    const double close = same_place * (1.0 + u.head(n).lpNorm<Eigen::Infinity>());
+    const auto found_again = [&](const Vector& x) { return (x - u.head(n)).lpNorm<Eigen::Infinity>() < close; };
+    if (std::any_of(section.known_states.begin(), section.known_states.end(), found_again)) {
+      ++result.converged;
+      return;
+    }
+    std::vector<Vector> nodes;
+    for (int j = 0; j < equations.nodes(); ++j) {
+      const std::optional<Vector> x =
+          carried(equations.node(u, j), section.phase * T_, section.phase > 0.0 ? (1.0 - section.phase) * T_ : 0.0);
+      if (!x || !mode_at(system_, 0.0, *x, p_)) return;
+      nodes.push_back(*x);
+    }
+    PeriodicOrbit orbit = shoot(system_, p_, nodes, period_, options_.shooting);
+    if (!orbit.converged()) return;
+    ++result.converged;
+    if (!orbit.multipliers.valid) return;
+    if (orbit.period == period_) {
+      for (const PeriodicOrbit& known : result.orbits)
+        if (same_orbit(orbit, known)) return;
+      idle_ = 0;
+    }
+    // Shorter orbits are remembered too: most starts may lead to them.
+    for (Section& other : sections_)
+      for (const Vector& state : orbit.states)
+        if (const std::optional<Vector> x = carried(state, 0.0, other.phase * T_)) other.known_states.push_back(*x);
+    if (orbit.period == period_) result.orbits.push_back(std::move(orbit));
+  }
+
+  const HybridSystem& system_;
+  const Vector& p_;
+  int period_;
+  Vector lower_, upper_;  ///< the box with its own size added on each side: Newton that leaves it is given up
+  SearchOptions options_;
+  double T_;
+  std::vector<Section> sections_;
+  Vector residual_;
+  Matrix jacobian_;
+  Transition transition_;
+  int idle_ = 0;
+};
+
+/// True if no earlier point lies near; then it is remembered.
+bool remember_if_new(std::vector<Vector>& earlier, const Vector& point, double near) {
+  if (std::any_of(earlier.begin(), earlier.end(), [&](const Vector& x) { return (x - point).norm() < near; })) return false;
+  earlier.push_back(point);
+  return true;
+}
+
+/// Unstable orbits inside a chaotic attractor are passed closely again and again: near returns of a settled run are good guesses.
+void from_recurrences(Search& search, double T, int period, std::mt19937_64& random, const Vector& lower, const Vector& upper) {
+  constexpr int transient = 200, samples = 1300, attractors = 3;
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  const double size = (upper - lower).norm(), near = 0.1 * size, alike = 3e-3 * size;
+  std::vector<Vector> tried;
+  for (int run = 0; run < attractors && !search.finished(); ++run) {
+    Vector x(lower.size());
+    for (Eigen::Index i = 0; i < x.size(); ++i) x[i] = lower[i] + (upper[i] - lower[i]) * unit(random);
+    std::vector<Vector> states;
+    Transition transition;
+    for (int k = 0; k < transient + samples && !search.finished(); ++k) {
+      carry(search.propagator(), 0.0, T, x, {.sensitivity = Sensitivity::none}, transition);
+      if (transition.termination != Termination::time) break;
+      x = transition.x1;
+      if (k >= transient) states.push_back(x);
+    }
+    std::vector<std::pair<double, std::size_t>> returns;
+    const auto n = static_cast<std::size_t>(period);
+    for (std::size_t k = 0; k + n < states.size(); ++k) returns.emplace_back((states[k + n] - states[k]).norm(), k);
+    std::sort(returns.begin(), returns.end());
+    for (const auto& [distance, k] : returns) {
+      if (distance > near || search.finished()) break;
+      if (remember_if_new(tried, states[k], alike)) search.try_nodes(std::span(states).subspan(k, n));
+      if (distance < 1e-9) break;  // the run has settled on an orbit: all its returns are alike
+    }
+  }
+}
+
+/// NLopt's multi-level single linkage over the squared mismatch; where its local searches come to rest, Newton starts.
+void from_nlopt(Search& search, const Vector& lower, const Vector& upper, unsigned seed, const std::function<bool()>& cancelled) {
+  const auto n = static_cast<unsigned>(lower.size());
+  const double size = (upper - lower).norm();
+  struct Context {
+    Search& search;
+    const std::function<bool()>& cancelled;
+    nlopt::opt& global;
+    double small;
+    std::vector<Vector> candidates;
+  };
+  nlopt::opt global(nlopt::GD_MLSL_LDS, n), local(nlopt::LD_SLSQP, n);
+  Context context{search, cancelled, global, 1e-4 * size * size, {}};
+  const auto objective = [](unsigned count, const double* x, double* gradient, void* data) -> double {
+    auto& c = *static_cast<Context*>(data);
+    if (c.cancelled && c.cancelled()) c.global.force_stop();
+    const Vector point = Eigen::Map<const Vector>(x, count);
+    const double value = c.search.mismatch(point, gradient);
+    if (value < c.small) c.candidates.push_back(point);
+    return value;
+  };
+  try {
+    nlopt::srand(seed);
+    local.set_maxeval(25);
+    local.set_ftol_rel(1e-6);
+    global.set_local_optimizer(local);
+    global.set_population(40);
+    global.set_lower_bounds(std::vector<double>(lower.begin(), lower.end()));
+    global.set_upper_bounds(std::vector<double>(upper.begin(), upper.end()));
+    global.set_min_objective(objective, &context);
+    global.set_maxeval(3000);
+    const Vector middle = 0.5 * (lower + upper);
+    std::vector<double> x(middle.begin(), middle.end());
+    double value = 0.0;
+    global.optimize(x, value);
+  } catch (const nlopt::forced_stop&) {
+  } catch (const std::runtime_error&) {  // a failed local search (SLSQP at a kink) ends NLopt's run; what it met is kept
+  }
+  // Of points that lie close together the last is the best: a local search came to it.
+  std::vector<Vector> tried;
+  for (auto candidate = context.candidates.rbegin(); candidate != context.candidates.rend() && !search.finished(); ++candidate)
+    if (remember_if_new(tried, *candidate, 1e-2 * size)) search.try_state(*candidate);
+}
+
+/// Additive recurrence on the n-dimensional golden ratio, shifted by the seed: evenly spread at every length.
+class LowDiscrepancy {
+ public:
+  LowDiscrepancy(Eigen::Index n, std::mt19937_64& random) : step_(n), point_(n) {
+    double golden = 2.0;  // root of g^(n+1) = g + 1
+    for (int i = 0; i < 60; ++i) golden = std::pow(1.0 + golden, 1.0 / static_cast<double>(n + 1));
+    std::uniform_real_distribution<double> unit(0.0, 1.0);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      step_[i] = std::pow(1.0 / golden, static_cast<double>(i + 1));
+      point_[i] = unit(random);
+    }
+  }
+  const Vector& next() {
+    for (Eigen::Index i = 0; i < point_.size(); ++i) point_[i] = std::fmod(point_[i] + step_[i], 1.0);
+    return point_;
+  }
+
+ private:
+  Vector step_, point_;
+};
+
+/// @throws std::invalid_argument for a box that is none.
+void check_box(const HybridSystem& system, const Vector& lower, const Vector& upper) {
+  const auto n = static_cast<Eigen::Index>(system.states);
+  const bool sizes = lower.size() == n && upper.size() == n;
+  if (!sizes || !lower.allFinite() || !upper.allFinite() || !((upper - lower).minCoeff() > 0.0))
+    throw std::invalid_argument("the search box needs a finite lower and a larger upper bound for each state");
+}
+
+/// How near a motion has to return before Newton's method is tried (relative to 1 + |x|).
+constexpr double settling_recurrence = 1e-4;
+
+MotionTask<> settle_to(TaskSlot& lane, const HybridSystem& system, const MotionFrom& start, const AttractorOptions& settling,
+                     std::shared_ptr<const PeriodicOrbit>& reached) {
+  if (!mode_at(system, 0.0, start.state, start.p)) co_return;
+  const Attractor attractor = co_await approach_attractor_in_lanes(lane, system, start.p, start.state, settling);
+  reached = attractor.orbit;
+}
+
+}  // namespace
+
+std::vector<PeriodicOrbit> settled_orbits(const HybridSystem& system, const std::vector<MotionFrom>& starts,
+                                          const SettlingOptions& options) {
+  AttractorOptions settling;
+  settling.transient = options.periods;
+  settling.recurrence = settling_recurrence;
+  settling.max_period = options.max_period;
+  settling.periods_on_orbit = 0;
+  settling.lyapunov.cancelled = options.cancelled;
+  settling.lyapunov.flow = options.shooting.flow;
+  std::vector<std::shared_ptr<const PeriodicOrbit>> reached(starts.size());
+  LaneCarrier many(system, options.shooting.flow);
+  TaskPool pool(many);
+  pool.run(starts.size(),
+           [&](std::size_t i, TaskSlot& lane) { return settle_to(lane, system, starts[i], settling, reached[i]); });
+  std::vector<PeriodicOrbit> found;
+  for (const auto& orbit : reached) {
+    if (!orbit) continue;
+    const auto same = [&](const PeriodicOrbit& other) {
+      return other.parameters == orbit->parameters && same_orbit(other, *orbit);
+    };
+    if (std::any_of(found.begin(), found.end(), same)) continue;
+    // From the lanes it comes without events.
+    PeriodicOrbit whole =
+        orbit->events.empty() ? shoot(system, orbit->parameters, orbit->states, orbit->period, options.shooting) : *orbit;
+    if (whole.converged() && whole.admissible == Admissibility::admissible) found.push_back(std::move(whole));
+  }
+  return found;
+}
+
+std::vector<PeriodicOrbit> search_stable_orbits(const HybridSystem& system, const std::vector<Vector>& parameters,
+                                                const StableSearchOptions& options) {
+  if (parameters.empty()) return {};
+  Vector lower = options.lower, upper = options.upper;
+  if (lower.size() == 0 && upper.size() == 0) {
+    const FlowOptions& flow = options.settling.shooting.flow;
+    const auto first = search_box(system, parameters.front(), flow, options.box_periods);
+    const auto last = search_box(system, parameters.back(), flow, options.box_periods);
+    lower = first.first.cwiseMin(last.first);
+    upper = first.second.cwiseMax(last.second);
+  }
+  check_box(system, lower, upper);
+  std::mt19937_64 random(options.seed);
+  LowDiscrepancy sequence(lower.size(), random);
+  std::vector<MotionFrom> starts;
+  for (const Vector& p : parameters) {
+    forcing_period(system, p);
+    for (int k = 0; k < options.starts; ++k) starts.push_back({p, lower + (upper - lower).cwiseProduct(sequence.next())});
+  }
+  return settled_orbits(system, starts, options.settling);
+}
+
+SearchResult search_orbits(const HybridSystem& system, const Vector& p, int period, const SearchOptions& options) {
+  if (period < 1) throw std::invalid_argument(fmt::format("period n is {}; allowed is a whole number from 1", period));
+  forcing_period(system, p);
+  Vector lower = options.lower, upper = options.upper;
+  if (lower.size() == 0 && upper.size() == 0) std::tie(lower, upper) = search_box(system, p, options.shooting.flow);
+  check_box(system, lower, upper);
+  Search search(system, p, period, lower, upper, options);
+  std::mt19937_64 random(options.seed);
+  from_recurrences(search, forcing_period(system, p), period, random, lower, upper);
+  if (!search.finished()) from_nlopt(search, lower, upper, options.seed, options.cancelled);
+  search.forget_patience();
+  LowDiscrepancy sequence(lower.size(), random);
+  for (int k = 0; !search.finished(); ++k) {
+    if (k % 3 == 2 && search.try_near_known(random, (upper - lower).norm())) continue;
+    search.try_state_in_turn(lower + (upper - lower).cwiseProduct(sequence.next()));
+  }
+  search.result.complete = search.exhausted();
+  auto& orbits = search.result.orbits;
+  std::stable_sort(orbits.begin(), orbits.end(), [](const PeriodicOrbit& a, const PeriodicOrbit& b) {
+    return std::abs(a.multipliers.values.front()) < std::abs(b.multipliers.values.front());
+  });
+  return std::move(search.result);
+}
+
+}  // namespace graze

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Letting a transient die out, and reading off the period of what it has settled on.
+#pragma once
+
+#include <graze/floquet/orbit/shooting.hpp>
+
+#include <functional>
+
+namespace graze {
+
+struct SettleOptions {
+  int periods = 1000;        ///< forcing periods of transient
+  int max_period = 64;       ///< largest period looked for among the states that follow
+  double recurrence = 1e-6;  ///< |x_{k+n} - x_k| / (1 + |x_k|) below which period n is suspected (proved by Newton, not by this)
+  std::function<bool()> cancelled = {};  ///< asked once per period; may be empty
+  FlowOptions flow = {};
+};
+
+struct Settled {
+  Termination termination = Termination::failed;
+  Vector state;              ///< at forcing phase 0
+  int suspected_period = 0;  ///< 0: none found up to max_period
+  int periods = 0;           ///< forcing periods carried out
+};
+
+/// Simulates from `start` at forcing phase 0. @throws std::invalid_argument for an inadmissible start or an autonomous system.
+Settled settle(const HybridSystem& system, const Vector& p, const Vector& start, const SettleOptions& options = {});
+
+}  // namespace graze

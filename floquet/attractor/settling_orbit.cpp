@@ -1,0 +1,427 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/attractor/distance_watch.hpp>
+#include <graze/floquet/attractor/near_doubling.hpp>
+#include <graze/floquet/attractor/refused_orbits.hpp>
+#include <graze/floquet/attractor/settling_orbit.hpp>
+#include <graze/floquet/exponents/tangent_growth.hpp>
+#include <graze/floquet/orbit/lane_orbits.hpp>
+#include <graze/floquet/orbit/observe.hpp>
+#include <graze/floquet/orbit/stroboscopic_states.hpp>
+#include <graze/lib/motion/lane_carrier.hpp>
+#include <graze/lib/motion/rest.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <memory>
+
+namespace graze {
+
+namespace {
+
+/// A settled state returns this closely after one period of its orbit, relative to 1 + |x|; Newton decides, not this.
+constexpr double worth_trying = 0.03;
+
+/// Halves of a doubled orbit may be so far apart that its period is still worth trying. From between them the tangent grows by
+/// little more than the multiplier of the orbit that doubles.
+constexpr double near_halves = 4.0 * worth_trying, growth_at_doubling = 2.0;
+
+/// Where time matters: a motion that comes to a stable orbit will be looked at again, with a tangent that grows no more.
+constexpr double growth_too_early = 30.0;
+
+/// From near a stable orbit Newton's method takes full steps, or parts of them. (Of 30,000 tries in a map of a damped Hertz
+/// oscillator that came to one, one had a step shorter than 1/64.) Where they become shorter and shorter it creeps to a minimum
+/// of the residual where there is no orbit, as before a fold: twelve halvings of each step took most of the time of all tries.
+constexpr int few_halvings = 6;
+
+/// Returns that orbit_of_close_returns tries.
+constexpr std::size_t most_tries = 3;
+
+/// A motion that may come closer to an orbit, to be carried until that is known.
+template <class Orbit> class NearOrbit {
+ public:
+  NearOrbit(const Orbit& orbit, const Vector& x, double slowest, std::size_t period)
+      : orbit_(&orbit), at_(x), watch_(nearest_distance(orbit.states, x), slowest, static_cast<int>(period)) {}
+  bool open() const { return watch_.open(); }
+  const Vector& state() const { return at_; }
+  void see(Termination end, const Vector& state) {
+    if (end != Termination::time) return watch_.stop();
+    at_ = state;
+    if (++periods_ % watch_.periods() == 0) watch_.see(nearest_distance(orbit_->states, at_));
+  }
+  bool comes_closer() const { return watch_.comes_closer(); }
+
+ private:
+  const Orbit* orbit_;
+  Vector at_;
+  DistanceWatch watch_;
+  int periods_ = 0;
+};
+
+const auto never = [] { return false; };
+
+/// True if the motion from x comes closer to the orbit.
+bool approaches(Propagator& propagator, const PeriodicOrbit& orbit, const Vector& x) {
+  NearOrbit motion(orbit, x, std::abs(orbit.multipliers.values.front()), static_cast<std::size_t>(orbit.period));
+  carry_watched(propagator, motion, never);
+  return motion.comes_closer();
+}
+
+/// Where nothing dissipates no motion comes closer to an orbit: it is on it, but for rounding, or it is not.
+bool is_on(const PeriodicOrbit& orbit, const Vector& x) {
+  return nearest_distance(orbit.states, x) < DistanceWatch::on_it * (1.0 + state_size(x));
+}
+
+/// How much the tangent of the motions over one period from each of these states grows in all.
+double growth_along(Propagator& propagator, const std::vector<Vector>& states) {
+  const double T = forcing_period(propagator.system(), propagator.parameters());
+  Matrix growth = Matrix::Identity(states.front().size(), states.front().size());
+  Transition transition;
+  for (const Vector& state : states) {
+    carry(propagator, 0.0, T, state, {.sensitivity = Sensitivity::state}, transition);
+    growth = transition.Phi * growth;
+  }
+  return spectral_radius(growth);
+}
+
+/// The stable orbit that these states are near to, of as many periods or a divisor.
+std::optional<PeriodicOrbit> stable_orbit_of(Propagator& propagator, const std::vector<Vector>& states) {
+  ShootingOptions shooting;
+  shooting.flow = propagator.options();
+  shooting.max_halvings = few_halvings;
+  const HybridSystem& system = propagator.system();
+  const Vector& p = propagator.parameters();
+  const auto shoot_from = [&](const std::vector<Vector>& guess) {
+    return shoot(system, p, guess, static_cast<int>(guess.size()), shooting);
+  };
+  const auto in_front_of_barriers = [&](const std::vector<Vector>& guess) {
+    return std::all_of(guess.begin(), guess.end(), [&](const Vector& x) { return mode_at(system, 0.0, x, p).has_value(); });
+  };
+  PeriodicOrbit orbit = shoot_from(states);
+  if (!orbit.converged())
+    if (const auto half = between_halves(states, near_halves);
+        !half.empty() && in_front_of_barriers(half) && growth_along(propagator, half) <= growth_at_doubling)
+      orbit = shoot_from(half);
+  if (orbit.converged() && orbit.multipliers.valid &&
+      has_doubled(orbit.states.size(), orbit.multipliers.values.front(), states.size())) {
+    const double mu = orbit.multipliers.values.front().real();
+    const std::size_t three_times = 3 * orbit.states.size() + 1;
+    const std::vector<Vector> motion = stroboscopic_states(propagator, states.front(), three_times);
+    if (motion.size() == three_times)
+      if (const auto doubled = doubled_states(orbit.states, mu, motion); !doubled.empty() && in_front_of_barriers(doubled))
+        orbit = shoot_from(doubled);
+  }
+  const double scale = 1.0 + state_size(states.front());
+  const bool near = orbit.converged() && nearest_distance(orbit.states, states.front()) < 2.0 * worth_trying * scale;
+  if (near && (orbit.stable() || orbit.neutral()) && orbit.admissible == Admissibility::admissible) return orbit;
+  return std::nullopt;
+}
+
+/// That, if the motion through them comes closer to it, and was not seen to pass by it.
+std::optional<PeriodicOrbit> stable_orbit_near(Propagator& propagator, const std::vector<Vector>& states,
+                                               RefusedOrbits& refused) {
+  auto orbit = stable_orbit_of(propagator, states);
+  if (!orbit || refused.knows(orbit->states, states.front())) return std::nullopt;
+  if (orbit->conservative ? is_on(*orbit, states.front()) : approaches(propagator, *orbit, states.front())) return orbit;
+  refused.add(orbit->states, states.front());
+  return std::nullopt;
+}
+
+/// Longer returns are mostly chance, unless the motion has settled: they have to be so much closer.
+constexpr double settled = 0.05;
+
+/// The periods after which states return to the first of them, the closest return first.
+template <class State> std::vector<int> returns_of(const std::vector<State>& states, double nearness, int max_period) {
+  constexpr double alike = 1e-10;  // returns this close are as good as each other: the shortest comes first
+  const double scale = 1.0 + state_size(states.front());
+  std::vector<std::pair<double, int>> found;
+  for (int n = 1; n <= max_period && n < static_cast<int>(states.size()); ++n) {
+    const double distance = std::max(alike, state_distance(states[static_cast<std::size_t>(n)], states.front()) / scale);
+    if (distance < (n > short_return ? settled * nearness : nearness)) found.emplace_back(distance, n);
+  }
+  std::sort(found.begin(), found.end());
+  std::vector<int> periods;
+  for (const auto& one : found) periods.push_back(one.second);
+  return periods;
+}
+
+/// Which returns are tried: the closest, each after those of its divisors that are close, too (so that Newton's method need not
+/// find out that an orbit is shorter).
+std::vector<int> worth_a_try(const std::vector<int>& periods) {
+  std::vector<int> out;
+  for (std::size_t i = 0; i < std::min(most_tries, periods.size()); ++i)
+    for (int d = 1; d <= periods[i]; ++d)
+      if (periods[i] % d == 0 && std::find(periods.begin(), periods.end(), d) != periods.end() &&
+          std::find(out.begin(), out.end(), d) == out.end())
+        out.push_back(d);
+  return out;
+}
+
+}  // namespace
+
+bool may_rest(const HybridSystem& system, const Vector& p, const Vector& state) {
+  constexpr double near_stop = 0.1;  // relative to 1 + |x|: what bounces there many times a period is nearer
+  return std::any_of(system.events.begin(), system.events.end(), [&](const Event& event) {
+    if (!event.accumulation) return false;
+    Vector rest = state;
+    event.accumulation->reset.map(0.0, state, p, rest);
+    return state_distance(rest, state) < near_stop * (1.0 + state_size(rest)) &&
+           mode_at(system, 0.0, rest, p) == event.accumulation->sticking_mode;
+  });
+}
+
+std::optional<PeriodicOrbit> resting_orbit(Propagator& propagator, const Vector& state) {
+  if (!may_rest(propagator.system(), propagator.parameters(), state)) return std::nullopt;
+  const std::optional<Vector> rest = rest_for_ever(propagator, state);
+  if (!rest || !comes_to_rest(propagator, state, *rest)) return std::nullopt;
+  ShootingOptions shooting;
+  shooting.flow = propagator.options();
+  PeriodicOrbit orbit = shoot(propagator.system(), propagator.parameters(), *rest, 1, shooting);
+  if (!orbit.converged() || !orbit.rests) return std::nullopt;
+  return orbit;
+}
+
+Returns close_returns(Propagator& propagator, const Vector& state, int max_period, double nearness) {
+  Returns out{stroboscopic_states(propagator, state, static_cast<std::size_t>(std::max(0, max_period)) + 1), {}};
+  out.periods = returns_of(out.states, nearness, max_period);
+  return out;
+}
+
+std::optional<PeriodicOrbit> orbit_of_close_returns(Propagator& propagator, const Vector& state, int max_period, double nearness,
+                                                    RefusedOrbits* refused) {
+  if (auto rest = resting_orbit(propagator, state)) return rest;
+  RefusedOrbits own;
+  const Returns returns = close_returns(propagator, state, max_period, nearness);
+  for (const int n : worth_a_try(returns.periods)) {
+    const std::vector<Vector> states(returns.states.begin(), returns.states.begin() + n);
+    if (growth_along(propagator, states) > growth_too_early) continue;
+    if (auto orbit = stable_orbit_near(propagator, states, refused ? *refused : own)) return orbit;
+  }
+  return std::nullopt;
+}
+
+namespace {
+
+/// What an orbit that was found in lanes says to a motion that may be settling on it.
+enum class Verdict { no, delicate, yes };
+Verdict verdict(const LaneOrbit& orbit, const Vector& state) {
+  const double scale = 1.0 + state.lpNorm<Eigen::Infinity>();
+  if (!orbit.converged || !(nearest_distance(orbit.states, state) < 2.0 * worth_trying * scale)) return Verdict::no;
+  if (orbit.delicate) return Verdict::delicate;
+  return orbit.stable() ? Verdict::yes : Verdict::no;
+}
+
+PeriodicOrbit plain_orbit(const HybridSystem& system, const Vector& p, const LaneOrbit& found) {
+  PeriodicOrbit orbit;
+  orbit.parameters = p;
+  orbit.period = static_cast<int>(found.states.size());
+  orbit.duration = orbit.period * forcing_period(system, p);
+  for (const StatePair& state : found.states) orbit.states.push_back(vector_of(state));
+  orbit.nodes = orbit.states;
+  orbit.state = orbit.states.front();
+  orbit.impacts = orbit.isolated_impacts = found.impacts;  // the lanes leave it to shoot() if it sticks
+  orbit.newton.status = NewtonStatus::converged;
+  orbit.admissible = Admissibility::admissible;  // its stretches between nodes are free runs
+  orbit.multipliers.valid = true;
+  for (const auto& mu : found.multipliers) {
+    orbit.multipliers.values.push_back(mu);
+    orbit.multipliers.exponents.push_back(std::log(std::abs(mu)) / orbit.duration);
+  }
+  return orbit;
+}
+
+}  // namespace
+
+MotionTask<std::optional<PeriodicOrbit>> orbit_approached_in_lanes(TaskSlot& lane, const HybridSystem& system, const Vector& p,
+                                                                 const LaneOrbit& orbit, const Vector& state) {
+  if (verdict(orbit, state) != Verdict::yes) co_return std::nullopt;
+  NearOrbit motion(orbit, state, std::abs(orbit.multipliers.front()), orbit.states.size());
+  co_await carry_watched(lane, motion, never);
+  if (!motion.comes_closer()) co_return std::nullopt;
+  co_return plain_orbit(system, p, orbit);
+}
+
+namespace {
+
+/// The orbit that Newton's method comes to from the states around a return, or from a guess next to a period doubling.
+MotionTask<LaneOrbit> shoot_next_to_doubling(TaskSlot& lane, const std::vector<StatePair>& around) {
+  const LanePatience patience{growth_too_early, few_halvings};
+  LaneOrbit orbit = co_await shoot_in_lanes(lane, around, patience);
+  if (!orbit.converged && !orbit.given_up)
+    if (std::vector<StatePair> half = between_halves(around, near_halves); !half.empty())
+      orbit = co_await shoot_in_lanes(lane, std::move(half), {growth_at_doubling, few_halvings});
+  if (const auto mu = orbit.multipliers[0]; has_doubled(orbit.states.size(), mu, around.size())) {
+    const Vector begin = vector_of(around.front());
+    const std::span<const PeriodResult> periods = co_await lane.carry(begin, 3 * orbit.states.size());
+    if (periods.back().termination != Termination::time) co_return orbit;
+    std::vector<StatePair> motion = {around.front()};
+    for (const PeriodResult& period : periods) motion.push_back({period.x, period.v});
+    std::vector<StatePair> doubled = doubled_states(orbit.states, mu.real(), motion);
+    if (!doubled.empty()) orbit = co_await shoot_in_lanes(lane, std::move(doubled), patience);
+  }
+  co_return orbit;
+}
+
+}  // namespace
+
+MotionTask<SettlingLook> look_for_orbit_in_lanes(TaskSlot& lane, const HybridSystem& system, const Vector& p, const Vector& state,
+                                               int max_period, double nearness, const FlowOptions& flow, RefusedOrbits* refused) {
+  SettlingLook out;
+  if (may_rest(system, p, state)) {
+    Propagator propagator(system, p, {}, flow);
+    out.orbit = resting_orbit(propagator, state);
+    if (out.orbit) co_return out;
+  }
+  RefusedOrbits own;
+  RefusedOrbits& passed_by = refused ? *refused : own;
+  std::vector<StatePair> states = {pair_of(state)};
+  const std::span<const PeriodResult> periods = co_await lane.carry(state, static_cast<std::size_t>(max_period));
+  for (const PeriodResult& period : periods) {
+    if (period.termination != Termination::time) break;
+    states.push_back({period.x, period.v});
+  }
+  const std::vector<int> returns = returns_of(states, nearness, max_period);
+  if (!returns.empty()) out.closest = returns.front();
+  for (const int n : worth_a_try(returns)) {
+    const std::vector<StatePair> around(states.begin(), states.begin() + n);
+    const LaneOrbit orbit = co_await shoot_next_to_doubling(lane, around);
+    const Verdict says = verdict(orbit, state);
+    if (says == Verdict::delicate) {
+      std::vector<Vector> nodes;
+      std::transform(around.begin(), around.end(), std::back_inserter(nodes), vector_of);
+      Propagator propagator(system, p, {}, flow);
+      out.orbit = stable_orbit_near(propagator, nodes, passed_by);
+    } else if (says == Verdict::yes && !passed_by.knows(orbit.states, state)) {
+      out.orbit = co_await orbit_approached_in_lanes(lane, system, p, orbit, state);
+      if (!out.orbit) passed_by.add(orbit.states, state);
+    }
+    if (out.orbit) break;
+  }
+  co_return out;
+}
+
+namespace {
+
+/// Whether the last of these returns, after 1, 2, ... periods, is closer than those after a divisor of as many: else it would
+/// lead to the orbits that they lead to.
+bool closer_than_divisors(const std::vector<double>& distances) {
+  const std::size_t n = distances.size();
+  for (std::size_t d = 1; d <= n / 2; ++d)
+    if (n % d == 0 && distances[n - 1] > 0.5 * distances[d - 1]) return false;
+  return true;
+}
+
+}  // namespace
+
+std::optional<PeriodicOrbit> settling_orbit(const HybridSystem& system, const Vector& p, const Vector& state, int max_period,
+                                            const FlowOptions& flow) {
+  Propagator propagator(system, p, {}, flow);
+  return settling_orbit(propagator, state, max_period);
+}
+
+std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector& state, int max_period, bool all_threads) {
+  if (auto rest = resting_orbit(propagator, state)) return rest;
+  const HybridSystem& system = propagator.system();
+  const Vector& p = propagator.parameters();
+  const FlowOptions& flow = propagator.options();
+  const double T = forcing_period(system, p), scale = 1.0 + state.lpNorm<Eigen::Infinity>();
+  std::vector<Vector> states{state};
+  std::vector<int> worth;  // periods of returns not looked at yet
+  RefusedOrbits refused;   // more than one return leads to them
+  std::size_t together = 1;
+  std::unique_ptr<LaneCarrier> many;
+  // In chaos there are many returns, and most are to unstable orbits. What Newton's method finds out in lanes need not be found
+  // out again.
+  const auto look = [&]() -> std::optional<PeriodicOrbit> {
+    std::vector<LaneOrbit> orbits;
+    if (LaneCarrier::applies(system, p, flow)) {
+      if (!many) {
+        many = std::make_unique<LaneCarrier>(system, flow);
+        if (all_threads) many->use_all_threads();
+        many->add_parameters(p);
+      }
+      std::vector<LaneGuess> guesses;
+      std::vector<StatePair> pairs;
+      std::transform(states.begin(), states.end(), std::back_inserter(pairs), pair_of);
+      for (const int n : worth) guesses.push_back({0, {pairs.begin(), pairs.begin() + n}});
+      orbits = shoot_side_by_side(*many, guesses, {.max_halvings = few_halvings});
+    }
+    const auto is_refused = [&](const auto& orbit) { return refused.knows(orbit.states, state); };
+    const auto leads_nowhere = [&](const LaneOrbit& orbit, const std::vector<Vector>& around) {
+      if (!orbit.converged) return between_halves(around, near_halves).empty();
+      if (has_doubled(orbit.states.size(), orbit.multipliers[0], around.size())) return false;
+      return verdict(orbit, state) == Verdict::no || is_refused(orbit);
+    };
+    for (std::size_t i = 0; i < worth.size(); ++i) {
+      const std::vector<Vector> around(states.begin(), states.begin() + worth[i]);
+      if (!orbits.empty() && leads_nowhere(orbits[i], around)) continue;
+      auto orbit = stable_orbit_of(propagator, around);
+      if (!orbit || is_refused(*orbit)) continue;
+      if (orbit->conservative ? is_on(*orbit, state) : approaches(propagator, *orbit, state)) return orbit;
+      refused.add(orbit->states, state);
+    }
+    worth.clear();
+    together *= 2;
+    return std::nullopt;
+  };
+  Transition transition;
+  Matrix growth = Matrix::Identity(state.size(), state.size());
+  std::vector<double> distances;  // of the returns
+  // Whether the tangent has shrunk after one of the returns; the others can wait until it is known that it does not grow for
+  // long.
+  bool shrinks = false;
+  for (int n = 1; n <= max_period || (!worth.empty() && n <= long_enough); ++n) {
+    carry(propagator, 0.0, T, states.back(), {.sensitivity = Sensitivity::state}, transition);
+    if (transition.termination != Termination::time) break;
+    const Vector next = transition.x1;
+    growth = transition.Phi * growth;
+    distances.push_back(state_distance(next, state) / scale);
+    if (n <= max_period && distances.back() < worth_trying && closer_than_divisors(distances)) {
+      const double grown = spectral_radius(growth);
+      if (!(grown > hopeless_growth)) worth.push_back(n);
+      shrinks = shrinks || grown < 1.0;
+    }
+    if (shrinks && worth.size() >= together)
+      if (auto orbit = look()) return orbit;
+    states.push_back(next);
+  }
+  return spectral_radius(growth) > hopeless_growth ? std::nullopt : look();
+}
+
+std::vector<Vector> that_may_settle(const HybridSystem& system, const Vector& p, const std::vector<Vector>& states,
+                                    const FlowOptions& flow) {
+  struct Motion {
+    const Vector* begin;
+    MotionStart at;
+    Eigen::Matrix2d growth = Eigen::Matrix2d::Identity();
+    bool ended = false;
+  };
+  constexpr int stretch = long_enough / 4;
+  LaneCarrier many(system, flow);
+  const std::size_t set = many.add_parameters(p);
+  std::vector<Motion> motions;
+  for (const Vector& state : states) motions.push_back({&state, {set, state[0], state[1]}});
+  std::vector<MotionStart> starts;
+  std::vector<PeriodResult> results;
+  for (int carried = 0; carried < long_enough;) {
+    starts.clear();
+    for (const Motion& motion : motions) starts.push_back(motion.at);
+    many.carry(starts, stretch, true, results);
+    carried += stretch;
+    const PeriodResult* next = results.data();
+    for (Motion& motion : motions) {
+      for (int k = 0; k < stretch; ++k, ++next)
+        motion.growth = Eigen::Matrix2d{{next->Phi[0], next->Phi[1]}, {next->Phi[2], next->Phi[3]}} * motion.growth;
+      motion.at = {set, next[-1].x, next[-1].v};
+      motion.ended = next[-1].termination != Termination::time;
+    }
+    // What has grown by the square of it on the way will not have shrunk at the end.
+    const double most = carried == long_enough ? hopeless_growth : hopeless_growth * hopeless_growth;
+    std::erase_if(motions, [&](const Motion& motion) { return motion.ended || spectral_radius(motion.growth) > most; });
+  }
+  std::vector<Vector> out;
+  for (const Motion& motion : motions) out.push_back(*motion.begin);
+  return out;
+}
+
+}  // namespace graze

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Transient: a transient on its way to an attractor, with a look for an orbit at its end, and, where AttractorOptions::recurrence
+// asks for it, at its returns.
+#pragma once
+
+#include <graze/floquet/attractor/attractor.hpp>
+#include <graze/floquet/attractor/refused_orbits.hpp>
+#include <graze/floquet/attractor/return_watch.hpp>
+#include <graze/floquet/attractor/settling_orbit.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+namespace graze {
+
+/// Where AttractorOptions::recurrence is set: returns that are worth Newton's method, against those that give rise to a look. And
+/// how nearly a motion that lingers repeats itself.
+inline double nearness_of(const AttractorOptions& options) {
+  return 20.0 * (options.recurrence > 0.0 ? options.recurrence : 1e-4);
+}
+
+/// Forcing periods of a look for an orbit behind so many others: where time matters, and max_period is long, not many more. (A
+/// motion that has settled on a long orbit is known by its return.)
+inline int periods_of_look(const AttractorOptions& options, std::int64_t carried) {
+  constexpr std::int64_t always = short_return, part = 16;
+  if (!(options.recurrence > 0.0)) return options.max_period;
+  return static_cast<int>(std::min<std::int64_t>(options.max_period, std::max(always, carried / part)));
+}
+
+inline bool cancelled(const AttractorOptions& options) { return options.lyapunov.cancelled && options.lyapunov.cancelled(); }
+
+/// A transient on its way.
+class Transient {
+ public:
+  Transient(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options)
+      : options_(options), watch_(options.recurrence) {
+    if (options.transient < 0)
+      throw std::invalid_argument(fmt::format("the transient is {} periods; allowed is 0 or more", options.transient));
+    initial_mode(system, 0.0, start, p);
+    out_.state = start;
+    out_.termination = Termination::time;
+    if (options.transient == 0) asks_ = periods_of_look(options, 0);
+  }
+
+  bool open() const { return open_ && asks_ == 0; }
+  const Vector& state() const { return out_.state; }
+  void stop(Termination reason) {
+    out_.termination = reason;
+    open_ = false;
+    asks_ = 0;
+  }
+
+  /// What one more period did.
+  void see(Termination termination, const Vector& state) {
+    ++periods_;
+    if (termination == Termination::event_limit) {  // it may bounce on its stop for ever, ever lower
+      broken_ = true;
+      asks_ = 1;
+      return;
+    }
+    if (termination != Termination::time) return stop(termination);
+    out_.state = state;
+    asks_ = std::min(watch_.see(state), options_.max_period);
+    if (periods_ == options_.transient) asks_ = std::max(asks_, periods_of_look(options_, periods_));
+  }
+
+  /// > 0: it goes on when it is told whether it is settling on an orbit of up to so many periods.
+  int asks() const { return asks_; }
+  /// The orbits that it was seen to pass by at its returns; null at its end, where it looks at all of them again.
+  RefusedOrbits* passed_by() { return at_end() ? nullptr : &passed_by_; }
+  void answer(std::optional<PeriodicOrbit> orbit) {
+    if (!orbit && broken_) return stop(Termination::event_limit);
+    open_ = !orbit && !at_end();
+    asks_ = 0;
+    if (orbit) settle_on(out_, std::move(*orbit));
+  }
+
+  Attractor result() && { return std::move(out_); }
+
+ private:
+  bool at_end() const { return periods_ >= options_.transient; }
+
+  const AttractorOptions& options_;
+  ReturnWatch watch_;
+  RefusedOrbits passed_by_;
+  Attractor out_;
+  int periods_ = 0, asks_ = 0;
+  bool open_ = true, broken_ = false;  // broken: the next period has more events than are allowed
+};
+
+}  // namespace graze

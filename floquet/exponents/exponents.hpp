@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Exponents: what time averages have come to, direction by direction, while they are taken (lyapunov.cpp along one motion,
+// lyapunov_lanes.cpp along many): whether that is enough, and how they are handed over.
+#pragma once
+
+#include <graze/floquet/exponents/lyapunov.hpp>
+#include <graze/lib/numerics/batch_means.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace graze {
+
+/// Standard errors by which the halves of a series must differ for the difference to be a trend: by chance once in 16000.
+inline constexpr double trend_significance = 4.0;
+
+/// Standard error of a mean, with the trend of its series: `drift` is that of BatchMeans. Each half has sqrt 2 times the error
+/// of the whole, the difference twice. Batch means take a decaying series (ln N / N in order) for a constant one.
+inline double with_trend(double error, double drift) {
+  return std::abs(drift) > 2.0 * trend_significance * error ? std::hypot(error, 0.5 * drift) : error;
+}
+
+/// Whether the growth of the tangent (its logarithm, over so many periods) is that of chaos. Where volumes shrink that is left
+/// to its mean. Where they do not, order has tangents, too, that grow for ever: in proportion to time, by shear.
+inline bool grows_beyond_shear(double log_growth, double log_volume, std::int64_t periods) {
+  constexpr double shrinks = 1.0;       // of ln(volume): below, the contraction does not yet show
+  constexpr double largest_shear = 1e4;  // of a forcing period
+  return std::abs(log_volume) > shrinks || log_growth > std::log(largest_shear * static_cast<double>(periods));
+}
+
+/// Whether precise_enough is to be asked: standard errors are what ends the average, and there are others than before. `lost`:
+/// the first direction is; `first`: its means.
+inline bool has_new_errors(const LyapunovOptions& options, bool lost, const BatchMeans& first) {
+  return options.change == 0.0 && options.standard_error > 0.0 && (lost || first.ended_batch());
+}
+
+/// Whether LyapunovOptions' bounds are met after so many periods; `is_chaos` as grows_beyond_shear has it. `exponent(i)` is
+/// -infinity of a direction that is lost, whose `error(i)` is 0.
+template <class Exponent, class Error>
+bool precise_enough(const LyapunovOptions& options, std::int64_t periods, bool is_chaos, std::size_t directions,
+                    const Exponent& exponent, const Error& error) {
+  if (options.significance > 0.0 && !is_chaos) return false;
+  if (periods < options.min_periods || std::abs(exponent(0)) < options.significance * error(0)) return false;
+  for (std::size_t i = 0; i < directions; ++i)
+    if (!(error(i) < options.standard_error)) return false;
+  return true;
+}
+
+/// Puts exponents, errors and correlation times in order, largest exponent first, and the dimension with them.
+template <class Exponent, class Error, class Correlation>
+void hand_over(std::size_t directions, const Exponent& exponent, const Error& error, const Correlation& correlation,
+               LyapunovSpectrum& out) {
+  std::vector<std::size_t> order(directions);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return exponent(a) > exponent(b); });
+  for (const std::size_t i : order) {
+    out.exponents.push_back(exponent(i));
+    out.standard_errors.push_back(error(i));
+    out.correlation_times.push_back(correlation(i));
+  }
+  out.kaplan_yorke = kaplan_yorke_dimension(out.exponents);
+}
+
+}  // namespace graze

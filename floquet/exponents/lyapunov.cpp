@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/exponents/exponents.hpp>
+#include <graze/floquet/exponents/lyapunov_lanes.hpp>
+#include <graze/lib/motion/lane_carrier.hpp>
+#include <graze/lib/numerics/batch_means.hpp>
+
+#include <fmt/format.h>
+
+#include <Eigen/QR>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace graze {
+
+namespace {
+
+/// Tangent vectors, orthonormalised now and then.
+class Frame {
+ public:
+  explicit Frame(Eigen::Index n) : Q_(Matrix::Identity(n, n)), growth_(static_cast<std::size_t>(n)) {}
+
+  void advance(const Matrix& Phi) { Q_ = Phi * Q_; }
+
+  /// ln of the lengths that each direction has gained since the last time; -infinity for one that is lost. `log_det`: ln|det| of
+  /// what came in between, factor by factor, or not finite. Of two directions it gives the second, which next to grazing
+  /// (stretched by 1/v) is lost in the rounding of the product.
+  const std::vector<double>& orthonormalise(double log_det) {
+    if (Q_.rows() != 2) {
+      orthonormalise_with<Matrix>();
+      return growth_;
+    }
+    orthonormalise_with<Eigen::Matrix2d>();
+    if (std::isfinite(log_det) && std::isfinite(growth_[0])) growth_[1] = log_det - growth_[0];
+    return growth_;
+  }
+
+ private:
+  template <class Square> void orthonormalise_with() {
+    const Eigen::HouseholderQR<Square> qr{Square(Q_)};
+    for (std::size_t i = 0; i < growth_.size(); ++i) {
+      const auto k = static_cast<Eigen::Index>(i);
+      growth_[i] = std::log(std::abs(qr.matrixQR()(k, k)));
+    }
+    const Square Q = qr.householderQ();
+    Q_ = Q;
+  }
+
+  Matrix Q_;
+  std::vector<double> growth_;
+};
+
+}  // namespace
+
+void validate(const HybridSystem& system, const LyapunovOptions& options) {
+  if (!system.forcing_frequency)
+    throw std::invalid_argument("the exponents are averaged over forcing periods; this system is autonomous");
+  if (options.interval < 1)
+    throw std::invalid_argument(fmt::format("interval is {}; allowed is a whole number >= 1", options.interval));
+  if (options.motions < 1)
+    throw std::invalid_argument(fmt::format("motions is {}; allowed is a whole number >= 1", options.motions));
+  if (options.aligning < 0)
+    throw std::invalid_argument(fmt::format("aligning is {}; allowed is a whole number >= 0", options.aligning));
+  if (options.max_periods < options.interval)
+    throw std::invalid_argument(
+        fmt::format("max_periods is {}; allowed is at least the interval, {}", options.max_periods, options.interval));
+  if (!(options.standard_error >= 0.0) || !(options.change >= 0.0) || !(options.significance >= 0.0))
+    throw std::invalid_argument("the bounds of standard error, significance and change must be >= 0");
+}
+
+std::string_view lyapunov_stop_text(LyapunovStop reason) {
+  switch (reason) {
+  case LyapunovStop::not_run:
+    return "it was not run";
+  case LyapunovStop::standard_error:
+    return "every standard error is below its bound";
+  case LyapunovStop::change:
+    return "the exponents changed by less than the bound from one orthonormalisation to the next";
+  case LyapunovStop::budget:
+    return "the budget of forcing periods is used up";
+  case LyapunovStop::interrupted:
+    return "it was interrupted";
+  case LyapunovStop::failed:
+    return "the motion could not be carried on";
+  }
+  return "";
+}
+
+double kaplan_yorke_dimension(const std::vector<double>& exponents) {
+  double sum = 0.0;
+  for (std::size_t j = 0; j < exponents.size(); ++j) {
+    if (sum + exponents[j] < 0.0) return static_cast<double>(j) + (std::isfinite(exponents[j]) ? sum / -exponents[j] : 0.0);
+    sum += exponents[j];
+  }
+  return static_cast<double>(exponents.size());
+}
+
+LyapunovSpectrum lyapunov_spectrum(const HybridSystem& system, const Vector& p, const Vector& state,
+                                   const LyapunovOptions& options) {
+  validate(system, options);
+  if (options.motions > 1 && LaneCarrier::applies(system, p, options.flow)) return lane_spectrum(system, {p, state}, options);
+  initial_mode(system, 0.0, state, p);
+  LyapunovSpectrum out;
+  out.state = state;
+  const auto n = static_cast<Eigen::Index>(system.states);
+  const double T = forcing_period(system, p), interval_time = options.interval * T;
+  Propagator propagator(system, p, {}, options.flow);
+  Transition transition;
+  Frame frame(n);
+  std::vector<BatchMeans> means(static_cast<std::size_t>(n));
+  std::vector<bool> lost(static_cast<std::size_t>(n), false);
+  std::vector<double> before(static_cast<std::size_t>(n), 0.0);
+  const auto exponent = [&](std::size_t i) {
+    return lost[i] ? -std::numeric_limits<double>::infinity() : means[i].mean() / interval_time;
+  };
+  const auto error = [&](std::size_t i) {
+    return lost[i] ? 0.0 : with_trend(std::hypot(means[i].standard_error(), means[i].edge()), means[i].drift()) / interval_time;
+  };
+  out.stop = LyapunovStop::budget;
+  std::int64_t aligned = 0;
+  while (out.periods + options.interval <= options.max_periods) {
+    if (options.cancelled && options.cancelled()) {
+      out.stop = LyapunovStop::interrupted;
+      break;
+    }
+    double liouville = 0.0, log_det = 0.0, sum = 0.0;
+    bool carried = true;
+    for (int period = 0; period < options.interval && carried; ++period) {
+      carry(propagator, 0.0, T, out.state, {.sensitivity = Sensitivity::state}, transition);
+      out.termination = transition.termination;
+      carried = transition.termination == Termination::time;
+      if (!carried) break;
+      frame.advance(transition.Phi);
+      liouville += transition.liouville;
+      log_det += transition.log_det;
+      out.state = transition.x1;
+      if (aligned < options.aligning) continue;
+      for (const std::size_t event : transition.event_sequence) out.impacts += begins_contact(system.events[event].kind) ? 1 : 0;
+    }
+    if (!carried) {
+      out.stop = LyapunovStop::failed;
+      break;
+    }
+    const std::vector<double>& growth = frame.orthonormalise(log_det);
+    if (aligned < options.aligning) {
+      aligned += options.interval;
+      continue;
+    }
+    double largest_change = 0.0;
+    for (std::size_t i = 0; i < growth.size(); ++i) {
+      lost[i] = lost[i] || !std::isfinite(growth[i]);
+      sum += growth[i];
+      if (lost[i]) continue;
+      means[i].add(growth[i]);
+      const double now = means[i].mean() / interval_time;
+      largest_change = std::max(largest_change, std::abs(now - before[i]));
+      before[i] = now;
+    }
+    out.periods += options.interval;
+    out.log_growth = means[0].total();
+    out.log_volume += liouville;
+    if (std::isfinite(sum) && std::isfinite(liouville))
+      out.liouville_residual = std::max(out.liouville_residual, std::abs(sum - liouville) / options.interval);
+    if (options.progress) options.progress(out.periods);
+    if (options.change > 0.0 && out.periods > options.interval && largest_change < options.change) {
+      out.stop = LyapunovStop::change;
+      break;
+    }
+    const bool is_chaos = grows_beyond_shear(out.log_growth, out.log_volume, out.periods);
+    if (has_new_errors(options, lost[0], means[0]) &&
+        precise_enough(options, out.periods, is_chaos, means.size(), exponent, error)) {
+      out.stop = LyapunovStop::standard_error;
+      break;
+    }
+  }
+  const auto correlation = [&](std::size_t i) { return lost[i] ? 0.0 : means[i].correlation_time() * options.interval; };
+  hand_over(means.size(), exponent, error, correlation, out);
+  return out;
+}
+
+}  // namespace graze

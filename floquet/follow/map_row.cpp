@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/follow/map_row.hpp>
+
+#include <utility>
+
+namespace graze {
+
+namespace {
+
+/// Points that are not done, with those behind them, beyond which the next is likely to be taken back.
+constexpr std::size_t many = 4;
+
+}  // namespace
+
+MapRow::Next MapRow::next() const {
+  if (broken_ || begun_.size() == out_.size()) return Next::none;
+  if (!begun_.empty() && !begun_.back()->handed_on && !begun_.back()->done) return Next::none;
+  return begun_.size() - sure_ > many ? Next::unlikely : Next::likely;
+}
+
+std::shared_ptr<MapRow::Point> MapRow::begin_next() {
+  return begun_.emplace_back(std::make_shared<Point>(begun_.size(), next_from_));
+}
+
+void MapRow::hand_on(Point& point, const Vector& state) {
+  if (point.dropped) return;
+  point.handed_on = true;
+  next_from_ = state;
+}
+
+std::size_t MapRow::finish(Point& point, MapPoint found) {
+  if (point.dropped) return 0;
+  if (found.type == MapType::not_run) {
+    broken_ = true;
+    take_back(point.number);
+    return 0;
+  }
+  const bool arrived = found.type != MapType::inadmissible && found.type != MapType::lost;
+  if (!point.handed_on || !arrived || found.type == MapType::periodic) {
+    take_back(point.number + 1);
+    next_from_ = arrived ? std::optional(found.state) : std::nullopt;
+  }
+  point.done = true;
+  out_[place(point)] = std::move(found);
+  const std::size_t before = sure_;
+  while (sure_ < begun_.size() && begun_[sure_]->done) ++sure_;
+  return sure_ - before;
+}
+
+/// Those from that number on.
+void MapRow::take_back(std::size_t from) {
+  for (std::size_t k = from; k < begun_.size(); ++k) {
+    begun_[k]->dropped = true;
+    out_[place(*begun_[k])] = {};
+  }
+  begun_.resize(from);
+}
+
+}  // namespace graze

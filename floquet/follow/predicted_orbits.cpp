@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/attractor/settling_orbit.hpp>
+#include <graze/floquet/follow/predicted_orbits.hpp>
+#include <graze/floquet/orbit/state_distance.hpp>
+#include <graze/lib/tasks/task_pool.hpp>
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <utility>
+
+namespace graze {
+
+namespace {
+
+using States = std::vector<Vector>;
+
+/// The same orbit, from that of its states on from which it is closest to another.
+States turned_to(const States& other, const States& states) {
+  const std::size_t n = states.size();
+  States best;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t first = 0; first < n; ++first) {
+    double apart = 0.0;
+    for (std::size_t k = 0; k < n; ++k) apart = std::max(apart, state_distance(states[(first + k) % n], other[k]));
+    if (apart >= least) continue;
+    least = apart;
+    best.clear();
+    for (std::size_t k = 0; k < n; ++k) best.push_back(states[(first + k) % n]);
+  }
+  return best;
+}
+
+/// The polynomial through orbits at equidistant values, by its backward differences at the last of them.
+class Extrapolation {
+ public:
+  explicit Extrapolation(const std::vector<States>& before) {
+    std::vector<States> row;  // the last first
+    for (auto orbit = before.rbegin(); orbit != before.rend() && row.size() < most_orbits_before; ++orbit)
+      row.push_back(row.empty() ? *orbit : turned_to(row.back(), *orbit));
+    while (!row.empty()) {
+      differences_.push_back(row.front());
+      for (std::size_t i = 0; i + 1 < row.size(); ++i)
+        for (std::size_t k = 0; k < row[i].size(); ++k) row[i][k] -= row[i + 1][k];
+      row.pop_back();
+    }
+  }
+  /// So many values behind the last.
+  States at(std::size_t steps) const {
+    States states = differences_.front();
+    double weight = 1.0;  // binomial(steps + j - 1, j)
+    for (std::size_t j = 1; j < differences_.size(); ++j) {
+      weight *= static_cast<double>(steps + j - 1) / static_cast<double>(j);
+      for (std::size_t k = 0; k < states.size(); ++k) states[k] += weight * differences_[j][k];
+    }
+    return states;
+  }
+
+ private:
+  std::vector<States> differences_;
+};
+
+/// What is not near is left to the motion.
+constexpr LanePatience patience{.max_halvings = 2};
+
+LaneGuess guess_of(std::size_t parameters, const States& guess) {
+  LaneGuess out{parameters, {}};
+  for (const Vector& state : guess) out.states.push_back(pair_of(state));
+  return out;
+}
+
+/// Puts down the orbit, if the motion from there comes to it.
+MotionTask<> approach(TaskSlot& lane, const HybridSystem& system, std::size_t parameters, const Vector& p, const LaneOrbit& orbit,
+                    Vector from, OrbitAhead& reached) {
+  lane.take_parameters(parameters);
+  std::optional<PeriodicOrbit> approached = co_await orbit_approached_in_lanes(lane, system, p, orbit, from);
+  if (!approached) co_return;
+  reached.orbit = std::move(*approached);
+  if (reached.orbit.impacts == 0) co_return;
+  ImpactSpeeds speeds;
+  co_await lane.carry(reached.orbit.state, static_cast<std::size_t>(reached.orbit.period), &speeds);
+  reached.impact_speeds = speeds.list();
+}
+
+}  // namespace
+
+std::vector<OrbitAhead> orbits_ahead(const HybridSystem& system, const std::vector<std::vector<Vector>>& before,
+                                     const std::vector<Vector>& next, const FlowOptions& flow) {
+  const auto known = [&](const Vector& p) { return LaneCarrier::applies(system, p, flow); };
+  if (before.size() < 2 || !std::all_of(next.begin(), next.end(), known)) return {};
+  const Extrapolation extrapolation(before);
+  LaneCarrier many(system, flow);
+  std::vector<LaneGuess> guesses;
+  for (std::size_t i = 0; i < next.size(); ++i)
+    guesses.push_back(guess_of(many.add_parameters(next[i]), extrapolation.at(i + 1)));
+  std::vector<LaneOrbit> found = shoot_side_by_side(many, guesses, patience);
+  const auto missing = std::find_if(found.begin(), found.end(), [](const LaneOrbit& orbit) { return !orbit.converged; });
+  found.erase(missing, found.end());
+  std::vector<OrbitAhead> reached(found.size());
+  TaskPool(many).run(found.size(), [&](std::size_t i, TaskSlot& lane) {
+    const Vector from = i == 0 ? before.back().front() : vector_of(found[i - 1].states.front());
+    return approach(lane, system, guesses[i].parameters, next[i], found[i], from, reached[i]);
+  });
+  const auto not_reached = [](const OrbitAhead& ahead) { return !ahead.orbit.converged(); };
+  reached.erase(std::find_if(reached.begin(), reached.end(), not_reached), reached.end());
+  return reached;
+}
+
+}  // namespace graze

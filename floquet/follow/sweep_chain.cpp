@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/attractor/attractor_in_lanes.hpp>
+#include <graze/floquet/follow/sweep_chain.hpp>
+#include <graze/floquet/orbit/stroboscopic_states.hpp>
+#include <graze/lib/motion/rest.hpp>
+#include <graze/lib/tasks/task_pool.hpp>
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+namespace graze {
+
+namespace {
+
+/// Forcing periods of a transient after which the motion is handed on to the next value, where the row before has not settled:
+/// it is on its attractor by then, if that is chaotic.
+constexpr int handed_on_early = 64;
+
+void add_speeds(const std::vector<EventRecord>& events, std::vector<double>& speeds) {
+  for (const EventRecord& event : events)
+    if (begins_contact(event.kind)) speeds.push_back(event.normal_speed);
+}
+
+}  // namespace
+
+SweepChain::SweepChain(const HybridSystem& system, const Vector& p, const Vector& start, const SweepOptions& options,
+                       SweepDirection direction)
+    : system_(system), options_(options), parameter_(parameter_index(system.parameters, options.parameter)), p_(p), start_(start),
+      direction_(direction), values_(sweep_values(options.from, options.to, options.step)) {
+  if (direction == SweepDirection::down) std::reverse(values_.begin(), values_.end());
+}
+
+Vector SweepChain::parameters(double value) const {
+  Vector p = p_;
+  p[static_cast<Eigen::Index>(parameter_)] = value;
+  return p;
+}
+
+bool SweepChain::alike(const SweepRow& before, const SweepRow& row) {
+  const Attractor &a = before.attractor, &b = row.attractor;
+  return a.type == AttractorType::periodic && b.type == AttractorType::periodic && a.period == b.period &&
+         a.impacts == b.impacts && before.states.size() == row.states.size();
+}
+
+SweepRow SweepChain::row(std::size_t number) const {
+  SweepRow row;
+  row.value = values_[number];
+  row.direction = direction_;
+  return row;
+}
+
+SweepChain::Block SweepChain::look_ahead(std::size_t number, const std::vector<std::vector<Vector>>& before) const {
+  Block ahead{block_of(number), {}};
+  std::vector<Vector> next;
+  for (std::size_t k = ahead.begin; k < std::min(ahead.begin + block, values_.size()); ++k)
+    next.push_back(parameters(values_[k]));
+  ahead.orbits = orbits_ahead(system_, before, next, options_.attractor.lyapunov.flow);
+  return ahead;
+}
+
+std::optional<SweepRow> SweepChain::known(Block& ahead, std::size_t number) const {
+  const std::size_t place = number - block_of(number);
+  if (block_of(number) != ahead.begin || place >= ahead.orbits.size()) return std::nullopt;
+  SweepRow out = row(number);
+  OrbitAhead& found = ahead.orbits[place];
+  describe_orbit(out.attractor, found.orbit);
+  out.end = out.attractor.state;
+  out.states = std::move(found.orbit.states);
+  out.impact_speeds = std::move(found.impact_speeds);
+  return out;
+}
+
+/// Where a motion that may be chaotic is after so many forcing periods; empty where it cannot be carried so far.
+MotionTask<std::optional<Vector>> SweepChain::carry_on(TaskSlot& lane, const Vector& p, const Vector& state, int periods) const {
+  initial_mode(system_, 0.0, state, p);
+  const auto count = static_cast<std::size_t>(periods);
+  if (LaneCarrier::applies(system_, p, options_.attractor.lyapunov.flow)) {
+    lane.take_parameters(p);
+    const std::span<const PeriodResult> results = co_await lane.carry(state, count);
+    if (results.empty()) co_return state;
+    // (Behind where a motion ends, the results say the same.)
+    if (results.back().termination != Termination::time) co_return std::nullopt;
+    Vector end{{results.back().x, results.back().v}};
+    co_return end;
+  }
+  Propagator propagator(system_, p, {}, options_.attractor.lyapunov.flow);
+  const std::vector<Vector> states = stroboscopic_states(propagator, state, count + 1);
+  if (states.size() <= count) co_return std::nullopt;
+  co_return states.back();
+}
+
+/// What the row before has left; a mass that rests there on its stop goes with it where it comes nearer.
+Vector SweepChain::with_its_stop(const Begin& begin, const Vector& p) const {
+  if (mode_at(system_, 0.0, begin.state, p)) return begin.state;
+  const FlowOptions& flow = options_.attractor.lyapunov.flow;
+  Propagator before(system_, parameters(values_[begin.number - 1]), {}, flow), now(system_, p, {}, flow);
+  if (rest_for_ever(before, begin.state) != begin.state) return begin.state;
+  return rest_for_ever(now, begin.state).value_or(begin.state);
+}
+
+MotionTask<SweepRow> SweepChain::find(TaskSlot& lane, Begin begin, AttractorOptions finding,
+                                    std::function<void(const Vector& state)> hand_on) const {
+  SweepRow out = row(begin.number);
+  const Vector p = parameters(out.value);
+  if (!begin.at_start) begin.state = with_its_stop(begin, p);
+  if (begin.at_start) finding.transient = options_.first_transient;
+  const auto cancelled = [&finding] { return finding.lyapunov.cancelled && finding.lyapunov.cancelled(); };
+  lane.hurry(true);
+  out.end = begin.state;
+  if (!begin.settled) {
+    const int early = std::min(handed_on_early, finding.transient);
+    // One that cannot be carried so far may have come to rest on its stop before: it is not handed on until that is known.
+    if (std::optional<Vector> end = co_await carry_on(lane, p, begin.state, early)) {
+      out.end = std::move(*end);
+      finding.transient -= early;
+      hand_on(out.end);
+      lane.hurry(false);
+    }
+  }
+  const Vector from = out.end;
+  out.attractor = co_await approach_attractor_in_lanes(lane, system_, p, from, finding);
+  if (begin.settled && out.attractor.type != AttractorType::periodic && out.attractor.termination == Termination::time) {
+    out.end = out.attractor.state;
+    hand_on(out.end);
+  }
+  lane.hurry(false);
+  co_await average_on_attractor_in_lanes(lane, system_, p, out.attractor, finding);
+  if (out.attractor.type == AttractorType::periodic || !cancelled()) co_await sample(lane, p, out);
+  co_return out;
+}
+
+/// Puts down what there is to be seen of its motion.
+MotionTask<> SweepChain::sample(TaskSlot& lane, const Vector& p, SweepRow& row) const {
+  const bool periodic = row.attractor.type == AttractorType::periodic;
+  const int wanted = periodic ? row.attractor.period : options_.samples;
+  if (wanted < 1 || row.attractor.termination != Termination::time) co_return;
+  if (periodic && (row.attractor.impacts == 0 || !row.attractor.orbit->events.empty())) {
+    add_speeds(row.attractor.orbit->events, row.impact_speeds);
+  } else if (!LaneCarrier::applies(system_, p, options_.attractor.lyapunov.flow)) {
+    sample_alone(p, static_cast<std::size_t>(wanted), row);
+  } else {
+    lane.take_parameters(p);
+    ImpactSpeeds speeds;
+    const Vector from = row.attractor.state;
+    const std::span<const PeriodResult> periods = co_await lane.carry(from, static_cast<std::size_t>(wanted), &speeds);
+    row.states = {from};
+    for (const PeriodResult& period : periods.first(periods.size() - 1))
+      if (period.termination == Termination::time) row.states.push_back(Vector{{period.x, period.v}});
+    row.impact_speeds = speeds.list();
+  }
+  if (!periodic) co_return;
+  row.end = row.attractor.state;
+  row.states = row.attractor.orbit->states;
+  row.attractor.orbit.reset();
+}
+
+void SweepChain::sample_alone(const Vector& p, std::size_t periods, SweepRow& row) const {
+  Propagator propagator(system_, p, {}, options_.attractor.lyapunov.flow);
+  const double T = forcing_period(system_, p);
+  Transition transition;
+  Vector x = row.attractor.state;
+  for (std::size_t k = 0; k < periods; ++k) {
+    row.states.push_back(x);
+    carry(propagator, 0.0, T, x, {.sensitivity = Sensitivity::none, .keep_events = true}, transition);
+    if (transition.termination != Termination::time) break;
+    add_speeds(transition.events, row.impact_speeds);
+    x = transition.x1;
+  }
+}
+
+}  // namespace graze

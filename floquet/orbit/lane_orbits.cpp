@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/orbit/lane_orbits.hpp>
+#include <graze/floquet/orbit/state_distance.hpp>
+#include <graze/lib/numerics/cyclic_blocks.hpp>
+#include <graze/lib/numerics/log_product.hpp>
+#include <graze/lib/tasks/task_pool.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace graze {
+
+namespace {
+
+using Pair = CyclicBlocks::Pair;
+using Square = CyclicBlocks::Square;
+
+double size_of(const std::vector<Pair>& pairs) {
+  double most = 0.0;
+  for (const Pair& pair : pairs) most = std::max(most, state_size(pair));
+  return most;
+}
+
+Square product(const Square& A, const Square& B) {
+  return {A[0] * B[0] + A[1] * B[2], A[0] * B[1] + A[1] * B[3], A[2] * B[0] + A[3] * B[2], A[2] * B[1] + A[3] * B[3]};
+}
+
+/// The larger modulus of the eigenvalues of what these periods do to the tangent.
+double growth(const PeriodResult* periods, std::size_t n) {
+  Square M = {1.0, 0.0, 0.0, 1.0};
+  for (std::size_t k = 0; k < n; ++k) M = product(periods[k].Phi, M);
+  const double half = 0.5 * (M[0] + M[3]), det = M[0] * M[3] - M[1] * M[2], discriminant = half * half - det;
+  return discriminant < 0.0 ? std::sqrt(det) : std::abs(half) + std::sqrt(discriminant);
+}
+
+/// The equations of a step, one guess after the other.
+struct StepEquations {
+  CyclicBlocks blocks;
+  std::vector<Square> Phi;
+};
+
+/// One guess on its way: newton() of shooting.cpp, with the evaluations done by others.
+class Iteration {
+ public:
+  Iteration(std::size_t parameters, std::vector<Pair> guess, const LanePatience& patience)
+      : parameters_(parameters), patience_(patience), trial_(std::move(guess)) {}
+
+  bool open() const { return open_; }
+  std::size_t nodes() const { return trial_.size(); }
+  void ask(std::vector<MotionStart>& motions) const {
+    for (const Pair& node : trial_) motions.push_back({parameters_, node[0], node[1]});
+  }
+
+  /// What one period did to the nodes asked for.
+  void take(const PeriodResult* results, StepEquations& equations) {
+    const std::size_t n = nodes();
+    const bool carried = std::all_of(results, results + n, [](const auto& one) { return one.termination == Termination::time; });
+    if (!carried) return begun_ ? halve() : end(false);
+    trial_residual_.resize(n);
+    for (std::size_t k = 0; k < n; ++k) {
+      const Pair& next = trial_[(k + 1) % n];
+      trial_residual_[k] = {results[k].x - next[0], results[k].v - next[1]};
+    }
+    const double after = size_of(trial_residual_) / (1.0 + size_of(trial_));
+    if (!begun_) {
+      given_up_ = growth(results, n) > patience_.most_growth;
+      if (!std::isfinite(after) || given_up_) return end(false);
+      begun_ = true;
+      accept(results, after);
+      return step(equations);
+    }
+    const double before = now_;
+    if (!(after < before)) return before <= options_.acceptance ? end(true) : halve();
+    accept(results, after);
+    constexpr double rounding = 1e-15;
+    if (now_ < rounding || (now_ <= options_.tolerance && now_ > 0.5 * before)) return end(true);
+    if (++iterations_ == options_.max_iterations) return end(now_ <= options_.acceptance);
+    step(equations);
+  }
+
+  LaneOrbit orbit() const {
+    LaneOrbit out;
+    out.converged = converged_;
+    out.given_up = given_up_;
+    if (!converged_) return out;
+    out.states = nodes_;
+    Square M = {1.0, 0.0, 0.0, 1.0};
+    LogProduct determinant;
+    double liouville = 0.0, blur = 1.0;
+    for (const PeriodResult& period : carried_) {
+      M = product(period.Phi, M);
+      determinant.multiply(period.det);
+      liouville += period.liouville;
+      out.impacts += period.impacts;
+      out.delicate = out.delicate || period.by_propagator;
+      for (const double entry : M) blur = std::max(blur, std::abs(entry));
+    }
+    const double log_det = determinant.value();
+    const double det = std::exp(std::isfinite(log_det) ? log_det : liouville), half = 0.5 * (M[0] + M[3]);
+    const double discriminant = half * half - det;
+    if (discriminant < 0.0) {
+      const double imaginary = std::sqrt(-discriminant);
+      out.multipliers = {std::complex<double>(half, imaginary), std::complex<double>(half, -imaginary)};
+    } else {
+      const double larger = half + std::copysign(std::sqrt(discriminant), half);
+      out.multipliers = {larger, larger == 0.0 ? 0.0 : det / larger};
+    }
+    constexpr double rounding = 1e-15, good = 1e-10, near_one = 1e-6;
+    const double modulus = std::abs(out.multipliers[0]), unsure = std::max(near_one, blur * rounding / near_one);
+    out.delicate = out.delicate || !std::isfinite(modulus) || !std::isfinite(log_det) || blur * rounding > good * modulus ||
+                   std::abs(modulus - 1.0) < unsure;
+    return out;
+  }
+
+ private:
+  void end(bool converged) {
+    converged_ = converged;
+    open_ = false;
+  }
+
+  void accept(const PeriodResult* results, double residual) {
+    nodes_ = trial_;
+    residual_ = trial_residual_;
+    carried_.assign(results, results + nodes());
+    now_ = residual;
+  }
+
+  /// The next step of Newton's method.
+  void step(StepEquations& equations) {
+    equations.Phi.clear();
+    for (const PeriodResult& period : carried_) equations.Phi.push_back(period.Phi);
+    equations.blocks.solve(equations.Phi, residual_, step_);
+    double length = 0.0;
+    for (const Pair& one : step_) {
+      if (!std::isfinite(one[0]) || !std::isfinite(one[1])) return end(false);
+      length = std::max({length, std::abs(one[0]), std::abs(one[1])});
+    }
+    const double longest = options_.max_step * (1.0 + size_of(nodes_));
+    if (length > longest)
+      for (Pair& one : step_)
+        for (double& entry : one) entry *= longest / length;
+    factor_ = 1.0;
+    halvings_ = 0;
+    try_step();
+  }
+
+  void halve() {
+    factor_ *= 0.5;
+    if (++halvings_ > patience_.max_halvings) return end(now_ <= options_.acceptance);
+    try_step();
+  }
+
+  void try_step() {
+    for (std::size_t k = 0; k < nodes(); ++k)
+      for (std::size_t i = 0; i < 2; ++i) trial_[k][i] = nodes_[k][i] + factor_ * step_[k][i];
+  }
+
+  ShootingOptions options_;
+  std::size_t parameters_;
+  LanePatience patience_;
+  std::vector<Pair> trial_, trial_residual_, nodes_, residual_, step_;
+  std::vector<PeriodResult> carried_;  // from nodes_
+  double now_ = 0.0, factor_ = 1.0;
+  int iterations_ = 0, halvings_ = 0;
+  bool begun_ = false, open_ = true, converged_ = false, given_up_ = false;
+};
+
+MotionTask<LaneOrbit> newton(TaskSlot& lane, std::vector<Pair> states, LanePatience patience) {
+  Iteration iteration(lane.parameters(), std::move(states), patience);
+  StepEquations equations;
+  std::vector<MotionStart> nodes;
+  while (iteration.open()) {
+    nodes.clear();
+    iteration.ask(nodes);
+    const std::span<const PeriodResult> periods = co_await lane.carry(nodes, 1, true);
+    iteration.take(periods.data(), equations);
+  }
+  co_return iteration.orbit();
+}
+
+/// Divisors of the period after which the orbit nearly closes, as in shoot().
+std::vector<std::size_t> shorter_periods(const LaneOrbit& orbit) {
+  constexpr double nearly = 1e-5;
+  std::vector<std::size_t> out;
+  const std::size_t n = orbit.states.size();
+  if (!orbit.converged) return out;
+  const double scale = 1.0 + state_size(orbit.states[0]);
+  for (std::size_t d = 1; d <= n / 2; ++d)
+    if (n % d == 0 && state_distance(orbit.states[d], orbit.states[0]) <= nearly * scale) out.push_back(d);
+  return out;
+}
+
+/// Whether Newton's method came to the same orbit with the shorter period; see shoot().
+bool same(const LaneOrbit& shorter, const LaneOrbit& orbit) {
+  if (!shorter.converged) return false;
+  const auto times = static_cast<double>(orbit.states.size() / shorter.states.size());
+  const double scale = 1.0 + state_size(orbit.states[0]);
+  double nearest = 1.0;
+  for (const auto& mu : shorter.multipliers) nearest = std::min(nearest, std::abs(1.0 - std::pow(mu, times)));
+  return state_distance(shorter.states[0], orbit.states[0]) < std::clamp(1e-12 / nearest, 1e-10, 1e-6) * scale;
+}
+
+MotionTask<> shoot_to(TaskSlot& lane, const LaneGuess& guess, LanePatience patience, LaneOrbit& orbit) {
+  lane.take_parameters(guess.parameters);
+  orbit = co_await shoot_in_lanes(lane, guess.states, patience);
+}
+
+}  // namespace
+
+MotionTask<LaneOrbit> shoot_in_lanes(TaskSlot& lane, std::vector<std::array<double, 2>> states, LanePatience patience) {
+  LaneOrbit orbit = co_await newton(lane, std::move(states), patience);
+  const LanePatience any_growth{.max_halvings = patience.max_halvings};
+  for (const std::size_t shorter : shorter_periods(orbit)) {
+    const Pair &first = orbit.states[0], &later = orbit.states[shorter];
+    std::vector<Pair> again(orbit.states.begin(), orbit.states.begin() + static_cast<std::ptrdiff_t>(shorter));
+    again[0] = {0.5 * (first[0] + later[0]), 0.5 * (first[1] + later[1])};
+    LaneOrbit found = co_await newton(lane, std::move(again), any_growth);
+    if (!same(found, orbit)) continue;
+    orbit = std::move(found);
+    break;
+  }
+  co_return orbit;
+}
+
+std::vector<LaneOrbit> shoot_side_by_side(LaneCarrier& many, const std::vector<LaneGuess>& guesses, LanePatience patience) {
+  std::vector<LaneOrbit> orbits(guesses.size());
+  TaskPool pool(many);
+  pool.run(guesses.size(), [&](std::size_t i, TaskSlot& lane) { return shoot_to(lane, guesses[i], patience, orbits[i]); });
+  return orbits;
+}
+
+}  // namespace graze

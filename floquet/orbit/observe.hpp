@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Motions that are watched: carried one by one, or in lanes some forcing periods at a time, in a pool or all together, each until
+// its watch is closed. A Watch has open(), state() (at forcing phase 0) and see(termination, state), which is told of every
+// period while it is open; one that is carried side by side has quiet_periods(), too, how many periods it need not be told of
+// next if they do not end in one of the ellipses that the LaneCarrier knows, and leave_out(periods): so many were.
+#pragma once
+
+#include <graze/lib/tasks/task_pool.hpp>
+
+#include <algorithm>
+#include <limits>
+#include <vector>
+
+namespace graze {
+
+/// Period by period; `cancelled` is asked before each. Ends when the watch is closed (true) or `cancelled` says so (false).
+template <class Watch, class Cancelled> bool carry_watched(Propagator& propagator, Watch& watch, const Cancelled& cancelled) {
+  const double T = forcing_period(propagator.system(), propagator.parameters());
+  Transition transition;
+  Vector state;
+  while (watch.open()) {
+    if (cancelled()) return false;
+    state = watch.state();
+    carry(propagator, 0.0, T, state, {.sensitivity = Sensitivity::none}, transition);
+    watch.see(transition.termination, transition.x1);
+  }
+  return true;
+}
+
+/// Forcing periods that are carried at a time, with so many behind. What is carried in vain where a watch is closed is half of
+/// them on average: many are for those that last.
+inline std::size_t next_stretch(std::size_t carried) {
+  constexpr std::size_t shortest = 4;
+  return std::clamp(carried / (4 * shortest) * shortest, shortest, 8 * shortest);
+}
+
+/// The same in a pool.
+template <class Watch, class Cancelled> MotionTask<bool> carry_watched(TaskSlot& lane, Watch& watch, const Cancelled& cancelled) {
+  std::size_t carried = 0;
+  Vector state(2);
+  while (watch.open()) {
+    if (cancelled()) co_return false;
+    const std::size_t stretch = next_stretch(carried);
+    carried += stretch;
+    const std::span<const PeriodResult> periods = co_await lane.carry(watch.state(), stretch);
+    for (const PeriodResult& period : periods) {
+      if (!watch.open()) break;
+      state << period.x, period.v;
+      watch.see(period.termination, state);
+    }
+  }
+  co_return true;
+}
+
+/// All together, at a parameter set of `many`. Ends when none is open (true) or `cancelled` says so (false).
+template <class Watch, class Cancelled>
+bool carry_side_by_side(LaneCarrier& many, std::size_t set, std::vector<Watch>& watches, const Cancelled& cancelled) {
+  struct Common {
+    const Cancelled& cancelled;
+    std::size_t seen = 0;
+    bool stopped = false;
+    Vector state = Vector(2);
+  };
+  struct One : PeriodWatch {
+    Watch* watch = nullptr;
+    Common* common = nullptr;
+    std::size_t seen = 0;
+    void expect() { next = seen + 1 + static_cast<std::size_t>(watch->quiet_periods()); }
+  };
+  constexpr std::size_t between_questions = 64;  // periods
+  Common common{cancelled, 0, cancelled()};
+  if (common.stopped) return false;
+  std::vector<One> each(watches.size());
+  std::vector<PeriodResult> last(watches.size());
+  std::vector<MotionRun> runs;
+  runs.reserve(watches.size());
+  for (std::size_t i = 0; i < watches.size(); ++i) {
+    each[i].see = [](PeriodWatch& self, std::size_t number, const PeriodResult& period) {
+      One& one = static_cast<One&>(self);
+      Common& all = *one.common;
+      if (++all.seen % between_questions == 0) all.stopped = all.stopped || all.cancelled();
+      if (all.stopped) return false;
+      one.watch->leave_out(static_cast<int>(number - 1 - one.seen));
+      one.seen = number;
+      all.state << period.x, period.v;
+      one.watch->see(period.termination, all.state);
+      one.expect();
+      return one.watch->open();
+    };
+    each[i].watch = &watches[i];
+    each[i].common = &common;
+    each[i].expect();
+    const auto& start = watches[i].state();
+    runs.push_back({.start = {set, start[0], start[1]},
+                    .periods = std::numeric_limits<std::size_t>::max(),
+                    .results = &last[i],
+                    .watch = &each[i]});
+  }
+  many.carry(runs, false);
+  return !common.stopped;
+}
+
+}  // namespace graze

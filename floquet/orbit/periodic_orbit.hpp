@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// PeriodicOrbit: one orbit with everything that is known of it.
+#pragma once
+
+#include <graze/floquet/orbit/multipliers.hpp>
+#include <graze/floquet/orbit/signature.hpp>
+#include <graze/lib/motion/trajectory.hpp>
+#include <graze/lib/numerics/newton.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace graze {
+
+enum class Admissibility { not_checked, admissible, inadmissible };
+
+/// A finite-difference monodromy matrix beside the variational one; not applicable where a step of useful size leaves the
+/// signature (at a grazing).
+struct FiniteDifferenceCheck {
+  bool applicable = false;
+  double disagreement = 0.0;    ///< max|M - M_fd| / (1 + max|M|)
+  double error_estimate = 0.0;  ///< of the Richardson extrapolation, on the same scale
+  MonodromyMatrix monodromy;    ///< its factors by differences, one per stretch between nodes; empty if not applicable
+};
+
+/// Proofs that come with an orbit; every number is a relative error.
+struct OrbitChecks {
+  double residual = -1.0;   ///< largest mismatch of the shooting stretches / (1 + |x|)
+  double liouville = -1.0;  ///< |sum of ln|det| - Liouville's identity|; -1: not applicable (a factor of deficient rank)
+  std::optional<FiniteDifferenceCheck> finite_difference;  ///< on request
+};
+
+/// Rounding moves two multipliers that meet on the unit circle by its square root.
+inline constexpr double on_unit_circle = 1e-7;
+
+struct PeriodicOrbit {
+  Vector parameters;
+  int period = 0;              ///< n forcing periods; 1 for an autonomous orbit
+  double duration = 0.0;       ///< n T, dimensionless time
+  Vector state;                ///< at forcing phase 0
+  std::vector<Vector> states;  ///< at forcing phase 0 after 0 ... n - 1 periods; states[0] = state
+  std::vector<Vector> nodes;   ///< shooting nodes, equally spaced in time from section_phase on
+  double section_phase = 0.0;  ///< of nodes[0], forcing phase over 2 pi; also that of the monodromy matrix
+  Signature signature;
+  int impacts = 0;           ///< p of z = p/n
+  int isolated_impacts = 0;  ///< of them, those that are not part of a complete chatter (whose number is a matter of definition)
+  bool rests = false;        ///< the mass is held at its stop all the time (lib/rest.hpp)
+  bool conservative = false;  ///< Liouville's sum is exactly zero along it
+  NewtonReport newton;
+  Admissibility admissible = Admissibility::not_checked;
+  std::vector<EventRecord> events;  ///< along the orbit; times run on from phase 0 to `duration`
+  MonodromyMatrix monodromy;        ///< factors of M over the orbit
+  FloquetMultipliers multipliers;
+  OrbitChecks checks;
+
+  bool converged() const { return newton.converged(); }
+  bool stable() const { return multipliers.stable(); }
+  /// Elliptic (or at rest, or at the border to that) where nothing dissipates: it attracts nothing, and repels nothing.
+  bool neutral() const {
+    return conservative && multipliers.valid &&
+           std::all_of(multipliers.values.begin(), multipliers.values.end(),
+                       [](const auto& mu) { return std::abs(std::abs(mu) - 1.0) < on_unit_circle; });
+  }
+};
+
+}  // namespace graze

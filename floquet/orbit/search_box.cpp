@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/orbit/search_box.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace graze {
+
+std::pair<Vector, Vector> search_box(const HybridSystem& system, const Vector& p, const FlowOptions& options, int periods) {
+  const auto n = static_cast<Eigen::Index>(system.states);
+  const double T = forcing_period(system, p);
+  Propagator propagator(system, p, {}, options);
+  double size = 0.0;
+  Transition transition;
+  const auto run_from = [&](Vector x, int counted_from) {
+    for (int k = 0; k < periods; ++k) {
+      carry(propagator, 0.0, T, x, {.sensitivity = Sensitivity::none}, transition);
+      if (transition.termination != Termination::time) break;
+      const bool settled = (transition.x1 - x).norm() <= 1e-9 * x.norm();
+      x = transition.x1;
+      if (k >= counted_from || settled) size = std::max(size, x.cwiseAbs().maxCoeff());
+      if (settled) break;
+    }
+  };
+  for (const double start : {0.0, 0.1, -0.1}) run_from(Vector::Constant(n, start), 0);
+  // A hard barrier at r < 0 leaves no room near the origin.
+  for (double start = 0.2; size == 0.0 && start < 1e4; start *= 2.0) {
+    run_from(Vector::Constant(n, -start), 0);
+    run_from(Vector::Constant(n, start), 0);
+  }
+  // Motions from rest may never meet the barrier where others do: the box reaches to it, and as far as what motions settle on
+  // that start far enough away from it to hit it.
+  for (const Event& event : system.events) {
+    if (!event.guard.level || event.from != 0) continue;
+    const LevelGuard& guard = *event.guard.level;
+    const double level = p[static_cast<Eigen::Index>(guard.level)], at_rest = std::max(size, std::abs(level));
+    for (const double times : {1.0, 2.0, 4.0}) {
+      Vector start = Vector::Zero(n);
+      start[static_cast<Eigen::Index>(guard.coordinate)] = level - guard.sign * times * at_rest;
+      run_from(start, periods / 2);
+    }
+    size = std::max(size, std::abs(level));
+  }
+  // Stroboscopic states show one phase only; a motion passes through the others, so every coordinate gets the largest size.
+  const double reach = 1.5 * size + 1e-3;
+  return {Vector::Constant(n, -reach), Vector::Constant(n, reach)};
+}
+
+}  // namespace graze

@@ -1,0 +1,322 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/orbit/shooting.hpp>
+#include <graze/lib/motion/rest.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace graze {
+
+namespace {
+
+const TransitionOptions with_tangent{.sensitivity = Sensitivity::state};
+
+double relative(const Vector& residual, const Vector& u) {
+  return residual.lpNorm<Eigen::Infinity>() / (1.0 + u.lpNorm<Eigen::Infinity>());
+}
+
+/// Newton with the step halved until the residual falls; goes on below `tolerance` as long as it still gains. (What was evaluated
+/// last need not be u itself.)
+NewtonReport newton(ShootingEquations& equations, Vector& u, const ShootingOptions& options) {
+  NewtonReport report;
+  if (!equations.evaluate(u, with_tangent)) {
+    report.status = NewtonStatus::evaluation_failed;
+    return report;
+  }
+  Vector residual, trial_residual;
+  Matrix jacobian;
+  equations.residual(u, residual);
+  report.residual_history.push_back(relative(residual, u));
+  for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
+    equations.jacobian(jacobian);
+    Vector step = jacobian.partialPivLu().solve(-residual);
+    if (!step.allFinite()) {
+      report.status = NewtonStatus::singular;
+      return report;
+    }
+    // A step far beyond the size of the motion comes from a nearly singular Jacobian and leads nowhere; its direction is kept.
+    const double longest = options.max_step * (1.0 + u.lpNorm<Eigen::Infinity>()), length = step.lpNorm<Eigen::Infinity>();
+    if (length > longest) step *= longest / length;
+    const double before = relative(residual, u);
+    bool reduced = false;
+    double factor = 1.0;
+    for (int halving = 0; halving <= options.max_halvings; ++halving, factor *= 0.5) {
+      const Vector trial = u + factor * step;
+      if (!equations.evaluate(trial, with_tangent)) continue;
+      equations.residual(trial, trial_residual);
+      const double after = relative(trial_residual, trial);
+      if (!(after < before)) {
+        if (before <= options.acceptance) break;  // at rounding level: nothing to be gained by halving
+        continue;
+      }
+      u = trial;
+      residual = trial_residual;
+      reduced = true;
+      break;
+    }
+    report.residual_history.push_back(relative(residual, u));
+    const double now = report.residual();
+    if (!reduced || (now <= options.tolerance && now > 0.5 * before)) {
+      report.status = now <= options.acceptance ? NewtonStatus::converged : NewtonStatus::stalled;
+      break;
+    }
+    if (now == 0.0) {
+      report.status = NewtonStatus::converged;
+      break;
+    }
+    report.status = now <= options.acceptance ? NewtonStatus::converged : NewtonStatus::iteration_limit;
+  }
+  return report;
+}
+
+/// The guess as nodes: as given if their number fits, else carried on from the first.
+Vector nodes_from(ShootingEquations& equations, const std::vector<Vector>& guess, double duration) {
+  const int n = equations.states(), count = equations.nodes();
+  Vector u(equations.unknowns());
+  if (equations.autonomous()) u[n * count] = duration;
+  if (static_cast<int>(guess.size()) == count) {
+    for (int j = 0; j < count; ++j) u.segment(j * n, n) = guess[static_cast<std::size_t>(j)];
+    return u;
+  }
+  Vector x = guess.front();
+  Transition transition;
+  for (int j = 0; j < count; ++j) {
+    u.segment(j * n, n) = x;
+    const double start = equations.node_time(u, j), length = equations.duration(u) / count;
+    carry(equations.propagator(), start, start + length, x, {.sensitivity = Sensitivity::none}, transition);
+    if (transition.termination == Termination::time) x = transition.x1;
+  }
+  return u;
+}
+
+/// Free re-simulation over the whole orbit from the first node: the same events in the same order.
+Admissibility resimulate(ShootingEquations& equations, const Vector& u, const std::vector<std::size_t>& sequence, double growth) {
+  Transition whole;
+  const double start = equations.node_time(u, 0);
+  carry(equations.propagator(), start, start + equations.duration(u), equations.node(u, 0), {.sensitivity = Sensitivity::none},
+        whole);
+  if (whole.termination == Termination::time && whole.event_sequence == sequence) return Admissibility::admissible;
+  // An orbit so unstable that rounding grows to the size of the motion cannot be run through in one piece; its stretches, each of
+  // them a free run, have shown the same already.
+  const bool beyond_reach = growth * 1e-15 > 1e-6;
+  return beyond_reach ? Admissibility::admissible : Admissibility::inadmissible;
+}
+
+/// Impacts and entries that do not belong to the series before a stick event; the events of an orbit are cyclic.
+int isolated_impacts(const std::vector<EventRecord>& events) {
+  const auto is_stick = [](const EventRecord& event) { return event.kind == EventKind::stick; };
+  const auto last_stick = std::find_if(events.rbegin(), events.rend(), is_stick);
+  const auto first = static_cast<std::size_t>(events.rend() - last_stick);  // just after it; 0 if there is none
+  int total = 0, series = 0;
+  for (std::size_t k = 0; k < events.size(); ++k) {
+    const EventKind kind = events[(first + k) % events.size()].kind;
+    if (begins_contact(kind)) {
+      ++series;
+    } else if (kind == EventKind::stick) {
+      series = 0;
+    } else {
+      total += series;
+      series = 0;
+    }
+  }
+  return total + series;
+}
+
+/// States at forcing phase 0 of the periods 0 ... n - 1, each carried on from the node before it; also the mode at the first.
+void add_stroboscopic_states(ShootingEquations& equations, const Vector& u, PeriodicOrbit& orbit) {
+  const int n = orbit.period, count = equations.nodes();
+  const double T = orbit.duration / n;
+  Transition transition;
+  for (int k = 0; k < n; ++k) {
+    // Nodes lie at (s + j n / N) T; before the first of them stands the last one, a whole orbit earlier.
+    const double place = (k - equations.section_phase()) * count / n + 1e-12;
+    const bool before_first = place < 0.0;
+    const int j = static_cast<int>(std::floor(before_first ? place + count : place));
+    const double ahead = (before_first ? k + n : k) * T - equations.orbit_time(u, j), start = equations.node_time(u, j);
+    Vector state = equations.node(u, j);
+    std::size_t mode = equations.stretch(j).mode0;
+    if (ahead > 1e-12 * T) {
+      carry(equations.propagator(), start, start + ahead, state, {.sensitivity = Sensitivity::none}, transition);
+      if (transition.termination == Termination::time) state = transition.x1;
+      mode = transition.mode1;
+    }
+    if (k == 0) orbit.signature.mode = mode;
+    orbit.states.push_back(std::move(state));
+  }
+}
+
+}  // namespace
+
+PeriodicOrbit describe_orbit(ShootingEquations& equations, const Vector& u, NewtonReport report) {
+  PeriodicOrbit orbit;
+  orbit.parameters = equations.parameters();
+  orbit.period = equations.period();
+  orbit.duration = equations.duration(u);
+  orbit.section_phase = equations.section_phase();
+  orbit.newton = std::move(report);
+  for (int j = 0; j < equations.nodes(); ++j) orbit.nodes.push_back(equations.node(u, j));
+  orbit.state = orbit.nodes.front();
+  const bool evaluated = equations.evaluate(u, {.sensitivity = Sensitivity::state, .keep_factors = true, .keep_events = true});
+  if (!evaluated) {
+    if (orbit.newton.converged()) orbit.newton.status = NewtonStatus::evaluation_failed;
+    return orbit;
+  }
+  Vector residual;
+  equations.residual(u, residual);
+  orbit.checks.residual = relative(residual, u);
+  double log_det = 0.0, liouville = 0.0;
+  std::vector<std::size_t> sequence;
+  for (int j = 0; j < equations.nodes(); ++j) {
+    const Transition& stretch = equations.stretch(j);
+    const double offset = equations.orbit_time(u, j) - equations.node_time(u, j);
+    for (EventRecord event : stretch.events) {
+      event.t += offset;
+      orbit.events.push_back(std::move(event));
+    }
+    sequence.insert(sequence.end(), stretch.event_sequence.begin(), stretch.event_sequence.end());
+    orbit.monodromy.factors.insert(orbit.monodromy.factors.end(), stretch.factors.begin(), stretch.factors.end());
+    orbit.monodromy.log_dets.insert(orbit.monodromy.log_dets.end(), stretch.factor_log_dets.begin(),
+                                    stretch.factor_log_dets.end());
+    log_det += stretch.log_det;
+    liouville += stretch.liouville;
+  }
+  if (equations.autonomous()) {
+    orbit.monodromy.section = Section::autonomous;
+    orbit.monodromy.trivial_direction.resize(equations.states());
+    equations.propagator().field(equations.stretch(0).mode0, 0.0, orbit.state, orbit.monodromy.trivial_direction);
+  }
+  orbit.conservative = liouville == 0.0;
+  orbit.rests = sequence.empty() && holding_event(equations.system(), equations.stretch(0).mode0);
+  orbit.multipliers = multipliers(orbit.monodromy, orbit.duration);
+  if (std::isfinite(log_det) && std::isfinite(liouville)) orbit.checks.liouville = std::abs(log_det - liouville);
+  orbit.admissible = resimulate(equations, u, sequence, orbit.monodromy.product().cwiseAbs().maxCoeff());
+  // Events and signature begin at phase 0, wherever the nodes lie.
+  const auto wrapped =
+      std::find_if(orbit.events.begin(), orbit.events.end(), [&](const EventRecord& event) { return event.t > orbit.duration; });
+  for (auto event = wrapped; event != orbit.events.end(); ++event) event->t -= orbit.duration;
+  std::rotate(orbit.events.begin(), wrapped, orbit.events.end());
+  for (const EventRecord& event : orbit.events) orbit.signature.events.push_back(event.event);
+  orbit.impacts = impacts(equations.system(), orbit.signature);
+  orbit.isolated_impacts = isolated_impacts(orbit.events);
+  add_stroboscopic_states(equations, u, orbit);
+  orbit.state = orbit.states.front();
+  return orbit;
+}
+
+PeriodicOrbit shoot(const HybridSystem& system, const Vector& p, const std::vector<Vector>& guess, int period,
+                    const ShootingOptions& options, double duration_guess) {
+  if (guess.empty()) throw std::invalid_argument("shooting needs a state to start from");
+  ShootingEquations equations(system, p, period, options.nodes, std::nullopt, options.flow);
+  if (equations.autonomous() && !(duration_guess > 0.0))
+    throw std::invalid_argument(fmt::format("the duration guess is {}; an autonomous orbit needs one > 0", duration_guess));
+  for (const Vector& x : guess) initial_mode(system, 0.0, x, p);
+  Vector u = nodes_from(equations, guess, duration_guess);
+  if (equations.autonomous()) equations.set_phase_reference(guess.front());
+  NewtonReport report = newton(equations, u, options);
+  PeriodicOrbit orbit = describe_orbit(equations, u, std::move(report));
+  if (orbit.converged() && options.reduce_period && period > 1) {
+    for (int divisor = 1; divisor <= period / 2; ++divisor) {
+      if (period % divisor != 0) continue;
+      const double scale = 1.0 + orbit.state.lpNorm<Eigen::Infinity>();
+      const Vector& later = orbit.states[static_cast<std::size_t>(divisor)];
+      // Near a period doubling the doubled orbit passes its own start closely without closing there: only Newton decides.
+      if ((later - orbit.state).lpNorm<Eigen::Infinity>() > 1e-5 * scale) continue;
+      ShootingOptions shorter = options;
+      if (options.nodes % divisor != 0) shorter.nodes = 0;
+      PeriodicOrbit candidate = shoot(system, p, Vector(0.5 * (later + orbit.state)), divisor, shorter);
+      // Newton leaves an error of its rounding over the distance of the multipliers from 1: near a bifurcation that is not small.
+      double nearest = 1.0;
+      for (const auto& mu : candidate.multipliers.values)
+        nearest = std::min(nearest, std::abs(1.0 - std::pow(mu, period / divisor)));
+      const double same = std::clamp(1e-12 / nearest, 1e-10, 1e-6) * scale;
+      if (candidate.converged() && (candidate.state - orbit.state).lpNorm<Eigen::Infinity>() < same) return candidate;
+    }
+  }
+  if (orbit.converged() && options.finite_differences)
+    orbit.checks.finite_difference = finite_difference_check(system, orbit, options.flow);
+  return orbit;
+}
+
+namespace {
+
+/// Romberg's table of central differences for one column of a stretch's transition matrix.
+struct Column {
+  Vector value;
+  double error = std::numeric_limits<double>::infinity();
+};
+
+}  // namespace
+
+FiniteDifferenceCheck finite_difference_check(const HybridSystem& system, const PeriodicOrbit& orbit,
+                                              const FlowOptions& options) {
+  FiniteDifferenceCheck check;
+  if (orbit.nodes.empty()) return check;
+  ShootingEquations equations(system, orbit.parameters, orbit.period, static_cast<int>(orbit.nodes.size()), std::nullopt, options,
+                              orbit.section_phase);
+  const int n = equations.states(), count = equations.nodes();
+  Vector u(equations.unknowns());
+  for (int j = 0; j < count; ++j) u.segment(j * n, n) = orbit.nodes[static_cast<std::size_t>(j)];
+  if (equations.autonomous()) {
+    u[n * count] = orbit.duration;
+    equations.set_phase_reference(orbit.state);
+  }
+  if (!equations.evaluate(u, {.sensitivity = Sensitivity::state})) return check;
+  Transition moved;
+  check.applicable = true;
+  for (int j = 0; j < count && check.applicable; ++j) {
+    const Transition& base = equations.stretch(j);
+    const double start = equations.node_time(u, j), length = orbit.duration / count;
+    const double scale = 1.0 + base.Phi.cwiseAbs().maxCoeff();
+    Matrix factor = Matrix::Zero(n, n);
+    for (int k = 0; k < n; ++k) {
+      const double unit = 1.0 + std::abs(u[j * n + k]);
+      const auto difference = [&](double h) -> std::optional<Vector> {
+        Vector ends[2];
+        double places[2];
+        for (int side = 0; side < 2; ++side) {
+          Vector x = equations.node(u, j);
+          x[k] += side == 0 ? h : -h;
+          places[side] = x[k];
+          carry(equations.propagator(), start, start + length, x, {.sensitivity = Sensitivity::none}, moved);
+          if (moved.termination != Termination::time || moved.event_sequence != base.event_sequence || moved.mode0 != base.mode0)
+            return std::nullopt;
+          ends[side] = moved.x1;
+        }
+        return (ends[0] - ends[1]) / (places[0] - places[1]);
+      };
+      // From large steps to small: each next one halves, three levels are extrapolated, and the best estimate of its error wins.
+      Column best;
+      std::optional<Vector> coarse, middle;
+      for (double h = 0.02 * unit; h > 1e-7 * unit; h *= 0.5) {
+        const std::optional<Vector> fine = difference(h);
+        if (coarse && middle && fine) {
+          const Vector first = (4.0 * *middle - *coarse) / 3.0, second = (4.0 * *fine - *middle) / 3.0;
+          const Vector value = (16.0 * second - first) / 15.0;
+          const double rounding = 1e-15 * scale * unit / h;
+          const double error = (value - second).lpNorm<Eigen::Infinity>() + rounding;
+          if (error < best.error) best = {value, error};
+        }
+        coarse = middle;
+        middle = fine;
+      }
+      if (!std::isfinite(best.error)) {
+        check.applicable = false;
+        break;
+      }
+      factor.col(k) = best.value;
+      check.disagreement = std::max(check.disagreement, (best.value - base.Phi.col(k)).lpNorm<Eigen::Infinity>() / scale);
+      check.error_estimate = std::max(check.error_estimate, best.error / scale);
+    }
+    check.monodromy.factors.push_back(std::move(factor));
+  }
+  check.monodromy.section = orbit.monodromy.section;
+  check.monodromy.trivial_direction = orbit.monodromy.trivial_direction;
+  if (!check.applicable) check.monodromy.factors.clear();
+  return check;
+}
+
+}  // namespace graze

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Finding one periodic orbit by Newton's method on the shooting equations.
+#pragma once
+
+#include <graze/floquet/orbit/orbit_shape.hpp>
+#include <graze/floquet/orbit/periodic_orbit.hpp>
+#include <graze/floquet/orbit/shooting_equations.hpp>
+
+namespace graze {
+
+struct ShootingOptions {
+  int nodes = 0;              ///< shooting nodes; 0: one per forcing period
+  double tolerance = 1e-13;   ///< of the residual, relative to 1 + |x|; Newton goes on while it still gains
+  double acceptance = 1e-12;  ///< a residual that stalls below this counts as converged
+  int max_iterations = 40;
+  int max_halvings = 12;            ///< of a Newton step that does not reduce the residual
+  double max_step = 0.5;            ///< longest Newton step, relative to 1 + |x|
+  bool reduce_period = true;        ///< an orbit of period n that closes after a divisor of n is returned with its least period
+  bool finite_differences = false;  ///< also compute OrbitChecks::finite_difference
+  FlowOptions flow = {};
+};
+
+/// Newton from `guess` (state at phase 0, or several states at equally spaced times for multiple shooting). An autonomous
+/// system needs `duration_guess`. The result is always returned; converged() says whether it is an orbit.
+/// @throws std::invalid_argument for parameters out of range or a guess that is not admissible.
+PeriodicOrbit shoot(const HybridSystem& system, const Vector& p, const std::vector<Vector>& guess, int period,
+                    const ShootingOptions& options = {}, double duration_guess = 0.0);
+inline PeriodicOrbit shoot(const HybridSystem& system, const Vector& p, const Vector& guess, int period,
+                           const ShootingOptions& options = {}) {
+  return shoot(system, p, std::vector<Vector>{guess}, period, options);
+}
+
+/// Everything of an orbit whose nodes are known: events, monodromy, multipliers, checks, admissibility by free re-simulation.
+/// `report` is how the nodes were found.
+PeriodicOrbit describe_orbit(ShootingEquations& equations, const Vector& u, NewtonReport report);
+
+/// The finite-difference monodromy matrix against the variational one (Richardson, step kept inside the signature's domain).
+FiniteDifferenceCheck finite_difference_check(const HybridSystem& system, const PeriodicOrbit& orbit,
+                                              const FlowOptions& options = {});
+
+}  // namespace graze

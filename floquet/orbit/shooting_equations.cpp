@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/orbit/shooting_equations.hpp>
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stdexcept>
+
+namespace graze {
+
+namespace {
+
+std::vector<std::size_t> as_list(std::optional<std::size_t> parameter) {
+  return parameter ? std::vector<std::size_t>{*parameter} : std::vector<std::size_t>{};
+}
+
+}  // namespace
+
+ShootingEquations::ShootingEquations(const HybridSystem& system, const Vector& p, int period, int nodes,
+                                     std::optional<std::size_t> active, const FlowOptions& options, double section_phase)
+    : propagator_(system, p, as_list(active), options), n_(static_cast<int>(system.states)), nodes_(nodes > 0 ? nodes : period),
+      period_(period), section_phase_(section_phase), active_(active) {
+  if (period < 1) throw std::invalid_argument(fmt::format("period n is {}; allowed is a whole number from 1", period));
+  if (nodes < 0 || (nodes_ % period != 0 && period % nodes_ != 0))
+    throw std::invalid_argument(
+        fmt::format("{} shooting nodes were asked for; allowed is a multiple or a divisor of the period {}", nodes, period));
+  if (autonomous() && period != 1) throw std::invalid_argument("an autonomous orbit has period 1: its duration is an unknown");
+  stretches_.resize(static_cast<std::size_t>(nodes_));
+  start_fields_.assign(static_cast<std::size_t>(nodes_), Vector::Zero(n_));
+  end_fields_ = start_fields_;
+}
+
+double ShootingEquations::duration(const Vector& u) const {
+  return autonomous() ? u[n_ * nodes_] : period_ * forcing_period(system(), parameters());
+}
+
+double ShootingEquations::node_time(const Vector& u, int j) const {
+  return autonomous() ? orbit_time(u, j) : node_fraction(j) * forcing_period(system(), parameters());
+}
+
+double ShootingEquations::orbit_time(const Vector& u, int j) const {
+  if (autonomous()) return duration(u) * j / nodes_;
+  return (section_phase_ + static_cast<double>(j * period_) / nodes_) * forcing_period(system(), parameters());
+}
+
+bool ShootingEquations::evaluate(const Vector& u, const TransitionOptions& options) {
+  const double length = duration(u) / nodes_;
+  if (!(length > 0.0) || !std::isfinite(length)) {
+    failure_ = Termination::failed;
+    return false;
+  }
+  for (int j = 0; j < nodes_; ++j) {
+    const auto index = static_cast<std::size_t>(j);
+    const double start = node_time(u, j);
+    const Vector x0 = node(u, j);
+    Transition& transition = stretches_[index];
+    TransitionOptions own = options;
+    if (const auto gap = left_out_.find(j); gap != left_out_.end()) own.left_out = gap->second;
+    carry(propagator_, start, start + length, x0, own, transition);
+    failure_ = transition.termination;
+    if (failure_ != Termination::time) return false;
+    propagator_.field(transition.mode0, start, x0, start_fields_[index]);
+    propagator_.field(transition.mode1, start + length, transition.x1, end_fields_[index]);
+  }
+  return true;
+}
+
+void ShootingEquations::residual(const Vector& u, Vector& out) const {
+  out.resize(unknowns());
+  for (int j = 0; j < nodes_; ++j) out.segment(j * n_, n_) = stretch(j).x1 - u.segment((j + 1) % nodes_ * n_, n_);
+  if (autonomous()) out[n_ * nodes_] = phase_normal_.dot(u.head(n_) - phase_reference_);
+}
+
+Vector ShootingEquations::fixed_time_dp(int j, const Matrix& Phi, const Matrix& Psi) const {
+  if (autonomous()) return Psi.col(0);
+  // The stretch starts at a fixed fraction of T, which depends on the forcing frequency.
+  const double period_dp = forcing_period_dp(system(), parameters())[static_cast<Eigen::Index>(*active_)];
+  return Psi.col(0) - Phi * start_field(j) * (node_fraction(j) * period_dp);
+}
+
+Vector ShootingEquations::stretch_dp(int j) const {
+  Vector dp = fixed_time_dp(j, stretch(j).Phi, stretch(j).Psi);
+  if (autonomous()) return dp;
+  const double period_dp = forcing_period_dp(system(), parameters())[static_cast<Eigen::Index>(*active_)];
+  return dp + end_field(j) * ((node_fraction(j) + static_cast<double>(period_) / nodes_) * period_dp);
+}
+
+void ShootingEquations::jacobian(Matrix& out) const {
+  const int columns = unknowns() + (active_ ? 1 : 0);
+  out.setZero(unknowns(), columns);
+  for (int j = 0; j < nodes_; ++j) {
+    out.block(j * n_, j * n_, n_, n_) += stretch(j).Phi;
+    out.block(j * n_, (j + 1) % nodes_ * n_, n_, n_) -= Matrix::Identity(n_, n_);
+    if (autonomous()) out.block(j * n_, n_ * nodes_, n_, 1) = end_fields_[static_cast<std::size_t>(j)] / nodes_;
+    if (active_) out.block(j * n_, columns - 1, n_, 1) = stretch_dp(j);
+  }
+  if (autonomous()) out.row(n_ * nodes_).head(n_) = phase_normal_.transpose();
+}
+
+void ShootingEquations::set_phase_reference(const Vector& x_ref) {
+  phase_reference_ = x_ref;
+  phase_normal_.resize(n_);
+  propagator_.field(propagator_.start(0.0, x_ref).mode, 0.0, x_ref, phase_normal_);
+}
+
+}  // namespace graze

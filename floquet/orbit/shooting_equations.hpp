@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// ShootingEquations: an orbit as a root. The orbit's duration is cut into N equal stretches with nodes x_0 ... x_{N-1};
+//     forced:      phi(x_j; t_j, t_{j+1}) - x_{j+1} = 0, j = 0 ... N-1, x_N = x_0, t_j = (s + j n / N) T   (N n equations),
+//     autonomous:  the same with the unknown duration D, t_j = j D / N, and the phase condition f(x_ref) . (x_0 - x_ref) = 0.
+// Unknowns u = (x_0, ..., x_{N-1} [, D]). N = n periods is multiple shooting at forcing phase 0; N = 1 is single shooting.
+// The Jacobian holds the derivative in one parameter as a last column if one is active; that of the period, f dT/dp, is included.
+#pragma once
+
+#include <graze/lib/motion/transition.hpp>
+
+#include <map>
+
+namespace graze {
+
+class ShootingEquations {
+ public:
+  /// `period`: n forcing periods (autonomous: 1). `nodes`: N, a multiple or divisor of n (0: N = n).
+  /// `active`: the continuation parameter, or none.
+  /// `section_phase`: s in [0, 1), forcing phase of the first node over 2 pi. Nodes must keep clear of hard impacts, across which
+  /// the state at a fixed phase jumps.
+  ShootingEquations(const HybridSystem& system, const Vector& p, int period, int nodes = 0,
+                    std::optional<std::size_t> active = std::nullopt, const FlowOptions& options = {},
+                    double section_phase = 0.0);
+
+  int states() const { return n_; }
+  int nodes() const { return nodes_; }
+  int period() const { return period_; }
+  double section_phase() const { return section_phase_; }
+  int unknowns() const { return n_ * nodes_ + (autonomous() ? 1 : 0); }
+  bool autonomous() const { return !propagator_.system().forcing_frequency.has_value(); }
+  const HybridSystem& system() const { return propagator_.system(); }
+  const Vector& parameters() const { return propagator_.parameters(); }
+  std::optional<std::size_t> active() const { return active_; }
+  const FlowOptions& options() const { return propagator_.options(); }
+  Propagator& propagator() { return propagator_; }
+
+  void set_parameters(const Vector& p) { propagator_.set_parameters(p); }
+  /// Phase condition of an autonomous orbit: through x_ref, normal to the field there.
+  void set_phase_reference(const Vector& x_ref);
+  bool has_phase_reference() const { return phase_reference_.size() > 0; }
+
+  /// Leaves a contact of stretch j out (see LeftOutContact), one on each at most; j = -1: none is left out any more.
+  void leave_out(int j, const LeftOutContact& contact = {}) {
+    if (j < 0) return left_out_.clear();
+    left_out_[j] = contact;
+  }
+
+  double duration(const Vector& u) const;
+  /// Start of stretch j: forced systems, its time with whole forcing periods left out.
+  double node_time(const Vector& u, int j) const;
+  /// The same without leaving them out: time since phase 0 of the orbit.
+  double orbit_time(const Vector& u, int j) const;
+  Vector node(const Vector& u, int j) const { return u.segment(j * n_, n_); }
+
+  /// Evaluates all stretches at u. False where one of them fails (then `failure()` says why).
+  bool evaluate(const Vector& u, const TransitionOptions& options);
+  Termination failure() const { return failure_; }
+
+  /// After evaluate: residual (unknowns()), Jacobian (unknowns() x unknowns() [+ 1]), stretch j's map, and its derivative in the
+  /// active parameter including that of its times.
+  void residual(const Vector& u, Vector& out) const;
+  void jacobian(Matrix& out) const;
+  const Transition& stretch(int j) const { return stretches_[static_cast<std::size_t>(j)]; }
+  Vector stretch_dp(int j) const;
+  /// Derivative in the active parameter of a state on stretch j at a fixed time: Psi with the stretch's moving start.
+  Vector fixed_time_dp(int j, const Matrix& Phi, const Matrix& Psi) const;
+  /// f at the start of stretch j, and at its end.
+  const Vector& start_field(int j) const { return start_fields_[static_cast<std::size_t>(j)]; }
+  const Vector& end_field(int j) const { return end_fields_[static_cast<std::size_t>(j)]; }
+  /// Dimensionless time carried so far: the measure of cost.
+  double time_carried() const { return propagator_.time_carried(); }
+
+ private:
+  double node_fraction(int j) const { return section_phase_ + static_cast<double>(j * period_ % nodes_) / nodes_; }
+
+  Propagator propagator_;
+  int n_ = 0, nodes_ = 0, period_ = 0;
+  double section_phase_ = 0.0;
+  std::optional<std::size_t> active_;
+  Vector phase_reference_, phase_normal_;
+  std::vector<Transition> stretches_;
+  std::vector<Vector> start_fields_, end_fields_;
+  std::map<int, LeftOutContact> left_out_;  ///< by stretch
+  Termination failure_ = Termination::failed;
+};
+
+}  // namespace graze

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/orbit/signature.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace graze {
+
+int impacts(const HybridSystem& system, const Signature& signature) {
+  return static_cast<int>(std::count_if(signature.events.begin(), signature.events.end(),
+                                        [&](std::size_t event) { return begins_contact(system.events[event].kind); }));
+}
+
+std::string label(int impacts, int period) { return fmt::format("{}/{}", impacts, period); }
+
+std::string label(int impacts, int isolated, int period) {
+  if (isolated >= impacts) return label(impacts, period);
+  return isolated > 0 ? fmt::format("{}+∞/{}", isolated, period) : fmt::format("∞/{}", period);
+}
+
+}  // namespace graze

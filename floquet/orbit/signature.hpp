@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Signature: what an orbit meets on its way, in order: the starting mode and the sequence of events. Prints as z = p/n.
+#pragma once
+
+#include <graze/lib/system/hybrid_system.hpp>
+
+#include <string>
+#include <vector>
+
+namespace graze {
+
+struct Signature {
+  std::size_t mode = 0;             ///< at phase 0
+  std::vector<std::size_t> events;  ///< indices in HybridSystem::events, in order
+  bool operator==(const Signature&) const = default;
+};
+
+/// Number of impacts (hard) or entries into contact (soft).
+int impacts(const HybridSystem& system, const Signature& signature);
+
+/// "p/n".
+std::string label(int impacts, int period);
+/// The same of an orbit that sticks, "4+∞/1": its impacts but for those of complete chatters (whose number is a matter of
+/// definition), of which there are infinitely many. `isolated`: PeriodicOrbit::isolated_impacts.
+std::string label(int impacts, int isolated, int period);
+
+}  // namespace graze

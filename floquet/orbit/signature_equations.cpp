@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/orbit/signature_equations.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace graze {
+
+SignatureEquations::SignatureEquations(const HybridSystem& system, const Vector& p, int period, std::vector<std::size_t> events,
+                                       std::size_t active, const FlowOptions& options)
+    : propagator_(system, p, {active}, options), n_(static_cast<int>(system.states)), period_(period),
+      sequence_(std::move(events)), active_(active) {
+  if (!system.forcing_frequency)
+    throw std::invalid_argument("a signature with fixed period needs a forced system; this one is autonomous");
+  if (sequence_.empty()) throw std::invalid_argument("a signature without events has no nodes; use ShootingEquations");
+  for (int k = 0; k < this->events(); ++k) {
+    const Event& next = event((k + 1) % this->events());
+    if (next.from != event(k).to)
+      throw std::invalid_argument(
+          fmt::format("event {} does not lead to the mode in which event {} can follow", event(k).name, next.name));
+  }
+}
+
+double SignatureEquations::end_time(const Vector& u, int k) const {
+  return k + 1 < events() ? time(u, k + 1) : time(u, 0) + duration();
+}
+
+HybridState SignatureEquations::after(const Vector& u, int k) {
+  const Event& here = event(k);
+  HybridState state{time(u, k), this->state(u, k), here.to};
+  if (here.reset.map) here.reset.map(state.t, this->state(u, k), parameters(), state.x);
+  return state;
+}
+
+bool SignatureEquations::evaluate(const Vector& u, int k, bool derivatives, Block& block) {
+  const Vector& p = parameters();
+  const auto active = static_cast<Eigen::Index>(active_);
+  const Event& here = event(k);
+  const double t = time(u, k), end = end_time(u, k);
+  if (!(end > t)) return false;  // events out of order
+  const Vector x = state(u, k);
+  HybridState moving = after(u, k);
+  Vector start_field(n_), end_field(n_);
+  if (derivatives) propagator_.field(here.to, t, moving.x, start_field);
+  if (!propagator_.coast(moving, end, derivatives ? Sensitivity::state_and_parameters : Sensitivity::none)) return false;
+  block.mismatch = moving.x - state(u, (k + 1) % events());
+  block.gap = here.guard.value(t, x, p);
+  if (!derivatives) return true;
+  const Segment& flight = propagator_.segment();
+  propagator_.field(here.to, end, moving.x, end_field);
+  Matrix reset_dx = Matrix::Identity(n_, n_), reset_dp = Matrix::Zero(n_, p.size());
+  Vector reset_dt = Vector::Zero(n_), gradient(n_), guard_dp = Vector::Zero(p.size());
+  if (here.reset.map) here.reset.dx(t, x, p, reset_dx);
+  if (here.reset.dp) here.reset.dp(t, x, p, reset_dp);
+  if (here.reset.dt) here.reset.dt(t, x, p, reset_dt);
+  block.own.resize(n_, n_ + 1);
+  block.own << flight.Phi * (reset_dt - start_field), flight.Phi * reset_dx;
+  block.next.resize(n_, n_ + 1);
+  block.next << end_field, -Matrix::Identity(n_, n_);
+  block.mismatch_dp = flight.Psi.col(0) + flight.Phi * reset_dp.col(active);
+  if (k + 1 == events()) block.mismatch_dp += end_field * (period_ * forcing_period_dp(system(), p)[active]);
+  here.guard.dx(t, x, p, gradient);
+  if (here.guard.dp) here.guard.dp(t, x, p, guard_dp);
+  block.own_gap.resize(n_ + 1);
+  block.own_gap << (here.guard.dt ? here.guard.dt(t, x, p) : 0.0), gradient;
+  block.gap_dp = guard_dp[active];
+  return true;
+}
+
+bool SignatureEquations::evaluate(const Vector& u, Vector& residual, Matrix* jacobian) {
+  const int size = n_ + 1;
+  residual.resize(unknowns());
+  if (jacobian) jacobian->setZero(unknowns(), unknowns() + 1);
+  Block block;
+  for (int k = 0; k < events(); ++k) {
+    if (!evaluate(u, k, jacobian != nullptr, block)) return false;
+    residual.segment(k * size, n_) = block.mismatch;
+    residual[k * size + n_] = block.gap;
+    if (!jacobian) continue;
+    auto rows = jacobian->middleRows(k * size, n_);
+    rows.middleCols(k * size, size) += block.own;
+    rows.middleCols((k + 1) % events() * size, size) += block.next;
+    rows.col(unknowns()) = block.mismatch_dp;
+    auto row = jacobian->row(k * size + n_);
+    row.segment(k * size, size) = block.own_gap.transpose();
+    row[unknowns()] = block.gap_dp;
+  }
+  return residual.allFinite() && (!jacobian || jacobian->allFinite());
+}
+
+double SignatureEquations::speed(const Vector& u, int k) {
+  const Vector x = state(u, k);
+  Vector f(n_);
+  propagator_.field(event(k).from, time(u, k), x, f);
+  return transversality(event(k).guard, time(u, k), x, f, parameters());
+}
+
+Vector SignatureEquations::speed_gradient(const Vector& u, int k) {
+  // The guard's own curvature is left out: barriers are flat.
+  const Mode& mode = system().modes[event(k).from];
+  const Vector x = state(u, k);
+  Vector gradient(n_), f_dt = Vector::Zero(n_), out = Vector::Zero(unknowns() + 1);
+  Matrix f_dx(n_, n_), f_dp = Matrix::Zero(n_, parameters().size());
+  event(k).guard.dx(time(u, k), x, parameters(), gradient);
+  mode.field_dx(time(u, k), x, parameters(), f_dx);
+  mode.field_dp(time(u, k), x, parameters(), f_dp);
+  if (mode.field_dt) mode.field_dt(time(u, k), x, parameters(), f_dt);
+  out[k * (n_ + 1)] = gradient.dot(f_dt);
+  out.segment(k * (n_ + 1) + 1, n_) = f_dx.transpose() * gradient;
+  out[unknowns()] = gradient.dot(f_dp.col(static_cast<Eigen::Index>(active_)));
+  return out;
+}
+
+/// The flight after event k meets the guard of the next event while it comes up to it. Before a weak impact it does so early, for
+/// it is within the tolerance of the guard long before: it rises all the way from there, unless it rises, falls and rises again.
+bool SignatureEquations::is_next_event(const Vector& u, int k, const EventRecord& met) {
+  constexpr double too_short_to_fall = 1e-3;  // of a forcing period
+  const int next = (k + 1) % events();
+  const double ahead = end_time(u, k) - met.t;
+  if (met.event != sequence_[static_cast<std::size_t>(next)] || ahead > too_short_to_fall * duration() / period_) return false;
+  Vector f(n_);
+  propagator_.field(event(next).from, met.t, met.x_minus, f);
+  return transversality(event(next).guard, met.t, met.x_minus, f, parameters()) > 0.0;
+}
+
+std::optional<SignatureEquations::Violation> SignatureEquations::violation(const Vector& u) {
+  for (int k = 0; k < events(); ++k)
+    if (!(speed(u, k) > 0.0)) return Violation{k, true};
+  for (int k = 0; k < events(); ++k) {
+    // The last instant before the next event is left out: there the motion is on the guard already, up to guard_tolerance, and an
+    // arc beyond it is no deeper than 1e-11.
+    const double end = end_time(u, k), length = end - time(u, k), watched = end - std::min(1e-5, 0.01 * length);
+    HybridState moving = after(u, k);
+    const StepEnd met = propagator_.step(moving, watched);
+    if (met == StepEnd::event && !is_next_event(u, k, propagator_.record())) return Violation{k, false, propagator_.record()};
+    if (met == StepEnd::failed) return Violation{k, false, {}};
+  }
+  return std::nullopt;
+}
+
+MonodromyMatrix SignatureEquations::monodromy(const Vector& u, double* liouville_error) {
+  MonodromyMatrix monodromy;
+  double log_det = 0.0, liouville = 0.0;
+  Vector f_minus(n_), f_plus(n_);
+  for (int k = 0; k < events(); ++k) {
+    const Event& here = event(k);
+    const Vector x = state(u, k);
+    HybridState moving = after(u, k);
+    const Vector x_plus = moving.x;
+    propagator_.field(here.from, moving.t, x, f_minus);
+    propagator_.field(here.to, moving.t, x_plus, f_plus);
+    if (!here.continuous) {
+      const SaltationMatrix jump = saltation(here, {moving.t, x, x_plus, f_minus, f_plus}, parameters(), {});
+      monodromy.factors.push_back(jump.S);
+      monodromy.log_dets.push_back(std::numeric_limits<double>::quiet_NaN());
+      const double volume = jump.regular ? std::log(std::abs(jump.S.determinant())) : std::numeric_limits<double>::quiet_NaN();
+      log_det += volume;
+      liouville += here.log_volume_change ? here.log_volume_change(parameters()) : volume;
+    }
+    if (!propagator_.coast(moving, end_time(u, k), Sensitivity::state)) return {};
+    const Segment& flight = propagator_.segment();
+    monodromy.factors.push_back(flight.Phi);
+    monodromy.log_dets.push_back(flight.divergence);
+    log_det += std::log(std::abs(flight.Phi.determinant()));
+    liouville += flight.divergence;
+  }
+  if (liouville_error) {
+    const double error = std::abs(log_det - liouville);
+    *liouville_error = std::isfinite(error) ? error : -1.0;
+  }
+  return monodromy;
+}
+
+int SignatureEquations::flight_at(const Vector& u, double t, double& shift) const {
+  // Before the first event stands the last one, a whole orbit earlier.
+  shift = 0.0;
+  while (t + shift < time(u, 0)) shift += duration();
+  while (t + shift >= time(u, 0) + duration()) shift -= duration();
+  int k = 0;
+  while (k + 1 < events() && time(u, k + 1) <= t + shift) ++k;
+  return k;
+}
+
+std::vector<Vector> SignatureEquations::states_at(const Vector& u, const std::vector<double>& times) {
+  std::vector<Vector> list;
+  for (const double t : times) {
+    double shift = 0.0;
+    const int k = flight_at(u, t, shift);
+    HybridState moving = after(u, k);
+    if (t + shift > moving.t && !propagator_.coast(moving, t + shift)) return {};
+    list.push_back(moving.x);
+  }
+  return list;
+}
+
+std::size_t SignatureEquations::mode_at(const Vector& u, double t) const {
+  double shift = 0.0;
+  return event(flight_at(u, t, shift)).to;
+}
+
+}  // namespace graze

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Sizes and distances of states in the maximum norm: of vectors, and of the pairs of numbers that the lanes carry.
+#pragma once
+
+#include <graze/lib/numerics/vector.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace graze {
+
+using StatePair = std::array<double, 2>;
+
+inline StatePair pair_of(const Vector& state) { return {state[0], state[1]}; }
+inline Vector vector_of(const StatePair& state) { return Vector{{state[0], state[1]}}; }
+
+inline double state_size(const Vector& x) { return x.lpNorm<Eigen::Infinity>(); }
+inline double state_size(const StatePair& x) { return std::max(std::abs(x[0]), std::abs(x[1])); }
+
+inline double state_distance(const Vector& a, const Vector& b) { return (a - b).lpNorm<Eigen::Infinity>(); }
+inline double state_distance(const StatePair& a, const StatePair& b) { return state_size(StatePair{a[0] - b[0], a[1] - b[1]}); }
+inline double state_distance(const StatePair& a, const Vector& b) { return state_distance(a, pair_of(b)); }
+
+/// To the nearest of several; infinite where there is none.
+template <class States, class State> double nearest_distance(const States& states, const State& x) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& state : states) least = std::min(least, state_distance(state, x));
+  return least;
+}
+
+}  // namespace graze

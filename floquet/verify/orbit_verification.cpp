@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/orbit/shooting.hpp>
+#include <graze/floquet/verify/orbit_verification.hpp>
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace graze {
+
+namespace {
+
+/// The orbit's own nodes carried once more, every mode by the general integrator.
+PeriodicOrbit carried_by_general(const HybridSystem& system, const PeriodicOrbit& orbit) {
+  ShootingEquations equations(system, orbit.parameters, orbit.period, static_cast<int>(orbit.nodes.size()), std::nullopt,
+                              {.kind = FlowKind::general}, orbit.section_phase);
+  Vector u(equations.unknowns());
+  Eigen::Index filled = 0;
+  for (const Vector& node : orbit.nodes) {
+    u.segment(filled, node.size()) = node;
+    filled += node.size();
+  }
+  if (equations.autonomous()) {
+    u[filled] = orbit.duration;
+    equations.set_phase_reference(orbit.state);
+  }
+  return describe_orbit(equations, u, orbit.newton);
+}
+
+/// First-order effect on the product of relative errors of its factors: S of the header.
+double error_growth(const std::vector<Matrix>& factors) {
+  const std::size_t count = factors.size();
+  std::vector<double> after(count, 1.0);  // norms of what stands left of each factor
+  Matrix left = Matrix::Identity(factors.front().rows(), factors.front().rows()), right = left;
+  for (std::size_t k = count; k-- > 0;) {
+    after[k] = left.norm();
+    left = left * factors[k];
+  }
+  double sum = 0.0;
+  for (std::size_t k = 0; k < count; ++k) {
+    sum += after[k] * (1.0 + factors[k].norm()) * right.norm();
+    right = factors[k] * right;
+  }
+  return sum;
+}
+
+/// The multipliers of `other`, from factors of relative error `factor_error`, against those of the orbit.
+OrbitCheck compare_multipliers(const std::string& name, const VerifiedOrbit& verified, const FloquetMultipliers& other,
+                               const std::vector<Matrix>& factors, double factor_error) {
+  OrbitCheck check{name, -1.0, factor_error};
+  const FloquetMultipliers& ours = verified.orbit.multipliers;
+  if (!ours.valid || !other.valid || factors.empty() || ours.values.size() != other.values.size()) return check;
+  const double norm = verified.orbit.monodromy.product().norm(), error = factor_error * error_growth(factors);
+  const double power = 1.0 / static_cast<double>(ours.values.size()), scale = 1.0 + std::abs(ours.values.front());
+  const double always = std::pow(2.0 * norm + error, 1.0 - power) * std::pow(error, power);
+  check.limit = std::min(verified.eigenvector_condition * error, always) / scale;
+  // Where two moduli are nearly equal their order is a matter of rounding: each one against the nearest that is left.
+  std::vector<std::complex<double>> left = other.values;
+  check.disagreement = 0.0;
+  for (const std::complex<double>& mu : ours.values) {
+    const auto nearest = std::min_element(left.begin(), left.end(),
+                                          [&](const auto& a, const auto& b) { return std::abs(a - mu) < std::abs(b - mu); });
+    check.disagreement = std::max(check.disagreement, std::abs(*nearest - mu) / scale);
+    left.erase(nearest);
+  }
+  return check;
+}
+
+OrbitCheck compare_exponents(const HybridSystem& system, VerifiedOrbit& verified, const VerificationOptions& options) {
+  const PeriodicOrbit& orbit = verified.orbit;
+  OrbitCheck check{"exponents", -1.0, bound::exponent};
+  const std::vector<double>& exponents = orbit.multipliers.exponents;
+  const bool finite = std::all_of(exponents.begin(), exponents.end(), [](double e) { return std::isfinite(e); });
+  if (!system.forcing_frequency || !orbit.stable() || !finite || options.average_periods == 0 ||
+      orbit.admissible != Admissibility::admissible || !std::isfinite(verified.eigenvector_condition))
+    return check;
+  const auto whole_turns = [n = orbit.period](std::int64_t periods) { return (periods + n - 1) / n * n; };
+  LyapunovOptions averaging;
+  averaging.standard_error = 0.0;
+  averaging.max_periods = whole_turns(options.average_periods);
+  averaging.aligning = whole_turns(options.aligning);
+  averaging.cancelled = options.cancelled;
+  verified.average = lyapunov_spectrum(system, orbit.parameters, orbit.state, averaging);
+  if (verified.average.stop == LyapunovStop::interrupted) return check;
+  const double time = static_cast<double>(averaging.max_periods) * forcing_period(system, orbit.parameters);
+  const auto n = static_cast<double>(exponents.size());
+  check.limit += 2.0 * std::max(0.0, 2.0 * n - 3.0) * std::log(verified.eigenvector_condition) / time;
+  // A run that was cut short proves nothing.
+  check.disagreement = verified.average.stop == LyapunovStop::budget ? 0.0 : std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t i = 0; i < exponents.size() && check.disagreement >= 0.0; ++i) {
+    const double difference = std::abs(verified.average.exponents[i] - exponents[i]);
+    check.disagreement = std::isnan(difference) ? difference : std::max(check.disagreement, difference);
+  }
+  return check;
+}
+
+}  // namespace
+
+double finite_difference_bound(const FiniteDifferenceCheck& check) {
+  return std::max(bound::finite_difference, check.error_estimate);
+}
+
+double eigenvector_condition(const Matrix& M) {
+  const Eigen::EigenSolver<Matrix> solver(M);
+  if (solver.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
+  const Eigen::VectorXd sizes = Eigen::JacobiSVD<Eigen::MatrixXcd>(solver.eigenvectors()).singularValues();
+  const double least = sizes[sizes.size() - 1];
+  return least > 0.0 ? sizes[0] / least : std::numeric_limits<double>::infinity();
+}
+
+bool VerifiedOrbit::agrees() const {
+  return std::all_of(checks.begin(), checks.end(), [](const OrbitCheck& check) { return check.passes(); });
+}
+
+VerifiedOrbit verify_orbit(const HybridSystem& system, const PeriodicOrbit& orbit, const VerificationOptions& options) {
+  if (orbit.nodes.empty()) throw std::invalid_argument("the orbit to verify has no nodes; it must come from shoot()");
+  if (options.average_periods < 0 || options.aligning < 0)
+    throw std::invalid_argument(fmt::format("average_periods is {} and aligning is {}; allowed are whole numbers >= 0",
+                                            options.average_periods, options.aligning));
+  VerifiedOrbit out{orbit};
+  out.general = carried_by_general(system, orbit);
+  out.eigenvector_condition = orbit.multipliers.valid ? eigenvector_condition(orbit.monodromy.product()) : 0.0;
+  out.checks.push_back({"residual", orbit.checks.residual, bound::residual});
+  out.checks.push_back({"Liouville", orbit.checks.liouville, bound::liouville});
+  const FiniteDifferenceCheck difference = orbit.checks.finite_difference.value_or(finite_difference_check(system, orbit));
+  if (difference.applicable) out.differences = multipliers(difference.monodromy, orbit.duration);
+  out.checks.push_back(
+      {"finite differences", difference.applicable ? difference.disagreement : -1.0, finite_difference_bound(difference)});
+  if (out.general.multipliers.valid && orbit.multipliers.valid) {
+    const Matrix ours = orbit.monodromy.product(), theirs = out.general.monodromy.product();
+    out.checks.push_back({"GSL: motion", out.general.checks.residual, bound::flow});
+    out.checks.push_back(
+        {"GSL: matrix", (ours - theirs).cwiseAbs().maxCoeff() / (1.0 + ours.cwiseAbs().maxCoeff()), bound::finite_difference});
+    out.checks.push_back({"GSL: Liouville", out.general.checks.liouville, bound::liouville});
+  } else {
+    out.checks.push_back({"GSL: matrix", -1.0, bound::finite_difference});
+  }
+  out.checks.push_back(compare_multipliers("multipliers: differences", out, out.differences, difference.monodromy.factors,
+                                           finite_difference_bound(difference)));
+  out.checks.push_back(compare_multipliers("multipliers: GSL", out, out.general.multipliers, out.general.monodromy.factors,
+                                           bound::finite_difference));
+  out.checks.push_back(compare_exponents(system, out, options));
+  return out;
+}
+
+}  // namespace graze

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// CubicFlow: x'' = A cos(w t) + c - 2 b v - k x - beta x^3 (dimensionless) by Taylor series of order 16 in time, with
+//     dx' = dv,   dv' = -2 b dv - (k + 3 beta x^2) dx + f_p
+// for the columns of Phi and Psi (detail/cubic_recurrence.hpp); divergence = -2 b (t1 - t0). A step is as long as the last two
+// terms of the series allow within FlowOptions::tolerance. Where the motion runs off to infinity (beta < 0) the segment fails.
+//
+// No crossing of a barrier is missed: on every step the polynomial that is the motion there is bounded, not sampled. Its part
+// up to degree 5, with M6 h^6 for the rest (M6 from the moduli of the coefficients), has Bernstein coefficients that show how far
+// one may go without a crossing; once the speed has a certain sign on a stretch, the root in it is unique and Halley's.
+#pragma once
+
+#include <graze/lib/flow/flow.hpp>
+#include <graze/lib/flow/level_barriers.hpp>
+
+namespace graze {
+
+class CubicFlow {
+ public:
+  CubicFlow(const HybridSystem& system, std::size_t mode, const Vector& p, std::span<const std::size_t> active,
+            const CubicOscillator& oscillator, const FlowOptions& options);
+
+  /// Whether all guards of the mode are levels of x.
+  static bool applies(const HybridSystem& system, std::size_t mode);
+
+  void carry(const FlowTask& task, const Vector& x0, Segment& out) const;
+  void field(double t, const Vector& x, Vector& out) const;
+
+ private:
+  /// With as many columns of the tangent as detail::CubicState has: Phi, then Psi in the coefficients of sources_.
+  template <std::size_t Quads> void carry_with(const FlowTask& task, const Vector& x0, Segment& out) const;
+
+  CubicOscillator oscillator_;
+  FlowOptions options_;
+  Matrix source_dp_;                  // sources x active
+  std::vector<std::size_t> sources_;  // the coefficients that the active parameters enter
+  std::vector<detail::LevelBarrier> barriers_;
+};
+
+}  // namespace graze

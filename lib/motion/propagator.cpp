@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/lib/motion/propagator.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace graze {
+
+Propagator::Propagator(const HybridSystem& system, const Vector& p, std::vector<std::size_t> active, const FlowOptions& options)
+    : system_(&system), active_(std::move(active)), options_(options), events_of_mode_(system.modes.size()) {
+  validate(system);
+  validate(options);
+  for (const std::size_t parameter : active_)
+    if (parameter >= system.parameters.size())
+      throw std::invalid_argument(
+          fmt::format("sensitivity in parameter number {} was asked for; system {} has {} (counted from 0)", parameter,
+                      system.name, system.parameters.size()));
+  const auto n = static_cast<Eigen::Index>(system.states);
+  for (std::size_t i = 0; i < system.events.size(); ++i) events_of_mode_[system.events[i].from].push_back(i);
+  for (Vector* v : {&f_minus_, &f_plus_, &gradient_, &f_dt_, &glance_}) v->resize(n);
+  f_dx_.resize(n, n);
+  set_parameters(p);
+}
+
+void Propagator::set_parameters(const Vector& p) {
+  check_parameters(system_->parameters, p);
+  p_ = p;
+  lane_known_ = plus_known_ = false;
+  flows_.clear();
+  for (std::size_t mode = 0; mode < system_->modes.size(); ++mode)
+    flows_.push_back(make_flow(*system_, mode, p_, active_, options_));
+}
+
+const lanes::Oscillator* Propagator::one_lane() {
+  if (!lane_known_) {
+    lane_known_ = true;
+    one_lane_ = options_.kind != FlowKind::general ? lanes::lane_oscillator(*system_, p_) : std::nullopt;
+    // Hertz's contact and the cantilever are no faster so.
+    if (one_lane_ && (one_lane_->law != lanes::Law::restitution || one_lane_->cubic)) one_lane_.reset();
+  }
+  return one_lane_ ? &*one_lane_ : nullptr;
+}
+
+HybridState Propagator::start(double t, const Vector& x) const { return {t, x, initial_mode(*system_, t, x, p_)}; }
+
+double Propagator::guard_acceleration(const Guard& guard, std::size_t mode, double t, const Vector& x, const Vector& f) {
+  // d2h/dt2 = D_x h (f_x f + f_t); curvature of the guard itself is left out (barriers are flat or at rest).
+  const Mode& description = system_->modes[mode];
+  description.field_dx(t, x, p_, f_dx_);
+  if (description.field_dt) {
+    description.field_dt(t, x, p_, f_dt_);
+  } else {
+    f_dt_.setZero();
+  }
+  f_dt_.noalias() += f_dx_ * f;
+  guard.dx(t, x, p_, gradient_);
+  return gradient_.dot(f_dt_);
+}
+
+bool Propagator::active_at_start(const HybridState& state, std::size_t index) {
+  const Guard& guard = system_->events[index].guard;
+  const double h = guard.level ? guard.level->sign * (state.x[static_cast<Eigen::Index>(guard.level->coordinate)] -
+                                                      p_[static_cast<Eigen::Index>(guard.level->level)])
+                               : guard.value(state.t, state.x, p_);
+  const double tolerance = guard_tolerance * (1.0 + state.x.lpNorm<Eigen::Infinity>());
+  if (h < -tolerance) return false;
+  if (h > tolerance) return true;
+  const Flow& flow = flows_[state.mode];
+  const bool just_crossed = plus_known_ && state.t == record_.t && state.mode == record_.mode_plus && state.x == record_.x_plus;
+  if (just_crossed) {
+    f_minus_ = f_plus_;
+  } else {
+    flow.field(state.t, state.x, f_minus_);
+  }
+  const double speed = transversality(guard, state.t, state.x, f_minus_, p_);
+  if (std::abs(speed) > rest_tolerance * (1.0 + f_minus_.lpNorm<Eigen::Infinity>())) return speed > 0.0;
+  // At rest on the guard: by its speed a glance later, from a midpoint step.
+  constexpr double half = 0.5 * rest_glance;
+  glance_ = state.x + half * f_minus_;
+  flow.field(state.t + half, glance_, f_minus_);
+  glance_ = state.x + rest_glance * f_minus_;
+  flow.field(state.t + rest_glance, glance_, f_minus_);
+  return transversality(guard, state.t + rest_glance, glance_, f_minus_, p_) > 0.0;
+}
+
+void Propagator::snap_to_guard(HybridState& state, std::size_t index) const {
+  if (const auto& level = system_->events[index].guard.level)
+    state.x[static_cast<Eigen::Index>(level->coordinate)] = p_[static_cast<Eigen::Index>(level->level)];
+}
+
+StepEnd Propagator::step(HybridState& state, double t_end, Sensitivity sensitivity) {
+  for (const std::size_t event : events_of_mode_[state.mode]) {
+    if (!active_at_start(state, event)) continue;
+    snap_to_guard(state, event);
+    const auto n = static_cast<Eigen::Index>(system_->states);
+    segment_.mode = state.mode;
+    segment_.t0 = segment_.t1 = state.t;
+    segment_.x0 = segment_.x1 = state.x;
+    segment_.end = FlowEnd::event;
+    segment_.event = event;
+    segment_.evaluations = 0;
+    segment_.divergence = 0.0;
+    if (sensitivity != Sensitivity::none) {
+      segment_.Phi.setIdentity(n, n);
+      segment_.Psi.setZero(n, sensitivity == Sensitivity::state ? 0 : static_cast<Eigen::Index>(active_.size()));
+    }
+    cross(state, event, t_end, sensitivity);
+    return StepEnd::event;
+  }
+  if (state.t >= t_end) t_end = state.t;
+  flows_[state.mode].carry({state.t, t_end, sensitivity}, state.x, segment_);
+  time_carried_ += segment_.t1 - segment_.t0;
+  if (segment_.end == FlowEnd::failed) return StepEnd::failed;
+  state.t = segment_.t1;
+  state.x = segment_.x1;
+  // Exactly at the end, or at the same instant as an event declared before it: what rounding hides from the flow.
+  for (const std::size_t event : events_of_mode_[segment_.mode]) {
+    if (segment_.end == FlowEnd::event && event >= segment_.event) break;
+    if (!active_at_start(state, event)) continue;
+    segment_.end = FlowEnd::event;
+    segment_.event = event;
+    snap_to_guard(state, event);
+    segment_.x1 = state.x;
+    break;
+  }
+  if (segment_.end == FlowEnd::time) return StepEnd::time;
+  cross(state, segment_.event, t_end, sensitivity);
+  return StepEnd::event;
+}
+
+bool Propagator::coast(HybridState& state, double t_end, Sensitivity sensitivity) {
+  flows_[state.mode].carry({state.t, t_end, sensitivity, false}, state.x, segment_);
+  time_carried_ += segment_.t1 - segment_.t0;
+  if (segment_.end != FlowEnd::time) return false;
+  state.t = segment_.t1;
+  state.x = segment_.x1;
+  return true;
+}
+
+void Propagator::cross(HybridState& state, std::size_t index, double t_end, Sensitivity sensitivity) {
+  const Event& event = system_->events[index];
+  record_.event = index;
+  record_.kind = event.kind;
+  record_.t = state.t;
+  record_.x_minus = state.x;
+  flows_[event.from].field(state.t, state.x, f_minus_);
+  if (const auto& rebound = event.reset.rebound) {
+    state.x[0] = p_[static_cast<Eigen::Index>(rebound->level)];
+    state.x[1] = -p_[static_cast<Eigen::Index>(rebound->coefficient)] * record_.x_minus[1];
+  } else if (event.reset.map) {
+    event.reset.map(state.t, record_.x_minus, p_, state.x);
+  }
+  state.mode = event.to;
+  record_.x_plus = state.x;
+  record_.mode_plus = event.to;
+  record_.normal_speed = transversality(event.guard, state.t, record_.x_minus, f_minus_, p_);
+  flows_[event.to].field(state.t, state.x, f_plus_);
+  plus_known_ = true;
+  record_.exit_speed = -transversality(event.guard, state.t, state.x, f_plus_, p_);
+  if (event.accumulation && accumulate(state, event, t_end, sensitivity)) return;
+  if (sensitivity == Sensitivity::none) return;
+  const std::span<const std::size_t> active =
+      sensitivity == Sensitivity::state ? std::span<const std::size_t>{} : std::span<const std::size_t>(active_);
+  saltation(event, {state.t, record_.x_minus, record_.x_plus, f_minus_, f_plus_}, p_, active, record_.saltation);
+}
+
+bool Propagator::accumulate(HybridState& state, const Event& event, double t_end, Sensitivity sensitivity) {
+  const double before = record_.normal_speed;
+  const double after = std::max(0.0, record_.exit_speed);
+  // A Rebound is that of states (x, v) at a level of x: the acceleration is the field's second entry.
+  const double pressing = event.reset.rebound && event.guard.level
+                              ? event.guard.level->sign * f_plus_[1]
+                              : guard_acceleration(event.guard, event.to, state.t, state.x, f_plus_);
+  const double instant = 1e-12 * (1.0 + std::abs(state.t));  // a flight this short is taken for none
+  double remaining = 0.0;
+  if (before > rest_tolerance * (1.0 + f_minus_.lpNorm<Eigen::Infinity>())) {
+    if (!(pressing > 0.0)) return false;
+    const double flight = 2.0 * after / pressing;
+    if (flight > instant) {
+      if (after >= before) return false;  // no loss: a series of equal flights does not end
+      remaining = flight / (1.0 - after / before);
+      if (!(remaining < options_.accumulation_window)) return false;
+    }
+  } else if (!(pressing > -guard_tolerance)) {
+    return false;  // at rest and pulled away (in balance, the guards of the sticking mode decide)
+  }
+  if (remaining > t_end - state.t) {  // the run ends amid the series
+    if (remaining > instant) return false;
+    remaining = std::max(0.0, t_end - state.t);
+  }
+  const Accumulation& rest = *event.accumulation;
+  const Vector here = state.x;
+  state.t += remaining;
+  state.x += remaining * f_plus_;
+  rest.reset.map(state.t, Vector(state.x), p_, state.x);
+  state.mode = rest.sticking_mode;
+  // Held only if something presses at the accumulation point too.
+  for (const std::size_t other : events_of_mode_[state.mode]) {
+    if (active_at_start(state, other)) {
+      state.t -= remaining;
+      state.x = here;
+      state.mode = event.to;
+      return false;
+    }
+  }
+  plus_known_ = false;
+  record_.kind = EventKind::stick;
+  record_.t = state.t;
+  record_.exit_speed = 0.0;
+  record_.x_plus = state.x;
+  record_.mode_plus = state.mode;
+  if (sensitivity == Sensitivity::none) return true;
+  // The accumulation point does not depend on how it was reached, to first order: what the reset forgets is forgotten.
+  const auto n = static_cast<Eigen::Index>(system_->states);
+  const auto m = sensitivity == Sensitivity::state ? 0 : static_cast<Eigen::Index>(active_.size());
+  SaltationMatrix& saltation = record_.saltation;
+  saltation.regular = true;
+  saltation.transversality = before;
+  saltation.S.resize(n, n);
+  rest.reset.dx(state.t, here, p_, saltation.S);
+  saltation.Sp.setZero(n, m);
+  if (rest.reset.dp && m > 0) {
+    Matrix dp = Matrix::Zero(n, p_.size());
+    rest.reset.dp(state.t, here, p_, dp);
+    for (Eigen::Index k = 0; k < m; ++k)
+      saltation.Sp.col(k) = dp.col(static_cast<Eigen::Index>(active_[static_cast<std::size_t>(k)]));
+  }
+  return true;
+}
+
+}  // namespace graze

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Propagator: the one place where a hybrid state moves: flow, event, reset, next flow. Everything that consumes motion
+// (trajectories, shooting, exponents, sweeps) goes through it. It keeps the flows of all modes and the buffers they need, so
+// that nothing is allocated from one stretch to the next.
+//
+// Infinitely many impacts in finite time (chattering): when the remaining time of the geometric series of flights,
+// 2 u+ / (a (1 - e)) with u+ the speed after the impact, e = u+/u-, a the pressing acceleration, falls below
+// FlowOptions::accumulation_window, the run jumps to the accumulation point and goes on in the sticking mode. The event is then
+// recorded as EventKind::stick, with t and x_plus those of the accumulation point and x_minus that of the last impact before it.
+// A mass at rest at its stop (whatever e is) sticks too. A run never jumps past its end time.
+#pragma once
+
+#include <graze/lib/lanes/oscillator.hpp>
+#include <graze/lib/motion/trajectory.hpp>
+
+#include <functional>
+
+namespace graze {
+
+struct HybridState {
+  double t = 0.0;
+  Vector x;
+  std::size_t mode = 0;
+};
+
+enum class StepEnd { failed, time, event };
+
+class Propagator {
+ public:
+  /// `active`: indices of the parameters for which sensitivities are wanted. The system is copied by reference: keep it alive.
+  Propagator(const HybridSystem& system, const Vector& p, std::vector<std::size_t> active = {}, const FlowOptions& options = {});
+
+  const HybridSystem& system() const { return *system_; }
+  const Vector& parameters() const { return p_; }
+  const std::vector<std::size_t>& active() const { return active_; }
+  const FlowOptions& options() const { return options_; }
+  /// Changes parameter values; the flows are made anew.
+  void set_parameters(const Vector& p);
+
+  /// The hybrid state of `x` at time t. @throws std::invalid_argument if it is not admissible.
+  HybridState start(double t, const Vector& x) const;
+
+  /// Carries `state` to t_end or through the next event, whichever comes first. `segment()` and, after an event, `record()` tell
+  /// what happened. An event that is active at the start gives a segment of zero length.
+  StepEnd step(HybridState& state, double t_end, Sensitivity sensitivity = Sensitivity::none);
+
+  /// Follows the mode's field to t_end through its guards (an orbit with one of its impacts left out). False: it failed.
+  bool coast(HybridState& state, double t_end, Sensitivity sensitivity = Sensitivity::none);
+
+  /// Dimensionless time carried so far, all runs together: the measure of cost.
+  double time_carried() const { return time_carried_; }
+
+  /// Whole forcing periods from phase 0 with nothing to be told on the way take a shorter path: a single lane, for an impact
+  /// oscillator with restitution that the lanes know. Null: there is none.
+  const lanes::Oscillator* one_lane();
+  /// The time of a period carried so counts as any other.
+  void count_time(double duration) { time_carried_ += duration; }
+
+  /// A state whose memory is kept from one run to the next.
+  HybridState& run() { return run_; }
+
+  const Segment& segment() const { return segment_; }
+  const EventRecord& record() const { return record_; }
+  /// f(t, x) of a mode.
+  void field(std::size_t mode, double t, const Vector& x, Vector& out) const { flows_[mode].field(t, x, out); }
+
+ private:
+  bool active_at_start(const HybridState& state, std::size_t index);
+  void snap_to_guard(HybridState& state, std::size_t index) const;
+  void cross(HybridState& state, std::size_t index, double t_end, Sensitivity sensitivity);
+  bool accumulate(HybridState& state, const Event& event, double t_end, Sensitivity sensitivity);
+  double guard_acceleration(const Guard& guard, std::size_t mode, double t, const Vector& x, const Vector& f);
+
+  const HybridSystem* system_;
+  Vector p_;
+  std::vector<std::size_t> active_;
+  FlowOptions options_;
+  std::vector<Flow> flows_;
+  std::vector<std::vector<std::size_t>> events_of_mode_;
+  HybridState run_;
+  Segment segment_;
+  EventRecord record_;
+  double time_carried_ = 0.0;
+  bool plus_known_ = false;  // whether f_plus_ is the field right after record_
+  bool lane_known_ = false;  // whether one_lane_ is what there is
+  std::optional<lanes::Oscillator> one_lane_;
+  Vector f_minus_, f_plus_, gradient_, f_dt_, glance_;
+  Matrix f_dx_;
+};
+
+}  // namespace graze

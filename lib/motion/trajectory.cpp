@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/lib/motion/trajectory.hpp>
+
+#include <graze/lib/motion/propagator.hpp>
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace graze {
+
+std::string_view termination_text(Termination reason) {
+  switch (reason) {
+  case Termination::failed:
+    break;
+  case Termination::time:
+    return "the end time was reached";
+  case Termination::event_limit:
+    return "the largest number of events was reached";
+  case Termination::inadmissible_start:
+    return "the start lies inside the barrier";
+  case Termination::integration_failed:
+    return "the integration could not be carried on (step size or number of steps)";
+  case Termination::grazing:
+    return "an impact of zero speed (grazing) has no saltation matrix";
+  case Termination::interrupted:
+    return "it was interrupted";
+  }
+  return "it was not carried out";
+}
+
+Trajectory simulate(const HybridSystem& system, const Vector& p, double t0, const Vector& x0, const Until& until,
+                    const FlowOptions& options) {
+  if (!std::isfinite(t0) || !std::isfinite(until.t_end))
+    throw std::invalid_argument(fmt::format("a run from t = {} to {}; both must be finite numbers", t0, until.t_end));
+  Propagator propagator(system, p, {}, options);
+  HybridState state = propagator.start(t0, x0);
+  Trajectory trajectory;
+  for (;;) {
+    if (options.cancelled && options.cancelled()) {
+      trajectory.termination = Termination::interrupted;
+      break;
+    }
+    const StepEnd end = propagator.step(state, until.t_end);
+    trajectory.segments.push_back(propagator.segment());
+    if (end == StepEnd::failed) {
+      trajectory.termination = Termination::integration_failed;
+      break;
+    }
+    if (end == StepEnd::time) {
+      trajectory.termination = Termination::time;
+      break;
+    }
+    trajectory.events.push_back(propagator.record());
+    if (trajectory.events.size() >= until.max_events) {
+      trajectory.termination = Termination::event_limit;
+      break;
+    }
+  }
+  trajectory.t = state.t;
+  trajectory.x = state.x;
+  trajectory.mode = state.mode;
+  return trajectory;
+}
+
+Matrix sample(const HybridSystem& system, const Vector& p, const Trajectory& trajectory, const std::vector<double>& times,
+              const FlowOptions& options) {
+  Matrix rows(static_cast<Eigen::Index>(times.size()), static_cast<Eigen::Index>(system.states) + 1);
+  rows.setConstant(std::numeric_limits<double>::quiet_NaN());
+  std::vector<Flow> flows;
+  for (std::size_t mode = 0; mode < system.modes.size(); ++mode) flows.push_back(make_flow(system, mode, p, {}, options));
+  std::size_t index = 0;
+  Segment stretch;
+  double t = 0.0;
+  Vector x;
+  bool started = false;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    while (index < trajectory.segments.size() && times[i] > trajectory.segments[index].t1) {
+      ++index;
+      started = false;
+    }
+    if (index == trajectory.segments.size()) break;
+    if (times[i] < trajectory.segments.front().t0) continue;
+    const Segment& segment = trajectory.segments[index];
+    if (!started) {
+      t = segment.t0;
+      x = segment.x0;
+      started = true;
+    }
+    if (times[i] > t && times[i] < segment.t1) {
+      flows[segment.mode].carry({t, times[i], Sensitivity::none}, x, stretch);
+      t = times[i];
+      x = stretch.x1;
+    }
+    rows(static_cast<Eigen::Index>(i), 0) = times[i];
+    rows.row(static_cast<Eigen::Index>(i)).tail(x.size()) = (times[i] == segment.t1 ? segment.x1 : x).transpose();
+  }
+  return rows;
+}
+
+std::vector<Contact> contacts(const std::vector<EventRecord>& events) {
+  std::vector<Contact> list;
+  const auto finish = [](Contact& contact) {
+    contact.restitution =
+        contact.entry_speed > 0.0 ? contact.exit_speed / contact.entry_speed : std::numeric_limits<double>::quiet_NaN();
+    contact.energy_lost = 0.5 * (contact.entry_speed * contact.entry_speed - contact.exit_speed * contact.exit_speed);
+    contact.complete = true;
+  };
+  bool open = false;
+  for (const EventRecord& event : events) {
+    switch (event.kind) {
+    case EventKind::impact:
+    case EventKind::stick: {
+      Contact contact;
+      contact.t_entry = contact.t_exit = event.t;
+      contact.entry_speed = event.normal_speed;
+      contact.exit_speed = event.exit_speed;
+      finish(contact);
+      list.push_back(contact);
+      break;
+    }
+    case EventKind::enter: {
+      Contact contact;
+      contact.t_entry = event.t;
+      contact.entry_speed = event.normal_speed;
+      contact.restitution = std::numeric_limits<double>::quiet_NaN();
+      list.push_back(contact);
+      open = true;
+      break;
+    }
+    case EventKind::leave:
+      if (!open) {  // the run began in contact
+        Contact contact;
+        contact.entry_speed = contact.restitution = contact.t_entry = std::numeric_limits<double>::quiet_NaN();
+        contact.energy_lost = std::numeric_limits<double>::quiet_NaN();
+        contact.t_exit = event.t;
+        contact.exit_speed = event.normal_speed;
+        list.push_back(contact);
+        break;
+      }
+      list.back().t_exit = event.t;
+      list.back().exit_speed = event.normal_speed;
+      finish(list.back());
+      open = false;
+      break;
+    case EventKind::release:
+    case EventKind::other:
+      break;
+    }
+  }
+  return list;
+}
+
+}  // namespace graze

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Trajectory: the segments of a run, a record of every event on it, and why it ended.
+#pragma once
+
+#include <graze/lib/flow/flow.hpp>
+#include <graze/lib/system/saltation.hpp>
+#include <graze/lib/system/termination.hpp>
+
+#include <vector>
+
+namespace graze {
+
+/// One event of a run. Speeds are those of the guard: normal_speed = dh/dt just before (> 0, 0 at grazing).
+struct EventRecord {
+  std::size_t event = 0;  ///< index in HybridSystem::events
+  EventKind kind = EventKind::other;
+  double t = 0.0;
+  Vector x_minus, x_plus;
+  std::size_t mode_plus = 0;
+  double normal_speed = 0.0;
+  double exit_speed = 0.0;    ///< -dh/dt just after, along the field after (hard impact: speed of departure)
+  SaltationMatrix saltation;  ///< if sensitivity was asked for
+};
+
+struct Trajectory {
+  std::vector<Segment> segments;
+  std::vector<EventRecord> events;
+  double t = 0.0;  ///< where it ended
+  Vector x;        ///< state there
+  std::size_t mode = 0;
+  Termination termination = Termination::failed;
+};
+
+/// A run ends by time or by number of events, whichever comes first.
+struct Until {
+  double t_end = 0.0;
+  std::size_t max_events = 1000000;
+};
+
+/// Simulates from (t0, x0). @throws std::invalid_argument if the start is not admissible.
+Trajectory simulate(const HybridSystem& system, const Vector& p, double t0, const Vector& x0, const Until& until,
+                    const FlowOptions& options = {});
+
+/// States at increasing times within the run, by carrying on from the segments' starts. Rows (t, x), one per time;
+/// NaN for times outside the run.
+Matrix sample(const HybridSystem& system, const Vector& p, const Trajectory& trajectory, const std::vector<double>& times,
+              const FlowOptions& options = {});
+
+/// One passage through contact (soft), or one impact (hard).
+struct Contact {
+  double t_entry = 0.0, t_exit = 0.0;
+  double entry_speed = 0.0, exit_speed = 0.0;  ///< speeds of approach and of departure, both >= 0
+  double restitution = 0.0;                    ///< exit_speed / entry_speed, the equivalent coefficient; NaN at grazing
+  double energy_lost = 0.0;                    ///< (entry_speed^2 - exit_speed^2) / 2, per unit mass
+  bool complete = false;                       ///< entry and exit both lie within the run
+};
+
+/// The contacts of a run, in order (from events of kind impact, or enter followed by leave).
+std::vector<Contact> contacts(const std::vector<EventRecord>& events);
+
+}  // namespace graze

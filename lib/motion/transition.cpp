@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/lib/lanes/lane_width.hpp>
+#include <graze/lib/motion/rest.hpp>
+#include <graze/lib/motion/transition.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace graze {
+
+namespace {
+
+/// B = A B; two states are so much the most frequent that their product is formed in place.
+void multiply_from_left(const Matrix& A, Matrix& B) {
+  if (A.rows() == 2 && B.cols() == 2) {
+    const Eigen::Matrix2d product = A.topLeftCorner<2, 2>() * B.topLeftCorner<2, 2>();
+    B = product;
+  } else {
+    B = A * B;
+  }
+}
+
+double determinant(const Matrix& A) { return A.rows() == 2 ? A(0, 0) * A(1, 1) - A(0, 1) * A(1, 0) : A.determinant(); }
+
+/// From the entries of a segment's matrix; NaN where so much cancels that the entries' own error (1e-13) would show.
+double log_abs_det(const Matrix& matrix) {
+  const bool small = matrix.rows() == 2;
+  const double det = determinant(matrix);
+  const double size =
+      small ? std::abs(matrix(0, 0) * matrix(1, 1)) + std::abs(matrix(0, 1) * matrix(1, 0)) : matrix.rowwise().norm().prod();
+  constexpr double cancelled = 1e-3;
+  return small && std::abs(det) < cancelled * size ? std::numeric_limits<double>::quiet_NaN() : std::log(std::abs(det));
+}
+
+/// One run of carry(): the state on its way, and the map composed so far.
+class Composer {
+ public:
+  Composer(Propagator& propagator, const TransitionOptions& options, Transition& out)
+      : propagator_(propagator), options_(options), out_(out), tangent_(options.sensitivity != Sensitivity::none),
+        parameters_(options.sensitivity == Sensitivity::state_and_parameters
+                        ? static_cast<Eigen::Index>(propagator.active().size())
+                        : 0) {
+    const auto n = static_cast<Eigen::Index>(propagator.system().states);
+    out.termination = Termination::failed;
+    out.factors.clear();
+    out.factor_log_dets.clear();
+    out.events.clear();
+    out.event_sequence.clear();
+    out.log_det = out.liouville = 0.0;
+    if (!tangent_) return;
+    out.Phi.setIdentity(n, n);
+    out.Psi.setZero(n, parameters_);
+  }
+
+  bool start(double t0, const Vector& x0) {
+    if (static_cast<std::size_t>(x0.size()) != propagator_.system().states)
+      throw std::invalid_argument(fmt::format("the state has {} entries; system {} has {}", x0.size(), propagator_.system().name,
+                                              propagator_.system().states));
+    state_.t = t0;
+    state_.x = x0;
+    state_.mode = 0;
+    const std::optional<std::size_t> mode = mode_at(propagator_.system(), t0, x0, propagator_.parameters());
+    if (!mode) return fail(Termination::inadmissible_start);
+    out_.mode0 = state_.mode = *mode;
+    return true;
+  }
+
+  /// To t_end through all events, or through `max_events` of them.
+  bool run(double t_end, std::size_t max_events) {
+    const auto cancelled = propagator_.options().cancelled;
+    while (out_.event_sequence.size() < max_events) {
+      if (cancelled && cancelled()) return fail(Termination::interrupted);
+      const StepEnd end = propagator_.step(state_, t_end, options_.sensitivity);
+      if (end == StepEnd::failed) return fail(Termination::integration_failed);
+      compose_segment();
+      if (end == StepEnd::time) return true;
+      if (!compose_event()) return fail(Termination::grazing);
+      if (out_.event_sequence.size() >= options_.max_events) return fail(Termination::event_limit);
+    }
+    return true;
+  }
+
+  /// To t_end through the guards.
+  bool coast(double t_end) {
+    if (t_end <= state_.t) return true;
+    if (!propagator_.coast(state_, t_end, options_.sensitivity)) return fail(Termination::integration_failed);
+    compose_segment();
+    return true;
+  }
+
+  void record_touch() { out_.touch = {state_.t, state_.x, state_.mode, out_.Phi, out_.Psi}; }
+
+  void finish(double t0) {
+    if (tangent_ && out_.event_sequence.empty())
+      if (const Event* holding = holding_event(propagator_.system(), state_.mode)) compose_rest(*holding, t0);
+    out_.x1 = state_.x;
+    out_.mode1 = state_.mode;
+    out_.termination = Termination::time;
+  }
+
+ private:
+  bool fail(Termination reason) {
+    out_.termination = reason;
+    return false;
+  }
+
+  void compose_segment() {
+    if (!tangent_) return;
+    const Segment& segment = propagator_.segment();
+    multiply_from_left(segment.Phi, out_.Phi);
+    if (parameters_ > 0) out_.Psi = segment.Phi * out_.Psi + segment.Psi;
+    out_.log_det += log_abs_det(segment.Phi);
+    out_.liouville += segment.divergence;
+    if (!options_.keep_factors) return;
+    out_.factors.push_back(segment.Phi);
+    out_.factor_log_dets.push_back(segment.divergence);
+  }
+
+  /// Held from beginning to end: rest.hpp.
+  void compose_rest(const Event& holding, double t0) {
+    const Vector& p = propagator_.parameters();
+    HeldMap held = held_map(propagator_.system(), holding, t0, state_.x, p, state_.t - t0);
+    const auto& dp = holding.accumulation->reset.dp;
+    if (parameters_ > 0 && dp) {  // the stop takes the state of rest with it
+      Matrix rest_dp = Matrix::Zero(state_.x.size(), p.size());
+      dp(t0, state_.x, p, rest_dp);
+      const Matrix forgotten = Matrix::Identity(held.Phi.rows(), held.Phi.cols()) - held.Phi;
+      for (Eigen::Index k = 0; k < parameters_; ++k)
+        out_.Psi.col(k) = forgotten * rest_dp.col(static_cast<Eigen::Index>(propagator_.active()[static_cast<std::size_t>(k)]));
+    }
+    out_.Phi = held.Phi;
+    out_.log_det = out_.liouville = held.log_det;
+    if (!options_.keep_factors) return;
+    out_.factors.push_back(std::move(held.Phi));
+    out_.factor_log_dets.push_back(std::isfinite(held.log_det) ? held.log_det : std::numeric_limits<double>::quiet_NaN());
+  }
+
+  bool compose_event() {
+    const EventRecord& record = propagator_.record();
+    const Event& event = propagator_.system().events[record.event];
+    out_.event_sequence.push_back(record.event);
+    if (options_.keep_events) out_.events.push_back(record);
+    if (!tangent_) return true;
+    const SaltationMatrix& saltation = record.saltation;
+    if (!saltation.regular) return false;
+    if (event.continuous) return true;  // S is the identity
+    multiply_from_left(saltation.S, out_.Phi);
+    if (parameters_ > 0) out_.Psi = saltation.S * out_.Psi + saltation.Sp;
+    const double volume = std::log(std::abs(determinant(saltation.S)));
+    out_.log_det += volume;
+    const bool known = event.log_volume_change && record.kind != EventKind::stick;
+    out_.liouville += known ? event.log_volume_change(propagator_.parameters()) : volume;
+    if (options_.keep_factors) {
+      out_.factors.push_back(saltation.S);
+      out_.factor_log_dets.push_back(std::numeric_limits<double>::quiet_NaN());
+    }
+    return true;
+  }
+
+  Propagator& propagator_;
+  const TransitionOptions& options_;
+  Transition& out_;
+  bool tangent_;
+  Eigen::Index parameters_;
+  HybridState& state_ = propagator_.run();
+};
+
+/// The same by a single lane; false: it is not for the lanes.
+bool carry_in_lane(Propagator& propagator, double t0, double t1, const Vector& x0, const TransitionOptions& options,
+                   Transition& out) {
+  if (t0 != 0.0 || options.keep_factors || options.keep_events || options.left_out || x0.size() != 2 ||
+      options.sensitivity == Sensitivity::state_and_parameters)
+    return false;
+  const lanes::Oscillator* lane = propagator.one_lane();
+  if (!lane || t1 != lane->coefficients[lanes::period]) return false;
+  const auto cancelled = propagator.options().cancelled;
+  if (cancelled && cancelled()) return false;
+  lanes::Period period;
+  const lanes::Motion motion{x0[0], x0[1], 0, &lane->coefficients, lane->grid.get(), nullptr, nullptr, 1, &period};
+  const bool tangent = options.sensitivity == Sensitivity::state;
+  lanes::Carried carried;
+  static const LaneKernels one_lane = lane_kernels(LaneWidth::one);
+  one_lane.carry(
+      {lane->law, lane->cubic, propagator.options().tolerance, propagator.options().max_steps, tangent, &motion, 1, &carried});
+  if (carried.periods == 0 || static_cast<std::size_t>(period.impacts) > options.max_events) return false;
+  propagator.count_time(t1);
+  out.factors.clear();
+  out.factor_log_dets.clear();
+  out.events.clear();
+  out.log_det = out.liouville = 0.0;
+  out.termination = Termination::time;
+  out.x1.resize(2);
+  out.x1 << period.x, period.v;
+  out.mode0 = out.mode1 = 0;
+  out.event_sequence.assign(static_cast<std::size_t>(period.impacts), lane->hit);
+  if (!tangent) return true;
+  out.Phi.resize(2, 2);
+  out.Psi.resize(2, 0);
+  out.Phi << period.Phi[0], period.Phi[1], period.Phi[2], period.Phi[3];
+  out.log_det = std::log(std::abs(period.det));
+  out.liouville = period.liouville;
+  return true;
+}
+
+}  // namespace
+
+void carry(Propagator& propagator, double t0, double t1, const Vector& x0, const TransitionOptions& options, Transition& out) {
+  constexpr auto all = std::numeric_limits<std::size_t>::max();
+  if (carry_in_lane(propagator, t0, t1, x0, options, out)) return;
+  Composer composer(propagator, options, out);
+  if (!composer.start(t0, x0)) return;
+  if (options.left_out) {
+    const LeftOutContact& gap = *options.left_out;
+    if (!composer.run(t1, gap.events_before) || !composer.coast(std::min(gap.t_touch, t1))) return;
+    composer.record_touch();
+    if (!composer.coast(std::min(gap.t_resume, t1))) return;
+  }
+  if (composer.run(t1, all)) composer.finish(t0);
+}
+
+}  // namespace graze

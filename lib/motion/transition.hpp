@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Transition: a state carried from t0 to t1 through all events on the way, with the first-order map along it.
+//
+//     dx1 = Phi dx0 + Psi dp   (t0, t1 fixed),    Phi = product of segment transition and saltation matrices.
+// The factors are kept one by one for the multipliers in product form.
+#pragma once
+
+#include <graze/lib/motion/propagator.hpp>
+
+namespace graze {
+
+/// A contact that is to be left out: from its `events_before`-th event on the motion is followed through the guards, past t_touch
+/// (where it is recorded) to t_resume. This is the smooth continuation of a motion that just touches a barrier.
+struct LeftOutContact {
+  std::size_t events_before = 0;
+  double t_touch = 0.0;
+  double t_resume = 0.0;
+};
+
+/// State and first-order map at LeftOutContact::t_touch.
+struct Touch {
+  double t = 0.0;
+  Vector x;
+  std::size_t mode = 0;
+  Matrix Phi, Psi;
+};
+
+struct Transition {
+  Termination termination = Termination::failed;  ///< time: all is well
+  Vector x1;
+  std::size_t mode0 = 0, mode1 = 0;  ///< at t0 and t1
+  Matrix Phi;
+  Matrix Psi;
+  std::vector<Matrix> factors;              ///< Phi = factors.back() ... factors.front(); if TransitionOptions::keep_factors
+  std::vector<double> factor_log_dets;      ///< their ln|det| from Liouville's identity; NaN where it says nothing
+  std::vector<EventRecord> events;          ///< if TransitionOptions::keep_events
+  std::vector<std::size_t> event_sequence;  ///< indices of the events, always
+  Touch touch;                              ///< if TransitionOptions::left_out
+  double log_det = 0.0;    ///< sum of ln|det| of the factors, taken from the factors; NaN: lost in their rounding
+  double liouville = 0.0;  ///< the same from Liouville's identity: divergence and the laws' volume changes
+};
+
+struct TransitionOptions {
+  Sensitivity sensitivity = Sensitivity::state;
+  bool keep_factors = false;
+  bool keep_events = false;
+  std::size_t max_events = 10000;
+  std::optional<LeftOutContact> left_out = {};
+};
+
+/// Carries x0 from t0 to t1. A start that is not admissible is a termination, not an exception.
+/// @throws std::invalid_argument for a state of the wrong size.
+void carry(Propagator& propagator, double t0, double t1, const Vector& x0, const TransitionOptions& options, Transition& out);
+
+}  // namespace graze

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/lib/system/saltation.hpp>
+
+#include <cmath>
+#include <limits>
+
+namespace graze {
+
+double transversality(const Guard& guard, double t, const Vector& x, const Vector& f, const Vector& p) {
+  if (guard.level) return guard.level->sign * f[static_cast<Eigen::Index>(guard.level->coordinate)];
+  Vector gradient(x.size());
+  guard.dx(t, x, p, gradient);
+  return gradient.dot(f) + (guard.dt ? guard.dt(t, x, p) : 0.0);
+}
+
+SaltationMatrix saltation(const Event& event, const Crossing& crossing, const Vector& p, std::span<const std::size_t> active) {
+  SaltationMatrix result;
+  saltation(event, crossing, p, active, result);
+  return result;
+}
+
+void saltation(const Event& event, const Crossing& crossing, const Vector& p, std::span<const std::size_t> active,
+               SaltationMatrix& result) {
+  const Eigen::Index n = crossing.x_minus.size();
+  const auto m = static_cast<Eigen::Index>(active.size());
+  result.regular = false;
+  result.transversality = transversality(event.guard, crossing.t, crossing.x_minus, crossing.f_minus, p);
+  if (event.continuous) {
+    result.regular = true;
+    result.S.setIdentity(n, n);
+    result.Sp.setZero(n, m);
+    return;
+  }
+  const double c = result.transversality;
+  if (!(std::abs(c) > grazing_transversality * (1.0 + crossing.f_minus.lpNorm<Eigen::Infinity>()))) {
+    result.S.setConstant(n, n, std::numeric_limits<double>::quiet_NaN());
+    result.Sp.setConstant(n, m, std::numeric_limits<double>::quiet_NaN());
+    return;
+  }
+  if (event.guard.level && event.reset.rebound && m == 0) {  // the same, where it is known what it comes to
+    const auto coordinate = static_cast<Eigen::Index>(event.guard.level->coordinate);
+    const double restitution = p[static_cast<Eigen::Index>(event.reset.rebound->coefficient)];
+    const double rate = event.guard.level->sign / c;
+    result.regular = true;
+    result.S.setZero(n, n);
+    result.S(1, 1) = -restitution;
+    result.S(0, coordinate) += crossing.f_plus[0] * rate;
+    result.S(1, coordinate) += (crossing.f_plus[1] + restitution * crossing.f_minus[1]) * rate;
+    result.Sp.setZero(n, 0);
+    return;
+  }
+  Matrix& reset_dx = result.S;
+  reset_dx.setIdentity(n, n);
+  Vector jump = crossing.f_plus;
+  if (event.reset.map) {
+    event.reset.dx(crossing.t, crossing.x_minus, p, reset_dx);
+    if (event.reset.dt) {
+      Vector reset_dt(n);
+      event.reset.dt(crossing.t, crossing.x_minus, p, reset_dt);
+      jump -= reset_dt;
+    }
+  }
+  jump.noalias() -= reset_dx * crossing.f_minus;
+  Vector gradient(n);
+  event.guard.dx(crossing.t, crossing.x_minus, p, gradient);
+  result.regular = true;
+  result.S += jump.lazyProduct(gradient.transpose()) / c;
+  result.Sp.setZero(n, m);
+  if (m > 0) {
+    Matrix reset_dp = Matrix::Zero(n, p.size());
+    if (event.reset.map && event.reset.dp) event.reset.dp(crossing.t, crossing.x_minus, p, reset_dp);
+    Vector guard_dp = Vector::Zero(p.size());
+    if (event.guard.dp) event.guard.dp(crossing.t, crossing.x_minus, p, guard_dp);
+    for (Eigen::Index k = 0; k < m; ++k) {
+      const auto parameter = static_cast<Eigen::Index>(active[static_cast<std::size_t>(k)]);
+      result.Sp.col(k) = reset_dp.col(parameter) + jump * (guard_dp[parameter] / c);
+    }
+  }
+}
+
+}  // namespace graze

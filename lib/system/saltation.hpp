@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// SaltationMatrix: the first-order map of a perturbation across one event (Aizerman & Gantmakher 1958; Mueller,
+// Chaos Solitons Fractals 5 (1995) 1671; DESIGN section 2).
+//
+// With guard h(t, x, p) = 0, reset x+ = g(t, x-, p), field f- before and f+ after:
+//     S   = D_x g + (f+ - D_x g f- - D_t g) D_x h / c,        c = D_t h + D_x h f-   (the transversality),
+//     S_p = D_p g + (f+ - D_x g f- - D_t g) D_p h / c.
+// At grazing c -> 0 and S does not exist: `regular` is then false and S, S_p hold no meaning (NaN).
+#pragma once
+
+#include <graze/lib/system/hybrid_system.hpp>
+
+#include <span>
+
+namespace graze {
+
+struct SaltationMatrix {
+  bool regular = false;
+  double transversality = 0.0;  ///< c, the normal speed of the guard at the event
+  Matrix S;                     ///< n x n
+  Matrix Sp;                    ///< n x active parameters
+};
+
+/// Where an event happened: the two fields belong to the modes before and after.
+struct Crossing {
+  double t = 0.0;
+  const Vector& x_minus;
+  const Vector& x_plus;
+  const Vector& f_minus;
+  const Vector& f_plus;
+};
+
+/// Smallest |transversality| relative to 1 + |f-| at which S is still formed.
+inline constexpr double grazing_transversality = 1e-13;
+
+/// The saltation matrix of `event` at a crossing; `active` are the parameters of the columns of S_p (may be empty).
+SaltationMatrix saltation(const Event& event, const Crossing& crossing, const Vector& p, std::span<const std::size_t> active);
+
+/// The same, written into `out` (its storage is reused).
+void saltation(const Event& event, const Crossing& crossing, const Vector& p, std::span<const std::size_t> active,
+               SaltationMatrix& out);
+
+/// The transversality c = D_t h + D_x h f- alone.
+double transversality(const Guard& guard, double t, const Vector& x, const Vector& f, const Vector& p);
+
+}  // namespace graze

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/lib/tasks/pool_member.hpp>
+#include <graze/lib/tasks/work_sharing.hpp>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <utility>
+
+namespace graze {
+
+namespace {
+
+/// Members that are carried at a time: what keeps the lanes full, also where many ask for one period only.
+constexpr std::size_t together = 128;
+/// Of a kind that has so many motions, some are carried each time; of fewer, where the other kind has not more.
+constexpr std::size_t busy = 48;
+/// Periods of a turn, of all motions, and of each.
+constexpr std::size_t work_of_turn = 512, fewest_periods = 4, most_periods = 32;
+/// Forcing periods after which a computation is likely to last: of these the longest goes first, lest it be waited for in the
+/// end.
+constexpr std::size_t long_computation = 4096;
+
+}  // namespace
+
+LaneCarrier& TaskSlot::motions() const { return pool_->motions_; }
+
+void TaskSlot::take_parameters(const Vector& p) {
+  if (!own_parameters_ || p != own_) {
+    pool_->put_down(p, own_parameters_);
+    own_ = p;
+  }
+  parameters_ = *own_parameters_;
+}
+
+TaskSlot::Carrying TaskSlot::carry(std::span<const MotionStart> motions, std::size_t periods, bool tangent) {
+  tangent_ = tangent;
+  results_.resize(motions.size() * periods);
+  runs_.clear();
+  for (std::size_t m = 0; m < motions.size(); ++m)
+    runs_.push_back({{{parameters_, motions[m].x, motions[m].v}, periods, &results_[m * periods]}, this});
+  open_ = periods > 0 ? runs_.size() : 0;
+  asked_for_ += periods;
+  return Carrying(*this);
+}
+
+TaskSlot::Carrying TaskSlot::carry(const Vector& state, std::size_t periods, ImpactSpeeds* speeds) {
+  const MotionStart start = at(state);
+  const Carrying carrying = carry({&start, 1}, periods, false);
+  runs_.front().speeds = speeds;
+  return carrying;
+}
+
+/// With what it has asked for.
+void TaskSlot::resume() {
+  runs_.clear();
+  motions().look_for_table(parameters_);
+  waiting_.resume();
+}
+
+TaskPool::TaskPool(LaneCarrier& motions, WorkSharing* exchange) : motions_(motions), exchange_(exchange) {
+  through = [](RunSupply& self, MotionRun& run, std::size_t periods) {
+    static_cast<TaskPool&>(self).go_on_with(static_cast<TaskSlot::Run&>(run), periods);
+  };
+}
+
+/// The number of a parameter set that nobody has.
+std::optional<std::size_t> TaskPool::free_place() {
+  if (free_parameters_.empty()) return std::nullopt;
+  const std::size_t place = free_parameters_.back();
+  free_parameters_.pop_back();
+  return place;
+}
+
+/// In a place that it has already, or in another.
+void TaskPool::put_down(const Vector& p, std::optional<std::size_t>& place) {
+  if (!place) place = free_place();
+  if (place)
+    motions_.change_parameters(*place, p);
+  else
+    place = motions_.add_parameters(p);
+}
+
+/// For another computation.
+void TaskPool::clear(TaskSlot& place) {
+  if (place.own_parameters_) free_parameters_.push_back(*place.own_parameters_);
+  place.own_parameters_.reset();
+  place.hurries_ = false;
+  place.asked_for_ = 0;
+  place.results_.clear();
+}
+
+/// The computation that has lasted longest, if that is long.
+const TaskSlot* TaskPool::longest_of(std::span<const std::unique_ptr<Member>> members) {
+  const TaskSlot* longest = nullptr;
+  for (const auto& member : members) {
+    const TaskSlot& place = member->place;
+    if (place.asked_for_ > (longest ? longest->asked_for_ : long_computation)) longest = &place;
+  }
+  return longest;
+}
+
+/// Those of a kind, which have so many motions: first who others wait for.
+void TaskPool::carry(std::span<const std::unique_ptr<Member>> members, bool tangent, std::size_t motions) {
+  runs_.clear();
+  for (const bool first : {true, false})
+    for (const auto& member : members) {
+      TaskSlot& place = member->place;
+      if (place.tangent_ != tangent || hurries(place) != first) continue;
+      for (TaskSlot::Run& run : place.runs_) {
+        run.goes_first = &place == longest_;
+        if (run.carried < run.periods) runs_.push_back(&run);
+      }
+    }
+  tangent_ = tangent;
+  share_ = std::clamp(work_of_turn / motions, fewest_periods, most_periods);
+  left_ = work_of_turn;
+  motions_.carry_while_full(runs_, tangent, share_, *this);
+}
+
+/// A motion has been carried for so many periods: the lanes are given what comes next, until the turn is over.
+void TaskPool::go_on_with(TaskSlot::Run& run, std::size_t periods) {
+  left_ -= std::min(left_, periods);
+  if (run.carried < run.periods) {
+    if (periods < share_ || run.goes_first) left_ = 0;  // the lanes are no longer full
+    if (left_ > 0) motions_.join(run);
+    return;
+  }
+  TaskSlot& place = *run.place;
+  if (--place.open_ > 0 || left_ == 0) return;
+  place.resume();
+  if (place.open_ == 0 || place.tangent_ != tangent_) return;
+  for (TaskSlot::Run& next : place.runs_) {
+    next.goes_first = &place == longest_;
+    motions_.join(next);
+  }
+}
+
+void TaskPool::run(std::size_t count, const std::function<MotionTask<>(std::size_t, TaskSlot&)>& make) {
+  std::size_t begun = 0;
+  run([&](TaskSlot& lane, std::size_t carried) -> std::optional<MotionTask<>> {
+    if (begun < count) return make(begun++, lane);
+    if (carried == 0 && exchange_) exchange_->close();
+    return std::nullopt;
+  });
+}
+
+void TaskPool::run(const std::function<std::optional<MotionTask<>>(TaskSlot&, std::size_t)>& next) {
+  std::vector<std::unique_ptr<Member>> members, spare;
+  const auto end = [&](std::unique_ptr<Member>& member) {
+    member->task.result();
+    member->task = {};
+    clear(member->place);
+    spare.push_back(std::move(member));
+  };
+  for (;;) {
+    for (auto& member : members)
+      if (member->task.ended()) end(member);
+    std::erase(members, nullptr);
+    if (exchange_ && members.size() > 1 && exchange_->wants()) give(members);
+    while (members.size() < together) {
+      if (spare.empty()) spare.push_back(std::make_unique<Member>(Member{TaskSlot(*this), {}}));
+      auto task = next(spare.back()->place, members.size());
+      if (!task) break;
+      std::unique_ptr<Member> begun = std::move(spare.back());
+      spare.pop_back();
+      begun->task = std::move(*task);
+      begun->task.begin();
+      begun->task.ended() ? end(begun) : members.push_back(std::move(begun));
+    }
+    if (members.empty() && exchange_) take(members);
+    if (members.empty()) {
+      if (!exchange_ || exchange_->closed_) return;
+      help();
+      continue;
+    }
+    if (exchange_ && members.size() == 1 && lend(members.front()->place)) {
+      members.front()->place.resume();
+      continue;
+    }
+    std::array<std::size_t, 2> motions{};  // without and with the tangent
+    std::array<bool, 2> hurry{};
+    longest_ = longest_of(members);
+    for (const auto& member : members) {
+      const TaskSlot& place = member->place;
+      motions[place.tangent_ ? 1 : 0] += place.open_;
+      hurry[place.tangent_ ? 1 : 0] |= hurries(place);
+    }
+    // Where there are few of a kind, they wait for company.
+    for (const std::size_t kind : {0, 1})
+      if (hurry[kind] || motions[kind] >= std::min(busy, motions[1 - kind])) carry(members, kind == 1, motions[kind]);
+    for (const auto& member : members)
+      if (member->place.open_ == 0 && !member->task.ended()) member->place.resume();
+  }
+}
+
+}  // namespace graze

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// CheckpointTimer: how long they are by the clock, and that what they keep meanwhile is what an interruption would have kept.
+#include "graze_program.hpp"
+
+#include <graze/apps/console/checkpoint_timer.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <atomic>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <thread>
+
+using namespace graze;
+using namespace graze::apps;
+using namespace graze::support;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// Without it a stint is longer than a test.
+struct ShortStints {
+  double usual = stint_length();
+  ShortStints() { set_stint_length(0.0); }
+  ~ShortStints() { set_stint_length(usual); }
+};
+
+/// Runs a command and collects what stands in the JSON file of its folder meanwhile, as kill -9 would leave it: every version
+/// that is seen.
+std::set<std::string> versions_while(const std::string& file, const std::function<void()>& run) {
+  std::set<std::string> seen;
+  std::atomic<bool> done = false;
+  std::thread reader([&] {
+    while (!done) {
+      if (std::filesystem::exists(file)) seen.insert(read_file(file));
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  });
+  run();
+  done = true;
+  reader.join();
+  return seen;
+}
+
+/// The command with --out keeps parts on its way, comes to the same end as without stints, and so does --resume from each part.
+void check_kept(const std::vector<std::string>& arguments, const std::string& command) {
+  const TemporaryFolder folder;
+  const auto with = [&](const std::string& option, const std::string& name) {
+    std::vector<std::string> all = {command, "--quiet"};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    all.insert(all.end(), {option, folder.file(name)});
+    return all;
+  };
+  const Outcome plain = call(with("--out", "plain"));
+  INFO(plain.err);
+  REQUIRE(plain.code == 0);
+  const std::string whole = read_file(folder.file("plain/" + command + ".json"));
+  const std::string file = folder.file("kept/" + command + ".json");
+  std::set<std::string> parts;
+  {
+    const ShortStints stints;
+    parts = versions_while(file, [&] { CHECK(call(with("--out", "kept")).code == 0); });
+  }
+  CHECK(read_file(file) == whole);
+  parts.erase(whole);
+  REQUIRE_FALSE(parts.empty());
+  std::filesystem::create_directory(folder.file("left"));
+  std::map<bool, std::size_t> resumed;
+  for (const std::string& part : parts) {
+    const Json json = Json::parse(part, nullptr, false);
+    REQUIRE_FALSE(json.is_discarded());  // never half a file
+    CHECK(json["status"] == "interrupted");
+    CHECK_THAT(json["message"].get<std::string>(), Contains("kept") && Contains("while it went on"));
+    const bool in_skeleton = json.contains("parts") && json["parts"]["skeleton"] != "done";
+    if (++resumed[in_skeleton] > 3) continue;
+    folder.write("left/" + command + ".json", part);
+    CHECK(call(with("--resume", "left")).code == 0);
+    const std::string end = read_file(folder.file("left/" + command + ".json"));
+    CHECK(end == whole);
+    CHECK(read_file(folder.file("left/" + command + ".csv")) == read_file(folder.file("plain/" + command + ".csv")));
+  }
+  CHECK(resumed[false] > 0);
+}
+
+}  // namespace
+
+TEST_CASE("a stint is over with the first news after its time, and long against what its end costs") {
+  double now = 100.0;
+  CheckpointTimer stints(30.0, CheckpointTimer::End::stops, [&] { return now; });
+  const auto news_at = [&](double time) {
+    now = time;
+    stints.news();
+    return stints.over();
+  };
+  stints.begin(0);
+  CHECK_FALSE(news_at(129.0));  // its first piece: nothing was lost before it
+  CHECK(news_at(130.5));
+  // Ending it took 4 s, writing included: the next one is twenty times as long.
+  now = 134.5;
+  stints.begin(5);
+  CHECK_FALSE(stints.over());
+  CHECK_FALSE(news_at(135.5));
+  CHECK_FALSE(news_at(214.0));
+  CHECK(news_at(214.5));
+  // Its first piece took 10 s, part of which the last stint had lost.
+  stints.begin(9);
+  CHECK_FALSE(news_at(224.5));
+  CHECK_FALSE(news_at(414.0));
+  CHECK(news_at(414.5));
+  // That kept nothing new: the next one is twice as long.
+  stints.begin(9);
+  CHECK_FALSE(news_at(415.0));
+  CHECK_FALSE(news_at(814.0));
+  CHECK(news_at(814.5));
+}
+
+TEST_CASE("a stint at whose end nothing stops is as long as its length, and long against the writing alone") {
+  double now = 0.0;
+  CheckpointTimer stints(30.0, CheckpointTimer::End::goes_on, [&] { return now; });
+  stints.begin(0);
+  now = 20.0;
+  stints.news();
+  CHECK_FALSE(stints.over());
+  now = 40.0;
+  stints.news();
+  CHECK(stints.over());
+  now = 42.0;
+  stints.begin(0);
+  now = 81.0;
+  stints.news();
+  CHECK_FALSE(stints.over());
+  now = 82.0;
+  stints.news();
+  CHECK(stints.over());
+}
+
+TEST_CASE("without a length there is one stint") {
+  double now = 0.0;
+  CheckpointTimer stints(std::nullopt, CheckpointTimer::End::stops, [&] { return now; });
+  stints.begin(0);
+  for (now = 0.0; now < 1e6; now += 1000.0) stints.news();
+  CHECK_FALSE(stints.over());
+}
+
+TEST_CASE("a sweep that is killed leaves what it had, and goes on from there to the last bit") {
+  check_kept(
+      {problem("newton-elastic"), "--from", "0.7", "--to", "0.76", "--step", "0.0005", "--direction", "both", "--threads", "2"},
+      "sweep");
+}
+
+TEST_CASE("attractors that is killed leaves what it had, and goes on from there to the last bit") {
+  check_kept({problem("hertz-damped"), "--set", "eta=0.711", "--x=-2:1.9:200", "--v=-2:2:200", "--threads", "2"}, "attractors");
+}
+
+TEST_CASE("a diagram that is killed leaves what it had, and goes on from there to the last bit") {
+  check_kept({problem("newton-elastic"), "--from", "0.743", "--to", "0.747", "--step", "0.00005", "--periods", "300", "--samples",
+              "5", "--max-period", "4", "--multiples", "1", "--threads", "2"},
+             "diagram");
+}

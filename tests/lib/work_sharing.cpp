@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Pools of two threads that hand computations, or motions of one, over to each other, against each computation alone.
+#include "support/checks.hpp"
+#include "support/lane_differences.hpp"
+#include "support/lane_plans.hpp"
+#include "support/lane_widths.hpp"
+
+#include <graze/lib/models/oscillator.hpp>
+#include <graze/lib/tasks/work_sharing.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+using namespace graze;
+using namespace graze::support;
+
+namespace {
+
+/// A pool with computations, and another that has none and waits.
+class TwoPools {
+ public:
+  explicit TwoPools(const HybridSystem& system) : of_one_(system), of_other_(system) {}
+
+  void run(std::size_t count, const std::function<MotionTask<>(std::size_t, TaskSlot&)>& make) {
+    std::thread other(
+        [this] { TaskPool(of_other_, &exchange_).run([this](TaskSlot&, std::size_t carried) { return wait(carried); }); });
+    {
+      std::unique_lock lock(mutex_);
+      news_.wait(lock, [this] { return asked_ > 0; });
+    }
+    TaskPool(of_one_, &exchange_).run(count, make);
+    end();
+    other.join();
+  }
+  /// Periods that the other carried.
+  std::size_t by_other() const { return of_other_.carried(); }
+
+ private:
+  /// What the other begins next: nothing. It asks anew when it has taken what was given.
+  std::optional<MotionTask<>> wait(std::size_t carried) {
+    std::unique_lock lock(mutex_);
+    ++asked_;
+    news_.notify_all();
+    if (carried > 0) return std::nullopt;
+    exchange_.begin_waiting();
+    news_.wait(lock, [this] { return exchange_.has_some() || over_; });
+    exchange_.end_waiting();
+    return std::nullopt;
+  }
+  void end() {
+    const std::lock_guard lock(mutex_);
+    over_ = true;
+    news_.notify_all();
+  }
+  /// Something is there for the other. It has it before the first pool goes on, which would do all alone where the other thread
+  /// is not given a processor in time.
+  void wake() {
+    std::unique_lock lock(mutex_);
+    news_.notify_all();
+    news_.wait(lock, [this] { return asked_ > 1; });
+  }
+
+  std::mutex mutex_;
+  std::condition_variable news_;
+  std::size_t asked_ = 0;
+  bool over_ = false;
+  WorkSharing exchange_{[this] { wake(); }};
+  LaneCarrier of_one_, of_other_;
+};
+
+}  // namespace
+
+TEST_CASE("a pool that has nothing to do is given half of what another carries, and it comes to the same") {
+  const std::string law = GENERATE("newton", "hertz");
+  const HybridSystem system = make_oscillator("linear", law);
+  constexpr std::size_t count = 60;
+  const std::vector<MotionStart> starts = random_starts(count, 2.0);
+  std::vector<Vector> sets;
+  std::vector<Plan> plans;
+  for (std::size_t i = 0; i < count; ++i) {
+    sets.push_back(parameters(system, {{"eta", 0.6 + 0.001 * static_cast<double>(i)}}));
+    plans.push_back({300 + 20 * i, 1 + i % 50, i % 3 == 0});
+  }
+  std::vector<std::vector<PeriodResult>> together(count);
+  TwoPools pools(system);
+  pools.run(count, [&](std::size_t i, TaskSlot& lane) { return follow(lane, sets[i], starts[i], plans[i], together[i]); });
+  CHECK(pools.by_other() > 1000);
+  for (std::size_t i = 0; i < count; ++i) {
+    INFO("computation " << i);
+    CHECK(same_bits(together[i], follow_alone(system, sets[i], starts[i], plans[i])));
+  }
+}
+
+namespace {
+
+/// Many motions together, so many times 32 periods; with a table of contacts or without.
+MotionTask<> follow_all(TaskSlot& lane, const Vector& p, std::vector<MotionStart> motions, int times, bool table,
+                      std::vector<PeriodResult>& out) {
+  lane.take_parameters(p);
+  if (table) lane.motions().expect(lane.parameters(), LaneCarrier::periods_for_table);
+  constexpr std::size_t together = 32;
+  for (int k = 0; k < times; ++k) {
+    const std::span<const PeriodResult> next = co_await lane.carry(motions, together, k % 5 > 0);
+    for (std::size_t m = 0; m < motions.size(); ++m) {
+      const PeriodResult& end = next[(m + 1) * together - 1];
+      if (end.termination == Termination::time) motions[m] = {0, end.x, end.v};
+    }
+    out.insert(out.end(), next.begin(), next.end());
+  }
+  CHECK((lane.motions().table(lane.parameters()) != nullptr) == table);
+}
+
+}  // namespace
+
+TEST_CASE("motions of an only computation are shared with a pool that has nothing to do, and come to the same") {
+  const std::string law = GENERATE("newton", "hertz");
+  const HybridSystem system = make_oscillator("linear", law);
+  const Vector p = parameters(system, {{"eta", 0.711}, {"r", 1.0}});
+  const bool table = law == "hertz" && GENERATE(true, false);
+  std::vector<MotionStart> motions = random_starts(61, 0.9);
+  if (law == "newton") motions[40] = {0, 2.0, 0.0};  // inside the barrier: ends at once
+  std::vector<PeriodResult> alone, shared;
+  LaneCarrier many(system);
+  TaskPool(many).run(1, [&](std::size_t, TaskSlot& lane) { return follow_all(lane, p, motions, 60, table, alone); });
+  TwoPools pools(system);
+  pools.run(1, [&](std::size_t, TaskSlot& lane) { return follow_all(lane, p, motions, 60, table, shared); });
+  CHECK(pools.by_other() > 1000);
+  CHECK(same_bits(alone, shared));
+}
