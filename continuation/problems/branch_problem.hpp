@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <complex>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace graze {
@@ -35,8 +36,8 @@ class BranchProblem {
                                              const Eigen::VectorXcd& v) = 0;
   /// Whether the solution u is a motion: one of a fixed signature may pass through a barrier.
   virtual bool is_motion(const Vector&) { return true; }
-  /// The hard events that the unknowns belong to, in order; empty for states at fixed phases.
-  virtual std::vector<std::size_t> sequence() const { return {}; }
+  /// The hard events that the unknowns belong to, in order; nullopt for states at fixed phases.
+  virtual std::optional<std::vector<std::size_t>> sequence() const { return std::nullopt; }
   /// Size of the orbit's states, 1 + |x|: errors of the equations are relative to it.
   virtual double state_scale(const Vector& u) const = 0;
 

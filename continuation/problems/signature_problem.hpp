@@ -43,7 +43,7 @@ class SignatureProblem : public BranchProblem {
   Eigen::VectorXcd cyclic_derivative(const Vector& u, std::complex<double> sigma, const Eigen::VectorXcd& w,
                                      const Eigen::VectorXcd& v) override;
   bool is_motion(const Vector& u) override { return !violation(u); }
-  std::vector<std::size_t> sequence() const override { return equations_.sequence(); }
+  std::optional<std::vector<std::size_t>> sequence() const override { return equations_.sequence(); }
   double state_scale(const Vector& u) const override;
   std::vector<Image> images(const Vector& u, const Vector& tangent) const override;
   Doubled doubled(const Vector& u) const override;
