@@ -2,7 +2,7 @@
 # Every source file stands in one of these rooms, and includes only from its own room and those before it in the list.
 #     cmake -D ROOT=<checkout> -P rooms.cmake
 set(rooms
-    lib/numerics lib/system lib/models lib/flow lib/lanes lib/motion lib/tasks
+    lib/numerics lib/system lib/equations lib/models lib/flow lib/lanes lib/motion lib/tasks
     floquet/orbit floquet/exponents floquet/attractor floquet/basins floquet/follow floquet/verify
     continuation/trace continuation/problems continuation/conditions continuation/branch continuation/graph
     apps/text apps/console apps/problem apps/results apps/map apps/drawing apps/pictures apps/output apps/published

@@ -10,6 +10,7 @@
 
 #include <graze/lib/system/hybrid_system.hpp>
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -28,8 +29,8 @@ struct FlowOptions {
   std::size_t max_steps = 100000;  ///< of one segment; more is FlowEnd::failed
   /// Remaining time of an impact series below which it is taken for complete (its sum is then known to its square).
   double accumulation_window = 1e-6;
-  /// Asked before every segment; may be null. A run (simulate, carry) for which it says true ends as Termination::interrupted.
-  bool (*cancelled)() = nullptr;
+  /// Asked before every segment; may be empty. A run (simulate, carry) for which it says true ends as Termination::interrupted.
+  std::function<bool()> cancelled = {};
 };
 
 /// @throws std::invalid_argument naming the option, its value and what is allowed.

@@ -77,7 +77,7 @@ struct GeneralFlow::Integrator {
     for (std::size_t i = 0; i < s.events.size(); ++i)
       if (s.events[i].from == index) events.push_back(i);
     max_step = options.max_step;
-    if (max_step <= 0.0) max_step = s.forcing_frequency ? forcing_period(s, p) / 16.0 : std::numeric_limits<double>::infinity();
+    if (max_step <= 0.0) max_step = is_forced(s) ? forcing_period(s, p) / 16.0 : std::numeric_limits<double>::infinity();
     const auto largest = static_cast<std::size_t>(size(Sensitivity::state_and_parameters));
     for (auto* v : {&y, &y_next, &error, &slope, &slope_next}) v->resize(largest);
     y_state.resize(s.states);

@@ -108,7 +108,7 @@ std::optional<Description> describe(const HybridSystem& system, const Vector& p)
   Description out{*free};
   out.hit = static_cast<std::size_t>(hit - system.events.data());
   out.barrier = p[static_cast<Eigen::Index>(hit->guard.level->level)];
-  if (hit->reset.rebound && hit->to == free_mode && hit->reset.rebound->level == hit->guard.level->level) {
+  if (hit->reset.rebound && hit->to == free_mode) {
     out.restitution = p[static_cast<Eigen::Index>(hit->reset.rebound->coefficient)];
     return out;
   }

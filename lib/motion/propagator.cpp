@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/lib/motion/propagator.hpp>
+#include <graze/lib/motion/unbounded.hpp>
 
 #include <fmt/format.h>
 
@@ -37,7 +38,7 @@ void Propagator::set_parameters(const Vector& p) {
 const lanes::Oscillator* Propagator::one_lane() {
   if (!lane_known_) {
     lane_known_ = true;
-    one_lane_ = options_.kind != FlowKind::general ? lanes::lane_oscillator(*system_, p_) : std::nullopt;
+    one_lane_ = options_.kind == FlowKind::automatic ? lanes::lane_oscillator(*system_, p_) : std::nullopt;
     // Hertz's contact and the cantilever are no faster so.
     if (one_lane_ && (one_lane_->law != lanes::Law::restitution || one_lane_->cubic)) one_lane_.reset();
   }
@@ -86,6 +87,14 @@ bool Propagator::active_at_start(const HybridState& state, std::size_t index) {
   return transversality(guard, state.t + rest_glance, glance_, f_minus_, p_) > 0.0;
 }
 
+std::size_t Propagator::fired(const HybridState& state, std::size_t index) const {
+  for (;;) {
+    const auto& otherwise = system_->events[index].otherwise;
+    if (!otherwise || otherwise->condition(state.t, state.x, p_) > 0.0) return index;
+    index = otherwise->event;
+  }
+}
+
 void Propagator::snap_to_guard(HybridState& state, std::size_t index) const {
   if (const auto& level = system_->events[index].guard.level)
     state.x[static_cast<Eigen::Index>(level->coordinate)] = p_[static_cast<Eigen::Index>(level->level)];
@@ -95,25 +104,27 @@ StepEnd Propagator::step(HybridState& state, double t_end, Sensitivity sensitivi
   for (const std::size_t event : events_of_mode_[state.mode]) {
     if (!active_at_start(state, event)) continue;
     snap_to_guard(state, event);
+    const std::size_t first = fired(state, event);
     const auto n = static_cast<Eigen::Index>(system_->states);
     segment_.mode = state.mode;
     segment_.t0 = segment_.t1 = state.t;
     segment_.x0 = segment_.x1 = state.x;
     segment_.end = FlowEnd::event;
-    segment_.event = event;
+    segment_.event = first;
     segment_.evaluations = 0;
     segment_.divergence = 0.0;
     if (sensitivity != Sensitivity::none) {
       segment_.Phi.setIdentity(n, n);
       segment_.Psi.setZero(n, sensitivity == Sensitivity::state ? 0 : static_cast<Eigen::Index>(active_.size()));
     }
-    cross(state, event, t_end, sensitivity);
+    cross(state, first, t_end, sensitivity);
     return StepEnd::event;
   }
   if (state.t >= t_end) t_end = state.t;
   flows_[state.mode].carry({state.t, t_end, sensitivity}, state.x, segment_);
   time_carried_ += segment_.t1 - segment_.t0;
   if (segment_.end == FlowEnd::failed) return StepEnd::failed;
+  most_evaluations_ = std::max(most_evaluations_, segment_.evaluations);
   state.t = segment_.t1;
   state.x = segment_.x1;
   // Exactly at the end, or at the same instant as an event declared before it: what rounding hides from the flow.
@@ -127,8 +138,14 @@ StepEnd Propagator::step(HybridState& state, double t_end, Sensitivity sensitivi
     break;
   }
   if (segment_.end == FlowEnd::time) return StepEnd::time;
+  segment_.event = fired(state, segment_.event);
   cross(state, segment_.event, t_end, sensitivity);
   return StepEnd::event;
+}
+
+Termination Propagator::failure() const {
+  const bool grows = escapes(*system_, p_, segment_.mode, segment_.x1);
+  return grows ? Termination::escape : Termination::integration_failed;
 }
 
 bool Propagator::coast(HybridState& state, double t_end, Sensitivity sensitivity) {
@@ -148,14 +165,16 @@ void Propagator::cross(HybridState& state, std::size_t index, double t_end, Sens
   record_.x_minus = state.x;
   flows_[event.from].field(state.t, state.x, f_minus_);
   if (const auto& rebound = event.reset.rebound) {
-    state.x[0] = p_[static_cast<Eigen::Index>(rebound->level)];
-    state.x[1] = -p_[static_cast<Eigen::Index>(rebound->coefficient)] * record_.x_minus[1];
+    const auto velocity = static_cast<Eigen::Index>(rebound->velocity);
+    state.x[static_cast<Eigen::Index>(rebound->coordinate)] = p_[static_cast<Eigen::Index>(rebound->level)];
+    state.x[velocity] = -p_[static_cast<Eigen::Index>(rebound->coefficient)] * record_.x_minus[velocity];
   } else if (event.reset.map) {
     event.reset.map(state.t, record_.x_minus, p_, state.x);
   }
   state.mode = event.to;
   record_.x_plus = state.x;
   record_.mode_plus = event.to;
+  record_.mass = event.effective_mass ? event.effective_mass(state.t, record_.x_minus, p_) : 1.0;
   record_.normal_speed = transversality(event.guard, state.t, record_.x_minus, f_minus_, p_);
   flows_[event.to].field(state.t, state.x, f_plus_);
   plus_known_ = true;
@@ -170,13 +189,15 @@ void Propagator::cross(HybridState& state, std::size_t index, double t_end, Sens
 bool Propagator::accumulate(HybridState& state, const Event& event, double t_end, Sensitivity sensitivity) {
   const double before = record_.normal_speed;
   const double after = std::max(0.0, record_.exit_speed);
-  // A Rebound is that of states (x, v) at a level of x: the acceleration is the field's second entry.
+  // At a level of the coordinate of a Rebound the acceleration is the field's entry for its velocity.
   const double pressing = event.reset.rebound && event.guard.level
-                              ? event.guard.level->sign * f_plus_[1]
-                              : guard_acceleration(event.guard, event.to, state.t, state.x, f_plus_);
+                              ? event.guard.level->sign * f_plus_[static_cast<Eigen::Index>(event.reset.rebound->velocity)]
+                          : event.accumulation->pressing ? event.accumulation->pressing(state.t, state.x, p_)
+                                                         : guard_acceleration(event.guard, event.to, state.t, state.x, f_plus_);
   const double instant = 1e-12 * (1.0 + std::abs(state.t));  // a flight this short is taken for none
   double remaining = 0.0;
-  if (before > rest_tolerance * (1.0 + f_minus_.lpNorm<Eigen::Infinity>())) {
+  const bool moving = before > rest_tolerance * (1.0 + f_minus_.lpNorm<Eigen::Infinity>());
+  if (moving) {
     if (!(pressing > 0.0)) return false;
     const double flight = 2.0 * after / pressing;
     if (flight > instant) {
@@ -192,7 +213,8 @@ bool Propagator::accumulate(HybridState& state, const Event& event, double t_end
     remaining = std::max(0.0, t_end - state.t);
   }
   const Accumulation& rest = *event.accumulation;
-  const Vector here = state.x;
+  const Vector here = state.x, f_minus = f_minus_;
+  const double t_impact = state.t;
   state.t += remaining;
   state.x += remaining * f_plus_;
   rest.reset.map(state.t, Vector(state.x), p_, state.x);
@@ -203,6 +225,7 @@ bool Propagator::accumulate(HybridState& state, const Event& event, double t_end
       state.t -= remaining;
       state.x = here;
       state.mode = event.to;
+      f_minus_ = f_minus;
       return false;
     }
   }
@@ -213,10 +236,22 @@ bool Propagator::accumulate(HybridState& state, const Event& event, double t_end
   record_.x_plus = state.x;
   record_.mode_plus = state.mode;
   if (sensitivity == Sensitivity::none) return true;
-  // The accumulation point does not depend on how it was reached, to first order: what the reset forgets is forgotten.
   const auto n = static_cast<Eigen::Index>(system_->states);
   const auto m = sensitivity == Sensitivity::state ? 0 : static_cast<Eigen::Index>(active_.size());
   SaltationMatrix& saltation = record_.saltation;
+  if (moving && system_->states > 2) {
+    // To first order a series that is over at once is one impact that loses all of its normal speed.
+    Event plastic;
+    plastic.guard = event.guard;
+    plastic.reset = rest.reset;
+    rest.reset.map(t_impact, record_.x_minus, p_, glance_);
+    flows_[state.mode].field(t_impact, glance_, f_plus_);
+    const std::span<const std::size_t> active =
+        sensitivity == Sensitivity::state ? std::span<const std::size_t>{} : std::span<const std::size_t>(active_);
+    graze::saltation(plastic, {t_impact, record_.x_minus, glance_, f_minus, f_plus_}, p_, active, saltation);
+    if (saltation.regular) return true;
+  }
+  // The accumulation point does not depend on how it was reached, to first order: what the reset forgets is forgotten.
   saltation.regular = true;
   saltation.transversality = before;
   saltation.S.resize(n, n);

@@ -44,11 +44,17 @@ class Propagator {
   /// what happened. An event that is active at the start gives a segment of zero length.
   StepEnd step(HybridState& state, double t_end, Sensitivity sensitivity = Sensitivity::none);
 
+  /// Why the last step failed.
+  Termination failure() const;
+
   /// Follows the mode's field to t_end through its guards (an orbit with one of its impacts left out). False: it failed.
   bool coast(HybridState& state, double t_end, Sensitivity sensitivity = Sensitivity::none);
 
   /// Dimensionless time carried so far, all runs together: the measure of cost.
   double time_carried() const { return time_carried_; }
+
+  /// Of the field (or of its closed form) in one stretch between two events: the most of all so far.
+  std::size_t most_evaluations() const { return most_evaluations_; }
 
   /// Whole forcing periods from phase 0 with nothing to be told on the way take a shorter path: a single lane, for an impact
   /// oscillator with restitution that the lanes know. Null: there is none.
@@ -66,6 +72,8 @@ class Propagator {
 
  private:
   bool active_at_start(const HybridState& state, std::size_t index);
+  /// The event that fires where `index` is met: itself or an alternative.
+  std::size_t fired(const HybridState& state, std::size_t index) const;
   void snap_to_guard(HybridState& state, std::size_t index) const;
   void cross(HybridState& state, std::size_t index, double t_end, Sensitivity sensitivity);
   bool accumulate(HybridState& state, const Event& event, double t_end, Sensitivity sensitivity);
@@ -81,6 +89,7 @@ class Propagator {
   Segment segment_;
   EventRecord record_;
   double time_carried_ = 0.0;
+  std::size_t most_evaluations_ = 0;
   bool plus_known_ = false;  // whether f_plus_ is the field right after record_
   bool lane_known_ = false;  // whether one_lane_ is what there is
   std::optional<lanes::Oscillator> one_lane_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/lib/motion/rest.hpp>
 #include <graze/lib/motion/transition.hpp>
+#include <graze/lib/system/saltation.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -16,9 +17,14 @@ constexpr std::size_t many_bounces = 64;
 /// The part of the expected decrease of the action's logarithm that must be there, and by which it may be exceeded.
 constexpr double decrease_tolerance = 0.5;
 
-bool loses_energy(const Event& event, const Vector& p) {
-  return !event.log_volume_change || event.log_volume_change(p) < 0.0;
+/// A state comes back to the state of rest up to this, relative to 1 + |x|: a moving stop is followed by integration.
+constexpr double rest_distance = 1e-9;
+
+bool is_rest(const Vector& x, const Vector& rest) {
+  return (x - rest).lpNorm<Eigen::Infinity>() <= rest_distance * (1.0 + rest.lpNorm<Eigen::Infinity>());
 }
+
+bool loses_energy(const Event& event, const Vector& p) { return !event.log_volume_change || event.log_volume_change(p) < 0.0; }
 
 double divergence(const HybridSystem& system, const Event& event, double t, const Vector& x, const Vector& p) {
   Matrix J(x.size(), x.size());
@@ -26,20 +32,67 @@ double divergence(const HybridSystem& system, const Event& event, double t, cons
   return J.trace();
 }
 
+/// (f+ - D_x g f- - D_t g) / (dh/dt) of an impact at the state x that ends in the sticking mode, in the limit of no speed: both
+/// vanish there, and their derivatives along the direction of the speed that the reset takes away are left.
+Vector slope_at_rest(const HybridSystem& system, const Event& holding, const Matrix& reset_dx, double t, const Vector& x,
+                     const Vector& p) {
+  constexpr double speed = 1e-4;  // central differences with one Richardson step
+  const Eigen::Index n = x.size();
+  const Reset& reset = holding.accumulation->reset;
+  Vector gradient(n), slope = Vector::Zero(n);
+  holding.guard.dx(t, x, p, gradient);
+  // What the reset takes away: a distance, which the guard sees, and a speed, which it does not.
+  const Matrix taken = Matrix::Identity(n, n) - reset_dx;
+  Eigen::Index far = 0;
+  (gradient.transpose() * taken).cwiseAbs().maxCoeff(&far);
+  const double reach = gradient.dot(taken.col(far));
+  if (reach == 0.0) return slope;
+  const Matrix speeds = taken - taken.col(far) * (gradient.transpose() * taken) / reach;
+  Eigen::Index fast = 0;
+  if (speeds.colwise().norm().maxCoeff(&fast) == 0.0) return slope;
+  const Vector direction = speeds.col(fast).normalized();
+  Vector f(n), held(n), after(n), reset_dt(n);
+  Matrix J(n, n);
+  const auto at = [&](double s, double& rate) {
+    const Vector before = x + s * direction;
+    system.modes[holding.to].field(t, before, p, f);
+    rate = transversality(holding.guard, t, before, f, p);
+    reset.map(t, before, p, after);
+    system.modes[holding.accumulation->sticking_mode].field(t, after, p, held);
+    reset.dx(t, before, p, J);
+    reset_dt.setZero();
+    if (reset.dt) reset.dt(t, before, p, reset_dt);
+    return Vector(held - J * f - reset_dt);
+  };
+  const auto difference = [&](double s, double& rate) {
+    double up = 0.0, down = 0.0;
+    const Vector above = at(s, up), below = at(-s, down);
+    rate = (up - down) / (2.0 * s);
+    return Vector((above - below) / (2.0 * s));
+  };
+  double rough_rate = 0.0, fine_rate = 0.0;
+  const Vector rough = difference(speed, rough_rate), fine = difference(0.5 * speed, fine_rate);
+  slope = (4.0 * fine - rough) / (4.0 * fine_rate - rough_rate);
+  return slope;
+}
+
 }  // namespace
 
 const Event* holding_event(const HybridSystem& system, std::size_t mode) {
-  const auto event = std::find_if(system.events.begin(), system.events.end(), [&](const Event& one) {
-    return one.accumulation && one.accumulation->sticking_mode == mode;
-  });
+  const auto event = std::find_if(system.events.begin(), system.events.end(),
+                                  [&](const Event& one) { return one.accumulation && one.accumulation->sticking_mode == mode; });
   return event == system.events.end() ? nullptr : &*event;
 }
 
-HeldMap held_map(const HybridSystem& system, const Event& holding, double t, const Vector& x, const Vector& p,
-                 double duration) {
+HeldMap held_map(const HybridSystem& system, const Event& holding, double t, const Vector& x, const Vector& p, double duration) {
   HeldMap out{Matrix(x.size(), x.size()), -std::numeric_limits<double>::infinity()};
   if (loses_energy(holding, p)) {
     holding.accumulation->reset.dx(t, x, p, out.Phi);
+    if (x.size() == 2) return out;  // nothing is left to move on
+    out.slope = slope_at_rest(system, holding, out.Phi, t, x, p);
+    Vector gradient(x.size());
+    holding.guard.dx(t, x, p, gradient);
+    out.Phi += out.slope * gradient.transpose();
     return out;
   }
   const bool position_and_speed = x.size() == 2 && holding.reset.rebound;
@@ -47,15 +100,17 @@ HeldMap held_map(const HybridSystem& system, const Event& holding, double t, con
   out.log_det = D * duration;
   out.Phi.setConstant(std::isnan(D) ? D : 0.0);
   if (!position_and_speed) return out;
-  out.Phi(0, 0) = std::exp(2.0 / 3.0 * out.log_det);
-  out.Phi(1, 1) = std::exp(1.0 / 3.0 * out.log_det);
+  const auto position = static_cast<Eigen::Index>(holding.reset.rebound->coordinate);
+  const auto velocity = static_cast<Eigen::Index>(holding.reset.rebound->velocity);
+  out.Phi(position, position) = std::exp(2.0 / 3.0 * out.log_det);
+  out.Phi(velocity, velocity) = std::exp(1.0 / 3.0 * out.log_det);
   return out;
 }
 
 std::optional<Vector> rest_for_ever(Propagator& propagator, const Vector& state) {
   const HybridSystem& system = propagator.system();
   const Vector& p = propagator.parameters();
-  if (!system.forcing_frequency || !state.allFinite()) return std::nullopt;
+  if (!is_forced(system) || !state.allFinite()) return std::nullopt;
   Transition transition;
   for (const Event& event : system.events) {
     if (!event.accumulation) continue;
@@ -63,7 +118,8 @@ std::optional<Vector> rest_for_ever(Propagator& propagator, const Vector& state)
     event.accumulation->reset.map(0.0, state, p, rest);
     if (mode_at(system, 0.0, rest, p) != event.accumulation->sticking_mode) continue;
     carry(propagator, 0.0, forcing_period(system, p), rest, {.sensitivity = Sensitivity::none}, transition);
-    if (transition.termination == Termination::time && transition.event_sequence.empty()) return rest;
+    if (transition.termination == Termination::time && transition.event_sequence.empty() && is_rest(transition.x1, rest))
+      return rest;
   }
   return std::nullopt;
 }
@@ -74,7 +130,8 @@ bool comes_to_rest(Propagator& propagator, const Vector& state, const Vector& re
   const Vector& p = propagator.parameters();
   Transition transition;
   carry(propagator, 0.0, forcing_period(system, p), state, {.sensitivity = Sensitivity::none, .keep_events = true}, transition);
-  if (transition.termination == Termination::time && transition.x1 == rest) return true;
+  const bool held = transition.termination == Termination::time && holding_event(system, transition.mode1);
+  if (held && is_rest(transition.x1, rest)) return true;
   const bool carried = transition.termination == Termination::time || transition.termination == Termination::event_limit;
   if (!carried || transition.events.size() < many_bounces) return false;
   const EventRecord &first = transition.events.front(), &last = transition.events.back();

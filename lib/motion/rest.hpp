@@ -2,8 +2,9 @@
 // Rest: a mass held at its stop by a force that presses it there, in the sticking mode of an event with an Accumulation.
 //
 // A stretch that is wholly held has a first-order map of its own. A small disturbance bounces, and the bounces decide.
-//   * Each loses energy (ln|det S| < 0): the series ends within the stretch. The map is the derivative of Accumulation::reset,
-//     for Newton's law zero: exponents -infinity.
+//   * Each loses energy (ln|det S| < 0): the series ends within the stretch. The map is the limit of S for an impact of no speed
+//     that ends in the sticking mode, the derivative of Accumulation::reset and what damping does to the other coordinates
+//     meanwhile. For one mass it is zero: exponents -infinity.
 //   * None loses energy (k_r = 1): the bounces never end. Of height y and speed v at the stop, under a slowly varying pressing
 //     acceleration a, they keep the action v^3 / a but for the divergence D = trace(f_x) of the free flow, and it shrinks as
 //     e^(D t): v as e^(D t / 3), y as e^(2 D t / 3). These are no derivatives, for there are none. They are the rates at which
@@ -22,12 +23,13 @@ const Event* holding_event(const HybridSystem& system, std::size_t mode);
 struct HeldMap {
   Matrix Phi;
   double log_det = 0.0;  ///< -infinity if it forgets
+  Vector slope = {};     ///< change of the state by a shift of the guard; empty: none
 };
 HeldMap held_map(const HybridSystem& system, const Event& holding, double t, const Vector& x, const Vector& p,
                  double duration);
 
 /// The state in which a mass rests for ever at the stop that `state` is near: held there at forcing phase 0, and not released
-/// within a forcing period. Null: there is none, or the system is not forced.
+/// within a forcing period, all other coordinates at the same place after it. Null: there is none, or the system is not forced.
 std::optional<Vector> rest_for_ever(Propagator& propagator, const Vector& state);
 
 /// Whether the motion from `state` at forcing phase 0 comes to that rest, or is in it: it is held there after a period, or it

@@ -27,6 +27,10 @@ std::string_view termination_text(Termination reason) {
     return "an impact of zero speed (grazing) has no saltation matrix";
   case Termination::interrupted:
     return "it was interrupted";
+  case Termination::escape:
+    return "the motion grows without bound: it escapes from the softening spring (beta < 0)";
+  case Termination::resonance:
+    return "the motion grows without bound, by the same amount each forcing period: undamped resonance without impacts";
   }
   return "it was not carried out";
 }
@@ -46,7 +50,7 @@ Trajectory simulate(const HybridSystem& system, const Vector& p, double t0, cons
     const StepEnd end = propagator.step(state, until.t_end);
     trajectory.segments.push_back(propagator.segment());
     if (end == StepEnd::failed) {
-      trajectory.termination = Termination::integration_failed;
+      trajectory.termination = propagator.failure();
       break;
     }
     if (end == StepEnd::time) {
@@ -102,10 +106,10 @@ Matrix sample(const HybridSystem& system, const Vector& p, const Trajectory& tra
 
 std::vector<Contact> contacts(const std::vector<EventRecord>& events) {
   std::vector<Contact> list;
-  const auto finish = [](Contact& contact) {
+  const auto finish = [](Contact& contact, double mass) {
     contact.restitution =
         contact.entry_speed > 0.0 ? contact.exit_speed / contact.entry_speed : std::numeric_limits<double>::quiet_NaN();
-    contact.energy_lost = 0.5 * (contact.entry_speed * contact.entry_speed - contact.exit_speed * contact.exit_speed);
+    contact.energy_lost = 0.5 * mass * (contact.entry_speed * contact.entry_speed - contact.exit_speed * contact.exit_speed);
     contact.complete = true;
   };
   bool open = false;
@@ -117,7 +121,7 @@ std::vector<Contact> contacts(const std::vector<EventRecord>& events) {
       contact.t_entry = contact.t_exit = event.t;
       contact.entry_speed = event.normal_speed;
       contact.exit_speed = event.exit_speed;
-      finish(contact);
+      finish(contact, event.mass);
       list.push_back(contact);
       break;
     }
@@ -142,7 +146,7 @@ std::vector<Contact> contacts(const std::vector<EventRecord>& events) {
       }
       list.back().t_exit = event.t;
       list.back().exit_speed = event.normal_speed;
-      finish(list.back());
+      finish(list.back(), event.mass);
       open = false;
       break;
     case EventKind::release:

@@ -18,6 +18,7 @@ struct EventRecord {
   Vector x_minus, x_plus;
   std::size_t mode_plus = 0;
   double normal_speed = 0.0;
+  double mass = 1.0;          ///< Event::effective_mass there
   double exit_speed = 0.0;    ///< -dh/dt just after, along the field after (hard impact: speed of departure)
   SaltationMatrix saltation;  ///< if sensitivity was asked for
 };
@@ -51,7 +52,7 @@ struct Contact {
   double t_entry = 0.0, t_exit = 0.0;
   double entry_speed = 0.0, exit_speed = 0.0;  ///< speeds of approach and of departure, both >= 0
   double restitution = 0.0;                    ///< exit_speed / entry_speed, the equivalent coefficient; NaN at grazing
-  double energy_lost = 0.0;                    ///< (entry_speed^2 - exit_speed^2) / 2, per unit mass
+  double energy_lost = 0.0;                    ///< m (entry_speed^2 - exit_speed^2) / 2 with EventRecord::mass
   bool complete = false;                       ///< entry and exit both lie within the run
 };
 

@@ -71,11 +71,11 @@ class Composer {
 
   /// To t_end through all events, or through `max_events` of them.
   bool run(double t_end, std::size_t max_events) {
-    const auto cancelled = propagator_.options().cancelled;
+    const auto& cancelled = propagator_.options().cancelled;
     while (out_.event_sequence.size() < max_events) {
       if (cancelled && cancelled()) return fail(Termination::interrupted);
       const StepEnd end = propagator_.step(state_, t_end, options_.sensitivity);
-      if (end == StepEnd::failed) return fail(Termination::integration_failed);
+      if (end == StepEnd::failed) return fail(propagator_.failure());
       compose_segment();
       if (end == StepEnd::time) return true;
       if (!compose_event()) return fail(Termination::grazing);
@@ -120,23 +120,34 @@ class Composer {
     out_.factor_log_dets.push_back(segment.divergence);
   }
 
-  /// Held from beginning to end: rest.hpp.
+  /// Held from beginning to end: rest.hpp. A disturbance first loses what the stop takes; the rest goes on in the sticking mode.
   void compose_rest(const Event& holding, double t0) {
     const Vector& p = propagator_.parameters();
-    HeldMap held = held_map(propagator_.system(), holding, t0, state_.x, p, state_.t - t0);
+    const Vector& start = propagator_.segment().x0;
+    HeldMap held = held_map(propagator_.system(), holding, t0, start, p, state_.t - t0);
     const auto& dp = holding.accumulation->reset.dp;
     if (parameters_ > 0 && dp) {  // the stop takes the state of rest with it
       Matrix rest_dp = Matrix::Zero(state_.x.size(), p.size());
-      dp(t0, state_.x, p, rest_dp);
+      dp(t0, start, p, rest_dp);
       const Matrix forgotten = Matrix::Identity(held.Phi.rows(), held.Phi.cols()) - held.Phi;
-      for (Eigen::Index k = 0; k < parameters_; ++k)
-        out_.Psi.col(k) = forgotten * rest_dp.col(static_cast<Eigen::Index>(propagator_.active()[static_cast<std::size_t>(k)]));
+      const bool forgets = std::isinf(held.log_det);
+      if (held.slope.size() > 0 && holding.guard.dp) {
+        Vector guard_dp = Vector::Zero(p.size());
+        holding.guard.dp(t0, start, p, guard_dp);
+        rest_dp += held.slope * guard_dp.transpose();
+      }
+      for (Eigen::Index k = 0; k < parameters_; ++k) {
+        const Vector moved = rest_dp.col(static_cast<Eigen::Index>(propagator_.active()[static_cast<std::size_t>(k)]));
+        out_.Psi.col(k) += out_.Phi * (forgets ? moved : Vector(forgotten * moved));
+      }
     }
-    out_.Phi = held.Phi;
-    out_.log_det = out_.liouville = held.log_det;
+    out_.Phi = out_.Phi * held.Phi;
+    out_.log_det += held.log_det;
+    out_.liouville += held.log_det;
     if (!options_.keep_factors) return;
-    out_.factors.push_back(std::move(held.Phi));
-    out_.factor_log_dets.push_back(std::isfinite(held.log_det) ? held.log_det : std::numeric_limits<double>::quiet_NaN());
+    out_.factor_log_dets.insert(out_.factor_log_dets.begin(),
+                                std::isfinite(held.log_det) ? held.log_det : std::numeric_limits<double>::quiet_NaN());
+    out_.factors.insert(out_.factors.begin(), std::move(held.Phi));
   }
 
   bool compose_event() {
@@ -177,7 +188,7 @@ bool carry_in_lane(Propagator& propagator, double t0, double t1, const Vector& x
     return false;
   const lanes::Oscillator* lane = propagator.one_lane();
   if (!lane || t1 != lane->coefficients[lanes::period]) return false;
-  const auto cancelled = propagator.options().cancelled;
+  const auto& cancelled = propagator.options().cancelled;
   if (cancelled && cancelled()) return false;
   lanes::Period period;
   const lanes::Motion motion{x0[0], x0[1], 0, &lane->coefficients, lane->grid.get(), nullptr, nullptr, 1, &period};

@@ -15,7 +15,7 @@
 // rest_tolerance. An event must leave its guard (by its reset or by its target mode): nothing stays beyond a guard in its mode.
 //
 // The system knows no solver. It has any number of states, modes and events; forced systems name the parameter that is
-// their forcing frequency (period T = 2 pi / frequency), autonomous ones name none.
+// their forcing frequency (period T = 2 pi / frequency) or give their period as a function of p, autonomous ones do neither.
 #pragma once
 
 #include <graze/lib/system/mode_structure.hpp>
@@ -49,7 +49,8 @@ struct Mode {
   StructureAt structure;    ///< empty: nothing is known of it
 };
 
-/// Guard h = sign (x[coordinate] - p[level]), told apart because the fast flows bound the motion against it.
+/// Guard h = sign (x[coordinate] - p[level]), told apart because the fast flows bound the motion against it. validate() holds it
+/// against Guard::value.
 struct LevelGuard {
   std::size_t coordinate = 0;
   std::size_t level = 0;  ///< index of the parameter
@@ -67,19 +68,22 @@ struct Guard {
 
 Guard make_level_guard(const LevelGuard& level);
 
-/// Reset of an impact with restitution, x+ = p[level], v+ = -p[coefficient] v-, told apart because the lanes know it.
+/// Reset of an impact with restitution: x+ = p[level] of the coordinate, v+ = -p[coefficient] v- of its velocity, all other
+/// states stay. Told apart because the lanes know it.
 struct Rebound {
+  std::size_t coordinate = 0;   ///< index of the state
+  std::size_t velocity = 1;     ///< index of the state
   std::size_t level = 0;        ///< index of the parameter
   std::size_t coefficient = 0;  ///< index of the parameter
 };
 
-/// A reset x+ = g(t, x-, p); empty `map` means the identity. make_rebound builds all of it from a Rebound, for states (x, v).
+/// A reset x+ = g(t, x-, p); empty `map` means the identity. make_rebound builds all of it from a Rebound.
 struct Reset {
   VectorFunction map;
   MatrixFunction dx;
   MatrixFunction dp;               ///< empty: zero
   VectorFunction dt;               ///< empty: zero
-  std::optional<Rebound> rebound;  ///< who replaces `map` takes this away
+  std::optional<Rebound> rebound;  ///< validate() holds it against `map`
 };
 
 Reset make_rebound(const Rebound& rebound);
@@ -96,6 +100,16 @@ std::string_view event_kind_name(EventKind kind);
 struct Accumulation {
   std::size_t sticking_mode = 0;
   Reset reset;  ///< state at the accumulation point, for example (r, 0)
+  /// Second derivative of the guard along the motion after an impact: the pressing acceleration. Empty: taken from the field, for
+  /// a flat barrier at rest.
+  ScalarFunction pressing = {};
+};
+
+/// Two events of a mode may share a guard. Where `condition` is not positive on the guard, `event` fires instead of the event
+/// that holds this: a motion that meets a surface either goes on in a sliding mode or passes.
+struct Alternative {
+  ScalarFunction condition;
+  std::size_t event = 0;  ///< index in HybridSystem::events, behind the event that holds this
 };
 
 /// Guard, reset and target mode as one.
@@ -109,6 +123,10 @@ struct Event {
   /// True where state *and* field are continuous across the guard: the saltation matrix is then the identity, at grazing too.
   bool continuous = false;
   std::optional<Accumulation> accumulation;
+  std::optional<Alternative> otherwise = {};
+  /// Mass that meets the barrier, 1 / (W^T M^-1 W) with the gap's gradient W: energies are half of it times normal speeds
+  /// squared. Empty: 1, energies are then per unit mass.
+  ScalarFunction effective_mass;
   /// ln|det S| where a law knows it (Newton: ln k_r^2), for Liouville's identity; empty: taken from S.
   std::function<double(const Vector& p)> log_volume_change;
 };
@@ -116,26 +134,42 @@ struct Event {
 /// The mode a state belongs to at time t; nullopt: the state is not admissible (inside a hard barrier).
 using InitialMode = std::function<std::optional<std::size_t>(double t, const Vector& x, const Vector& p)>;
 
+/// Forcing period T(p) and its gradient (number of parameters), where no parameter is the frequency.
+struct ForcingPeriod {
+  std::function<double(const Vector& p)> value;
+  std::function<void(const Vector& p, Vector& out)> dp;
+};
+
 struct HybridSystem {
   std::string name;
   std::size_t states = 0;
+  std::vector<std::string> state_names;  ///< empty: x, v for two states, else x1, x2, ...
   std::vector<ParameterInfo> parameters;
   std::vector<Mode> modes;
   std::vector<Event> events;
-  std::optional<std::size_t> forcing_frequency;  ///< index of the parameter; nullopt: autonomous
+  std::optional<std::size_t> forcing_frequency;  ///< index of the parameter; nullopt: autonomous, or with a period of its own
   InitialMode initial_mode;                      ///< empty: mode 0 always
+  std::optional<ForcingPeriod> period;           ///< instead of forcing_frequency
 };
 
 /// Whether the state or its field jumps at some event: orbits on the two sides of a grazing are then different families.
 bool has_hard_contacts(const HybridSystem& system);
 
-/// Forcing period 2 pi / frequency. @throws std::invalid_argument for an autonomous system.
+/// Whether the system is forced with a period; else it is autonomous.
+inline bool is_forced(const HybridSystem& system) { return system.forcing_frequency || system.period; }
+
+/// Forcing period: 2 pi / frequency, or the system's own. @throws std::invalid_argument for an autonomous system.
 double forcing_period(const HybridSystem& system, const Vector& p);
 
 /// dT/dp (number of parameters).
 Vector forcing_period_dp(const HybridSystem& system, const Vector& p);
 
-/// Checks that the pieces fit: sizes, derivatives present, targets exist. @throws std::invalid_argument in one sentence.
+/// Names of the states, one each.
+std::vector<std::string> state_names(const HybridSystem& system);
+
+/// Checks that the pieces fit: sizes, derivatives present, targets exist, and that what is told apart (LevelGuard, Rebound,
+/// Event::continuous, Mode::structure) agrees with its functions at states near the guard. @throws std::invalid_argument in one
+/// sentence.
 void validate(const HybridSystem& system);
 
 /// The mode that `x` belongs to; nullopt: no motion begins there, it is not finite or lies inside a barrier.

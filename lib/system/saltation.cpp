@@ -6,6 +6,13 @@
 
 namespace graze {
 
+namespace {
+
+/// Of a difference of sums of a few products, relative to the size of its terms.
+constexpr double jump_rounding = 8.0 * std::numeric_limits<double>::epsilon();
+
+}  // namespace
+
 double transversality(const Guard& guard, double t, const Vector& x, const Vector& f, const Vector& p) {
   if (guard.level) return guard.level->sign * f[static_cast<Eigen::Index>(guard.level->coordinate)];
   Vector gradient(x.size());
@@ -37,30 +44,36 @@ void saltation(const Event& event, const Crossing& crossing, const Vector& p, st
     result.Sp.setConstant(n, m, std::numeric_limits<double>::quiet_NaN());
     return;
   }
-  if (event.guard.level && event.reset.rebound && m == 0) {  // the same, where it is known what it comes to
-    const auto coordinate = static_cast<Eigen::Index>(event.guard.level->coordinate);
-    const double restitution = p[static_cast<Eigen::Index>(event.reset.rebound->coefficient)];
+  if (event.guard.level && event.reset.rebound && n == 2 && m == 0) {  // the same, where it is known what it comes to
+    const Rebound& rebound = *event.reset.rebound;
+    const auto position = static_cast<Eigen::Index>(rebound.coordinate), velocity = static_cast<Eigen::Index>(rebound.velocity);
+    const double restitution = p[static_cast<Eigen::Index>(rebound.coefficient)];
     const double rate = event.guard.level->sign / c;
     result.regular = true;
     result.S.setZero(n, n);
-    result.S(1, 1) = -restitution;
-    result.S(0, coordinate) += crossing.f_plus[0] * rate;
-    result.S(1, coordinate) += (crossing.f_plus[1] + restitution * crossing.f_minus[1]) * rate;
+    result.S(velocity, velocity) = -restitution;
+    result.S(position, position) += crossing.f_plus[position] * rate;
+    result.S(velocity, position) += (crossing.f_plus[velocity] + restitution * crossing.f_minus[velocity]) * rate;
     result.Sp.setZero(n, 0);
     return;
   }
   Matrix& reset_dx = result.S;
   reset_dx.setIdentity(n, n);
-  Vector jump = crossing.f_plus;
+  Vector jump = crossing.f_plus, size = crossing.f_plus.cwiseAbs();
   if (event.reset.map) {
     event.reset.dx(crossing.t, crossing.x_minus, p, reset_dx);
     if (event.reset.dt) {
       Vector reset_dt(n);
       event.reset.dt(crossing.t, crossing.x_minus, p, reset_dt);
       jump -= reset_dt;
+      size += reset_dt.cwiseAbs();
     }
   }
   jump.noalias() -= reset_dx * crossing.f_minus;
+  // A difference at the level of rounding is set to zero: c may be small, and S is singular where a constraint begins.
+  size += reset_dx.cwiseAbs() * crossing.f_minus.cwiseAbs();
+  for (Eigen::Index i = 0; i < n; ++i)
+    if (std::abs(jump[i]) <= jump_rounding * size[i]) jump[i] = 0.0;
   Vector gradient(n);
   event.guard.dx(crossing.t, crossing.x_minus, p, gradient);
   result.regular = true;

@@ -1,0 +1,414 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/lib/equations/nonsmooth.hpp>
+
+#include <graze/lib/equations/polynomial.hpp>
+#include <graze/lib/equations/structure.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+namespace graze::equations {
+
+namespace {
+
+using Signs = std::vector<int>;
+
+/// Sign combinations that are looked at before those that make no difference are joined.
+constexpr std::size_t most_combinations = 512;
+/// Of an argument in the name of a mode.
+constexpr std::size_t longest_argument = 40;
+
+bool is_nonsmooth(Operation operation) {
+  using enum Operation;
+  return operation == abs || operation == sign || operation == step || operation == max || operation == min;
+}
+bool is_jump(Operation operation) { return operation == Operation::sign || operation == Operation::step; }
+
+/// An argument whose sign decides the branch of some functions.
+struct Switch {
+  Expression argument;
+  bool jumps = false;
+};
+/// One of these functions; side -1: of the negative of the argument.
+struct Bend {
+  Expression node;
+  std::size_t number = 0;
+  int side = 1;
+};
+
+/// The nonsmooth functions of one mode.
+struct Splitter {
+  Graph& graph;
+  std::vector<Switch> switches;
+  std::vector<Bend> bends;  ///< operands first
+
+  Expression resolved(Expression e, const Signs& signs, std::size_t known) const {
+    Replacement replacement;
+    for (const Bend& bend : bends) {
+      if (bend.number >= known) continue;
+      const Node n = graph.node(bend.node);
+      const bool positive = signs[bend.number] * bend.side > 0;
+      Expression branch;
+      switch (n.operation) {
+      case Operation::abs:
+        branch = positive ? n.a : graph.negate(n.a);
+        break;
+      case Operation::sign:
+        branch = graph.constant(positive ? 1.0 : -1.0);
+        break;
+      case Operation::step:
+        branch = graph.constant(positive ? 1.0 : 0.0);
+        break;
+      default:
+        branch = positive == (n.operation == Operation::max) ? n.a : n.b;
+      }
+      replacement[bend.node.index] = graph.substitute(branch, replacement);
+    }
+    return graph.substitute(e, replacement);
+  }
+  Expression resolved(Expression e, const Signs& signs) const { return resolved(e, signs, switches.size()); }
+  Expression argument(std::size_t i, const Signs& signs) const { return resolved(switches[i].argument, signs, i); }
+};
+
+Signs flipped(Signs signs, std::size_t i) {
+  signs[i] = -signs[i];
+  return signs;
+}
+
+/// A mode of the text and what it becomes.
+struct SplitMode {
+  Splitter splitter;
+  std::vector<Signs> representatives;       ///< of each new mode
+  std::map<Signs, std::size_t> class_of;    ///< the new mode of a combination, counted within this mode
+  std::vector<std::vector<bool>> decisive;  ///< which signs make a difference in a new mode
+  std::size_t first = 0;                    ///< index of the first new mode
+};
+
+class Separation {
+ public:
+  Separation(Graph& graph, const Pieces& pieces, const std::vector<ParameterInfo>& parameters, const Symbols& symbols,
+             const Source& source)
+      : graph_(graph), pieces_(pieces), parameters_(parameters), symbols_(symbols), source_(source) {}
+
+  Pieces run() {
+    for (std::size_t m = 0; m < pieces_.modes.size(); ++m) split(m);
+    for (std::size_t e = 0; e < pieces_.events.size(); ++e) distribute(e);
+    for (const auto& [index, number] : to_group_) {
+      std::size_t& event = out_.events[index].otherwise->event;
+      event = first_of_event_[event][number];
+    }
+    for (std::size_t m = 0; m < split_.size(); ++m) switch_branches(m);
+    return std::move(out_);
+  }
+
+ private:
+  std::vector<Expression> roots(std::size_t m) const {
+    std::vector<Expression> list = pieces_.modes[m].field;
+    for (const EventPiece& event : pieces_.events) {
+      if (event.from != m) continue;
+      list.push_back(event.guard);
+      list.insert(list.end(), event.map.begin(), event.map.end());
+      if (event.accumulation) list.insert(list.end(), event.accumulation->map.begin(), event.accumulation->map.end());
+    }
+    return list;
+  }
+
+  std::string shown(Expression e) const { return to_text(graph_, e, symbols_, longest_argument); }
+
+  Splitter find_switches(std::size_t m) {
+    Splitter out{graph_, {}, {}};
+    std::map<Expression, std::size_t> number;
+    for (const Expression part : reachable(graph_, roots(m))) {
+      const Node n = graph_.node(part);
+      if (!is_nonsmooth(n.operation)) continue;
+      const Expression argument = operands(n.operation) == 2 ? graph_.subtract(n.a, n.b) : n.a;
+      if (!dependence(graph_, argument).moves()) continue;  // a parameter's sign is no event
+      for (const Expression inner : reachable(graph_, argument))
+        if (is_jump(graph_.node(inner).operation) && dependence(graph_, inner).moves())
+          throw EquationError(source_, pieces_.modes[m].place,
+                              fmt::format("sign or step inside of {} in mode {} is not handled; write its modes out",
+                                          n.operation == Operation::abs ? "abs" : function_name(n.operation),
+                                          pieces_.modes[m].name));
+      const Expression up = normal_form(graph_, argument), down = normal_form(graph_, graph_.negate(argument));
+      const auto same = number.find(up), opposite = number.find(down);
+      Bend bend{part, out.switches.size(), 1};
+      if (same != number.end()) {
+        bend.number = same->second;
+      } else if (opposite != number.end()) {
+        bend.number = opposite->second;
+        bend.side = -1;
+      } else {
+        number.emplace(up, bend.number);
+        out.switches.push_back({argument, false});
+      }
+      Switch& own = out.switches[bend.number];
+      own.jumps = own.jumps || is_jump(n.operation);
+      out.bends.push_back(bend);
+    }
+    return out;
+  }
+
+  /// All combinations of signs that bounds do not refute.
+  void combine(const Splitter& splitter, Signs& signs, std::vector<Expression>& arguments, std::vector<Signs>& out,
+               std::size_t m) {
+    const std::size_t i = signs.size();
+    if (i == splitter.switches.size()) {
+      if (out.size() >= most_combinations) refuse_number(m);
+      out.push_back(signs);
+      return;
+    }
+    const Expression argument = splitter.argument(i, signs);
+    for (const int sign : {1, -1}) {
+      const Expression own = sign > 0 ? argument : graph_.negate(argument);
+      // A motion in the mode has sign * argument >= 0, and so for the earlier ones.
+      if (bounds(graph_, own, parameters_).upper < 0.0) continue;
+      if (sign < 0 && graph_.is_constant(own, 0.0)) continue;  // it vanishes here: both branches are the same
+      const bool refuted = std::any_of(arguments.begin(), arguments.end(), [&](Expression earlier) {
+        return bounds(graph_, normal_form(graph_, graph_.add(earlier, own)), parameters_).upper < 0.0;
+      });
+      if (refuted) continue;
+      signs.push_back(sign);
+      arguments.push_back(own);
+      combine(splitter, signs, arguments, out, m);
+      signs.pop_back();
+      arguments.pop_back();
+    }
+  }
+
+  [[noreturn]] void refuse_number(std::size_t m) const {
+    throw EquationError(
+        source_, pieces_.modes[m].place,
+        fmt::format("the nonsmooth functions of mode {} make more than {} modes of it", pieces_.modes[m].name, most_split_modes));
+  }
+
+  void split(std::size_t m) {
+    split_.push_back({find_switches(m), {}, {}, {}, out_.modes.size()});
+    SplitMode& mode = split_.back();
+    const Splitter& splitter = mode.splitter;
+    std::vector<Signs> combinations;
+    Signs signs;
+    std::vector<Expression> arguments;
+    combine(splitter, signs, arguments, combinations, m);
+    const std::vector<Expression> parts = roots(m);
+    std::map<Signs, std::vector<Expression>> values;
+    for (const Signs& one : combinations)
+      for (const Expression part : parts) values[one].push_back(splitter.resolved(part, one));
+    const std::size_t count = splitter.switches.size();
+    // A sign is decisive if it changes an expression of the mode, or the argument of another one that does.
+    const auto decisive = [&](const Signs& at) {
+      std::vector<bool> out(count, false);
+      for (bool changed = true; changed;) {
+        changed = false;
+        for (std::size_t i = 0; i < count; ++i) {
+          const Signs other = flipped(at, i);
+          if (out[i] || !values.contains(other)) continue;
+          bool makes_difference = values.at(at) != values.at(other);
+          for (std::size_t j = i + 1; j < count; ++j)
+            if (out[j]) makes_difference = makes_difference || splitter.argument(j, at) != splitter.argument(j, other);
+          if (makes_difference) out[i] = changed = true;
+        }
+      }
+      return out;
+    };
+    for (const Signs& one : combinations) {
+      if (mode.class_of.contains(one)) continue;
+      const std::size_t number = mode.representatives.size();
+      const std::vector<bool> matters = decisive(one);
+      mode.representatives.push_back(one);
+      mode.decisive.push_back(matters);
+      // All that differ from it in signs that make no difference.
+      std::vector<Signs> open{one};
+      while (!open.empty()) {
+        const Signs at = open.back();
+        open.pop_back();
+        if (!mode.class_of.emplace(at, number).second) continue;
+        for (std::size_t i = 0; i < count; ++i)
+          if (!matters[i] && values.contains(flipped(at, i))) open.push_back(flipped(at, i));
+      }
+    }
+    if (mode.representatives.size() > most_split_modes) refuse_number(m);
+    for (std::size_t number = 0; number < mode.representatives.size(); ++number) {
+      const Signs& one = mode.representatives[number];
+      ModePiece piece = pieces_.modes[m];
+      std::string branch;
+      for (std::size_t i = 0; i < count; ++i)
+        if (mode.decisive[number][i])
+          branch += fmt::format("{}{} {} 0", branch.empty() ? ": " : ", ", shown(splitter.switches[i].argument),
+                                one[i] > 0 ? ">" : "<");
+      if (mode.representatives.size() > 1) piece.name += branch;
+      for (Expression& f : piece.field) f = splitter.resolved(f, one);
+      out_.modes.push_back(std::move(piece));
+    }
+  }
+
+  /// What is known to be positive, or zero, at an event in a mode.
+  std::vector<Expression> certain(const EventPiece& event, const SplitMode& mode, const Signs& signs,
+                                  const std::vector<Expression>& field) {
+    std::vector<Expression> list;
+    for (std::size_t i = 0; i < signs.size(); ++i) {
+      const Expression argument = mode.splitter.argument(i, signs);
+      list.push_back(signs[i] > 0 ? argument : graph_.negate(argument));
+    }
+    // The guard rises.
+    Expression rate = graph_.derivative(event.guard, graph_.time());
+    for (const std::size_t i : dependence(graph_, event.guard).states)
+      rate = graph_.add(rate, graph_.multiply(graph_.derivative(event.guard, graph_.state(i)), field[i]));
+    list.push_back(rate);
+    return list;
+  }
+
+  /// The sign of an expression where those of the list are not negative; 0: not known.
+  int sign_of(Expression e, const std::vector<Expression>& nonnegative) {
+    const auto by_bounds = [&](Expression of) {
+      const Bounds b = bounds(graph_, of, parameters_);
+      return b.lower >= 0.0 ? 1 : b.upper <= 0.0 ? -1 : 0;
+    };
+    const Expression normal = normal_form(graph_, e);
+    if (const int sign = by_bounds(normal); sign != 0) return sign;
+    for (const Expression one : nonnegative) {
+      const Expression base = normal_form(graph_, one);
+      if (graph_.is_constant(base, 0.0)) continue;
+      // e = q one, or e - one and e + one have a sign.
+      if (const int sign = by_bounds(normal_form(graph_, graph_.divide(normal, base))); sign != 0) return sign;
+      if (by_bounds(normal_form(graph_, graph_.subtract(normal, base))) > 0) return 1;
+      if (by_bounds(normal_form(graph_, graph_.add(normal, base))) < 0) return -1;
+    }
+    return 0;
+  }
+
+  /// Signs that a state may have behind an event, and what tells them: positive where it has them.
+  struct Reached {
+    std::size_t mode = 0;
+    std::vector<Expression> conditions;
+  };
+
+  void distribute(std::size_t number_of_event) {
+    const EventPiece& event = pieces_.events[number_of_event];
+    const SplitMode &from = split_[event.from], &to = split_[event.to];
+    first_of_event_.emplace_back();
+    for (std::size_t number = 0; number < from.representatives.size(); ++number) {
+      const Signs& signs = from.representatives[number];
+      EventPiece piece = event;
+      piece.from = from.first + number;
+      piece.guard = from.splitter.resolved(event.guard, signs);
+      for (Expression& one : piece.map) one = from.splitter.resolved(one, signs);
+      first_of_event_.back().push_back(out_.events.size());
+      std::vector<Reached> rests{{}};
+      if (piece.accumulation) {
+        for (Expression& one : piece.accumulation->map) one = from.splitter.resolved(one, signs);
+        rests = reached(piece, piece.accumulation->map, split_[event.accumulation->sticking_mode], from, signs);
+      }
+      const std::vector<Reached> targets = reached(piece, piece.map, to, from, signs);
+      for (std::size_t i = 0; i < targets.size(); ++i) {
+        for (std::size_t j = 0; j < rests.size(); ++j) {
+          EventPiece one = piece;
+          one.to = targets[i].mode;
+          if (one.accumulation) one.accumulation->sticking_mode = rests[j].mode;
+          const bool last = i + 1 == targets.size() && j + 1 == rests.size();
+          if (!last) {
+            if (!one.otherwise) one.otherwise.emplace();
+            auto& conditions = one.otherwise->conditions;
+            conditions.insert(conditions.end(), targets[i].conditions.begin(), targets[i].conditions.end());
+            conditions.insert(conditions.end(), rests[j].conditions.begin(), rests[j].conditions.end());
+            one.otherwise->event = out_.events.size() + 1;
+          } else if (one.otherwise) {
+            one.otherwise->event = event.otherwise->event;
+            to_group_.push_back({out_.events.size(), number});
+          }
+          out_.events.push_back(std::move(one));
+        }
+      }
+    }
+  }
+
+  /// The new modes that a state may be in behind an event with this map; the last needs no condition.
+  std::vector<Reached> reached(const EventPiece& piece, const std::vector<Expression>& map, const SplitMode& to,
+                               const SplitMode& from, const Signs& signs) {
+    if (to.representatives.size() == 1) return {{to.first, {}}};
+    const auto known = certain(piece, from, signs, out_.modes[piece.from].field);
+    Replacement after, on_guard;
+    for (std::size_t i = 0; i < map.size(); ++i) after.emplace(graph_.state(i).index, map[i]);
+    if (const auto solution = solve_guard(graph_, piece.guard, map.size(), [](std::size_t) { return true; }))
+      on_guard.emplace(graph_.state(solution->state).index, solution->value);
+    std::vector<Reached> targets;
+    Signs so_far;
+    std::vector<Expression> conditions;
+    follow(to, after, on_guard, known, so_far, conditions, targets);
+    const bool one_mode =
+        std::all_of(targets.begin(), targets.end(), [&](const Reached& one) { return one.mode == targets[0].mode; });
+    if (one_mode) targets.resize(std::min<std::size_t>(1, targets.size()));
+    if (targets.empty() || targets.size() > most_split_modes)
+      throw EquationError(source_, piece.reset.line > 0 ? piece.reset : piece.when,
+                          fmt::format("the event {} does not tell the signs in mode {} behind it; write its modes out",
+                                      piece.name, pieces_.modes[static_cast<std::size_t>(&to - split_.data())].name));
+    return targets;
+  }
+
+  void follow(const SplitMode& to, const Replacement& after, const Replacement& on_guard, const std::vector<Expression>& known,
+              Signs& signs, std::vector<Expression>& conditions, std::vector<Reached>& targets) {
+    const std::size_t i = signs.size();
+    if (i == to.splitter.switches.size()) {
+      if (const auto found = to.class_of.find(signs); found != to.class_of.end())
+        targets.push_back({to.first + found->second, conditions});
+      return;
+    }
+    const Expression behind = graph_.substitute(to.splitter.argument(i, signs), after);
+    std::vector<Expression> there;
+    for (const Expression one : known) there.push_back(graph_.substitute(one, on_guard));
+    const int sign = sign_of(graph_.substitute(behind, on_guard), there);
+    for (const int one : {1, -1}) {
+      if (sign == -one) continue;
+      signs.push_back(one);
+      if (sign == 0) conditions.push_back(one > 0 ? behind : graph_.negate(behind));
+      follow(to, after, on_guard, known, signs, conditions, targets);
+      if (sign == 0) conditions.pop_back();
+      signs.pop_back();
+    }
+  }
+
+  /// The events by which the arguments change their signs.
+  void switch_branches(std::size_t m) {
+    const SplitMode& mode = split_[m];
+    for (std::size_t number = 0; number < mode.representatives.size(); ++number) {
+      const Signs& signs = mode.representatives[number];
+      for (std::size_t i = 0; i < signs.size(); ++i) {
+        if (!mode.decisive[number][i]) continue;
+        const auto target = mode.class_of.find(flipped(signs, i));
+        if (target == mode.class_of.end() || target->second == number) continue;
+        const Expression argument = mode.splitter.argument(i, signs);
+        EventPiece event;
+        event.name = fmt::format("{} {}", shown(mode.splitter.switches[i].argument), signs[i] > 0 ? "falls" : "rises");
+        event.text = made_event;
+        event.from = mode.first + number;
+        event.to = mode.first + target->second;
+        event.guard = signs[i] > 0 ? graph_.negate(argument) : argument;
+        for (std::size_t j = 0; j < pieces_.modes[m].field.size(); ++j) event.map.push_back(graph_.state(j));
+        event.continuous = !mode.splitter.switches[i].jumps;
+        event.when = event.reset = pieces_.modes[m].place;
+        out_.events.push_back(std::move(event));
+      }
+    }
+  }
+
+  Graph& graph_;
+  const Pieces& pieces_;
+  const std::vector<ParameterInfo>& parameters_;
+  const Symbols& symbols_;
+  const Source& source_;
+  std::vector<SplitMode> split_;
+  std::vector<std::vector<std::size_t>> first_of_event_;       // among the new ones, for each branch of its mode
+  std::vector<std::pair<std::size_t, std::size_t>> to_group_;  // new events whose alternative is an old number, and their branch
+  Pieces out_;
+};
+
+}  // namespace
+
+Pieces split_nonsmooth(Graph& graph, const Pieces& pieces, const std::vector<ParameterInfo>& parameters, const Symbols& symbols,
+                       const Source& source) {
+  return Separation(graph, pieces, parameters, symbols, source).run();
+}
+
+}  // namespace graze::equations

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/lib/equations/structure.hpp>
+
+#include <graze/lib/equations/tape.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+
+namespace graze::equations {
+
+namespace {
+
+using C = CubicOscillator;
+using H = HertzContact;
+
+/// The acceleration's coefficients as functions of the parameters, in the order of CubicOscillator.
+struct Oscillator {
+  std::array<Expression, C::count> coefficient;
+  // -k_H (x - r)^(3/2) (1 + b_H v), if there is a contact.
+  std::optional<Expression> depth = {}, contact = {}, contact_speed = {};
+};
+
+/// v' = f(x, v, t) by its terms; nullopt: there is another one.
+std::optional<Oscillator> read_oscillator(Graph& graph, const std::vector<Expression>& field,
+                                          std::optional<std::size_t> forcing_frequency) {
+  if (field.size() != 2 || field[0] != graph.state(1)) return std::nullopt;
+  Expander expander(graph, Coefficients::parameters);
+  const auto polynomial = expander.expand(field[1]);
+  if (!polynomial) return std::nullopt;
+  const std::uint32_t x = graph.state(0).index, v = graph.state(1).index;
+  const Expression zero = graph.constant(0.0);
+  Oscillator out;
+  out.coefficient.fill(zero);
+  out.coefficient[C::frequency] = forcing_frequency ? graph.parameter(*forcing_frequency) : graph.constant(1.0);
+  bool forced = false;
+  for (const auto& [monomial, coefficient] : *polynomial) {
+    if (monomial.empty()) {
+      out.coefficient[C::constant] = coefficient;
+    } else if (monomial == Monomial{{v, 1.0}}) {
+      out.coefficient[C::damping] = graph.divide(graph.negate(coefficient), graph.constant(2.0));
+    } else if (monomial == Monomial{{x, 1.0}}) {
+      out.coefficient[C::stiffness] = graph.negate(coefficient);
+    } else if (monomial == Monomial{{x, 3.0}}) {
+      out.coefficient[C::cubic] = graph.negate(coefficient);
+    } else {
+      // The other factors are cos(w t), or a contact force and a speed.
+      bool with_speed = false;
+      std::optional<Expression> factor;
+      for (const auto& [generator, exponent] : monomial) {
+        if (exponent != 1.0) return std::nullopt;
+        if (generator == v && !with_speed) {
+          with_speed = true;
+        } else if (!factor) {
+          factor = expander.original(generator);
+        } else {
+          return std::nullopt;
+        }
+      }
+      if (!factor) return std::nullopt;
+      const Node n = graph.node(*factor);
+      if (n.operation == Operation::cos && !with_speed && !forced) {
+        Expander argument(graph, Coefficients::parameters);
+        const auto& phase = argument.expand(n.a);
+        if (!phase || phase->size() != 1 || phase->begin()->first != Monomial{{graph.time().index, 1.0}}) return std::nullopt;
+        out.coefficient[C::frequency] = phase->begin()->second;
+        out.coefficient[C::amplitude] = coefficient;
+        forced = true;
+      } else if (n.operation == Operation::contact_power && n.value == 1.5 && (!out.depth || *out.depth == n.a)) {
+        out.depth = n.a;
+        auto& part = with_speed ? out.contact_speed : out.contact;
+        if (part) return std::nullopt;
+        part = coefficient;
+      } else {
+        return std::nullopt;
+      }
+    }
+  }
+  return out;
+}
+
+/// Hertz's contact where each coefficient is a parameter as it stands.
+StructureAt hertz_structure(Graph& graph, const Oscillator& oscillator, std::size_t parameters) {
+  const auto level = recognise_level(graph, *oscillator.depth);
+  const auto& q = oscillator.coefficient;
+  if (!level || level->coordinate != 0 || level->sign < 0.0 || !oscillator.contact) return {};
+  if (!is_zero(graph, graph.subtract(q[C::stiffness], graph.constant(1.0))) || !is_zero(graph, q[C::constant])) return {};
+  std::array<std::optional<std::size_t>, H::count> found;
+  const Expression stiffness = graph.negate(*oscillator.contact);
+  found[H::damping] = as_parameter(graph, q[C::damping]);
+  found[H::beta] = as_parameter(graph, q[C::cubic]);
+  found[H::amplitude] = as_parameter(graph, q[C::amplitude]);
+  found[H::frequency] = as_parameter(graph, q[C::frequency]);
+  found[H::barrier] = level->level;
+  found[H::stiffness] = as_parameter(graph, stiffness);
+  if (oscillator.contact_speed)
+    for (std::size_t i = 0; i < parameters && !found[H::contact_damping]; ++i)
+      if (is_zero(graph, graph.add(*oscillator.contact_speed, graph.multiply(stiffness, graph.parameter(i)))))
+        found[H::contact_damping] = i;
+  // A part that is missing has the value 0 and belongs to no parameter.
+  constexpr std::size_t none = static_cast<std::size_t>(-1);
+  if (!found[H::beta] && is_zero(graph, q[C::cubic])) found[H::beta] = none;
+  if (!found[H::damping] && is_zero(graph, q[C::damping])) found[H::damping] = none;
+  if (!found[H::contact_damping] && !oscillator.contact_speed) found[H::contact_damping] = none;
+  if (!std::all_of(found.begin(), found.end(), [](const auto& one) { return one.has_value(); })) return {};
+  H hertz;
+  for (std::size_t i = 0; i < H::count; ++i) {
+    hertz.parameter[i] = *found[i];
+    // The flow takes a parameter for one coefficient.
+    if (*found[i] != none && std::find(found.begin(), found.begin() + i, found[i]) != found.begin() + i) return {};
+  }
+  return [hertz](const Vector& p) -> ModeStructure {
+    H out = hertz;
+    for (std::size_t i = 0; i < H::count; ++i)
+      out.value[i] = hertz.parameter[i] == none ? 0.0 : p[static_cast<Eigen::Index>(hertz.parameter[i])];
+    return out;
+  };
+}
+
+}  // namespace
+
+StructureAt recognise_structure(Graph& graph, const std::vector<Expression>& field, std::optional<std::size_t> forcing_frequency,
+                                std::size_t parameters) {
+  const auto oscillator = read_oscillator(graph, field, forcing_frequency);
+  if (!oscillator) return {};
+  if (oscillator->depth) return hertz_structure(graph, *oscillator, parameters);
+  const auto& q = oscillator->coefficient;
+  struct Entry {
+    std::size_t coefficient, parameter;
+  };
+  std::vector<Entry> entries;
+  std::vector<Expression> outputs(q.begin(), q.end());
+  for (std::size_t i = 0; i < C::count; ++i) {
+    for (const std::size_t parameter : dependence(graph, q[i]).parameters) {
+      entries.push_back({i, parameter});
+      outputs.push_back(graph.derivative(q[i], graph.parameter(parameter)));
+    }
+  }
+  const auto tape = std::make_shared<const Tape>(graph, outputs);
+  const bool has_cubic = !is_zero(graph, q[C::cubic]);
+  return [tape, entries, has_cubic](const Vector& p) -> ModeStructure {
+    std::vector<double> workspace(tape->workspace()), value(tape->outputs());
+    tape->evaluate<double>(0.0, nullptr, p.data(), workspace.data(), value.data());
+    C cubic;
+    std::copy_n(value.begin(), C::count, cubic.value.begin());
+    cubic.dp = Matrix::Zero(C::count, p.size());
+    for (std::size_t i = 0; i < entries.size(); ++i)
+      cubic.dp(static_cast<Eigen::Index>(entries[i].coefficient), static_cast<Eigen::Index>(entries[i].parameter)) =
+          value[C::count + i];
+    if (has_cubic && cubic.value[C::cubic] != 0.0) return cubic;
+    LinearOscillator linear;
+    linear.damping = cubic.value[C::damping];
+    linear.stiffness = cubic.value[C::stiffness];
+    linear.amplitude = cubic.value[C::amplitude];
+    linear.frequency = cubic.value[C::frequency];
+    linear.constant = cubic.value[C::constant];
+    linear.dp.resize(5, p.size());
+    linear.dp << cubic.dp.topRows(2), cubic.dp.bottomRows(3);
+    for (Eigen::Index i = 0; i < p.size(); ++i)
+      if (cubic.dp(C::cubic, i) != 0.0) linear.not_differentiable_in.push_back(static_cast<std::size_t>(i));
+    return linear;
+  };
+}
+
+std::optional<LevelGuard> recognise_level(Graph& graph, Expression guard) {
+  Expander expander(graph, Coefficients::numbers);
+  const auto& polynomial = expander.expand(guard);
+  if (!polynomial || polynomial->size() != 2) return std::nullopt;
+  LevelGuard out;
+  double of_state = 0.0, of_parameter = 0.0;
+  for (const auto& [monomial, coefficient] : *polynomial) {
+    if (monomial.size() != 1 || monomial[0].second != 1.0) return std::nullopt;
+    const Node &generator = graph.node({monomial[0].first}), &number = graph.node(coefficient);
+    if (number.operation != Operation::constant) return std::nullopt;
+    if (generator.operation == Operation::state) {
+      out.coordinate = generator.index;
+      of_state = number.value;
+    } else if (generator.operation == Operation::parameter) {
+      out.level = generator.index;
+      of_parameter = number.value;
+    }
+  }
+  if (std::abs(of_state) != 1.0 || of_parameter != -of_state) return std::nullopt;
+  out.sign = of_state;
+  return out;
+}
+
+std::optional<Solution> solve_guard(Graph& graph, Expression guard, std::size_t states,
+                                    const std::function<bool(std::size_t)>& allowed) {
+  Expander expander(graph, Coefficients::numbers);
+  const auto polynomial = expander.expand(guard);
+  if (!polynomial) return std::nullopt;
+  for (std::size_t i = 0; i < states; ++i) {
+    if (!allowed(i)) continue;
+    const auto linear = polynomial->find(Monomial{{graph.state(i).index, 1.0}});
+    if (linear == polynomial->end() || graph.node(linear->second).operation != Operation::constant) continue;
+    Polynomial rest = *polynomial;
+    rest.erase(linear->first);
+    const Expression others = assemble(graph, rest);
+    const auto in = dependence(graph, others).states;
+    if (std::find(in.begin(), in.end(), i) != in.end()) continue;
+    return Solution{i, normal_form(graph, graph.negate(graph.divide(others, linear->second)))};
+  }
+  return std::nullopt;
+}
+
+bool vanishes_on(Graph& graph, Expression e, Expression guard, std::size_t states, const std::vector<ParameterInfo>& parameters) {
+  if (is_zero(graph, e)) return true;
+  if (const auto solution = solve_guard(graph, guard, states, [](std::size_t) { return true; }))
+    if (is_zero(graph, graph.substitute(e, {{graph.state(solution->state).index, solution->value}}))) return true;
+  // e c = h d, where c and d are the coefficients of one term of the guard h and of e, and c vanishes nowhere.
+  for (const Coefficients coefficients : {Coefficients::numbers, Coefficients::parameters}) {
+    Expander expander(graph, coefficients);
+    const auto of_guard = expander.expand(guard), of_e = expander.expand(e);
+    if (!of_guard || !of_e || of_guard->empty()) continue;
+    for (const auto& [monomial, factor] : *of_guard) {
+      const auto same = of_e->find(monomial);
+      const Bounds range = bounds(graph, factor, parameters);
+      if (same == of_e->end() || !(range.lower > 0.0 || range.upper < 0.0)) continue;
+      if (is_zero(graph, graph.subtract(graph.multiply(e, factor), graph.multiply(guard, same->second)))) return true;
+    }
+  }
+  return false;
+}
+
+std::optional<Rebound> recognise_rebound(Graph& graph, const std::vector<Expression>& map,
+                                         const std::optional<LevelGuard>& level) {
+  if (!level) return std::nullopt;
+  // On the guard x is the level: a reset that leaves x as it is puts it there.
+  const std::size_t x = level->coordinate;
+  if (map[x] != graph.state(x) && as_parameter(graph, map[x]) != level->level) return std::nullopt;
+  std::optional<std::size_t> velocity;
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    if (i == x || map[i] == graph.state(i)) continue;
+    if (velocity) return std::nullopt;
+    velocity = i;
+  }
+  if (!velocity) return std::nullopt;
+  Expander expander(graph, Coefficients::parameters);
+  const auto& polynomial = expander.expand(map[*velocity]);
+  if (!polynomial || polynomial->size() != 1 || polynomial->begin()->first != Monomial{{graph.state(*velocity).index, 1.0}})
+    return std::nullopt;
+  const auto coefficient = as_parameter(graph, graph.negate(polynomial->begin()->second));
+  if (!coefficient) return std::nullopt;
+  return Rebound{.coordinate = x, .velocity = *velocity, .level = level->level, .coefficient = *coefficient};
+}
+
+}  // namespace graze::equations

@@ -1,0 +1,912 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/lib/equations/system_text.hpp>
+
+#include <graze/lib/equations/functions.hpp>
+#include <graze/lib/equations/nonsmooth.hpp>
+#include <graze/lib/equations/polynomial.hpp>
+#include <graze/lib/equations/sliding.hpp>
+#include <graze/lib/equations/structure.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <random>
+
+namespace graze::equations {
+
+namespace {
+
+constexpr std::array event_kinds = {EventKind::impact, EventKind::enter,   EventKind::leave,
+                                    EventKind::stick,  EventKind::release, EventKind::other};
+
+/// States tried on a guard, besides the start, to see what its reset does.
+constexpr int reset_trials = 40;
+/// The field repeats with the period up to this, relative to its size: far above rounding, far below any other period.
+constexpr double period_tolerance = 1e-8;
+
+/// A state lies on the constraint of a sticking or sliding mode up to this, relative to 1 + |x|: what integration along a moving
+/// or curved one leaves over many periods.
+constexpr double constraint_tolerance = 1e-10;
+
+/// The mode of a state by the guards of each mode (see system_text.hpp).
+InitialMode mode_by_guards(const HybridSystem& system, const std::vector<std::vector<ScalarFunction>>& constraints) {
+  std::vector<VectorFunction> fields;
+  std::vector<std::vector<Guard>> guards(system.modes.size());
+  for (const Mode& mode : system.modes) fields.push_back(mode.field);
+  for (const Event& event : system.events) guards[event.from].push_back(event.guard);
+  // A mode with constraints is asked before those without: on its constraint a rounding error decides between the latter.
+  std::vector<std::size_t> order(system.modes.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return constraints[a].size() > constraints[b].size(); });
+  return [fields, guards, constraints, order](double t, const Vector& x, const Vector& p) -> std::optional<std::size_t> {
+    Vector f(x.size()), gradient(x.size()), later(x.size());
+    const auto rate = [&](const Guard& guard, std::size_t mode, double time, const Vector& at) {
+      fields[mode](time, at, p, f);
+      guard.dx(time, at, p, gradient);
+      return gradient.dot(f) + (guard.dt ? guard.dt(time, at, p) : 0.0);
+    };
+    const double size = 1.0 + x.lpNorm<Eigen::Infinity>();
+    const auto keeps_constraints = [&](std::size_t mode) {
+      return std::all_of(constraints[mode].begin(), constraints[mode].end(),
+                         [&](const ScalarFunction& one) { return std::abs(one(t, x, p)) <= constraint_tolerance * size; });
+    };
+    const auto goes_on_in = [&](std::size_t mode) {
+      return keeps_constraints(mode) && std::all_of(guards[mode].begin(), guards[mode].end(), [&](const Guard& guard) {
+               const double h = guard.value(t, x, p);
+               if (h != 0.0) return h < 0.0;
+               const double speed = rate(guard, mode, t, x);
+               if (std::abs(speed) > rest_tolerance * (1.0 + f.lpNorm<Eigen::Infinity>())) return speed < 0.0;
+               later = x + rest_glance * f;
+               return rate(guard, mode, t + rest_glance, later) <= 0.0;
+             });
+    };
+    const auto admits = [&](std::size_t mode) {
+      return keeps_constraints(mode) && std::all_of(guards[mode].begin(), guards[mode].end(), [&](const Guard& guard) {
+               return guard.value(t, x, p) <= guard_tolerance * size;
+             });
+    };
+    for (const std::size_t mode : order)
+      if (goes_on_in(mode)) return mode;
+    for (const std::size_t mode : order)
+      if (admits(mode)) return mode;
+    return std::nullopt;
+  };
+}
+
+class Builder {
+ public:
+  explicit Builder(const SystemText& text) : text_(text), graph_(*(out_.graph = std::make_shared<Graph>())) {}
+
+  TextSystem build() {
+    read_names();
+    read_parameters();
+    read_definitions();
+    read_start();
+    make_modes();
+    read_events();
+    if (const bool timed = read_forcing(); !timed) refuse_time();
+    pieces_ = split_nonsmooth(graph_, pieces_, out_.system.parameters, symbols_, text_.source);
+    replace_contact_powers();
+    finish_resets();
+    build_modes();
+    build_events();
+    read_outputs();
+    out_.system.initial_mode = mode_by_guards(out_.system, constraints_);
+    validate(out_.system);
+    check_values();
+    check_period();
+    check_resets();
+    return std::move(out_);
+  }
+
+ private:
+  [[noreturn]] void refuse(const Place& place, const std::string& message) const {
+    throw EquationError(text_.source, place, message);
+  }
+  Eigen::Index states() const { return static_cast<Eigen::Index>(state_texts_.size()); }
+
+  // Names -------------------------------------------------------------------------------------------------------------------
+
+  void declare(const Text& name, const std::string& kind, const std::string& article) {
+    if (name.text.empty()) refuse(name.place, fmt::format("a {} without a name", kind));
+    if (!is_name(name.text))
+      refuse(name.place, fmt::format("'{}' is no name for {} {}: letters, digits and _ are, beginning with a letter", name.text,
+                                     article, kind));
+    const auto& reserved = reserved_names();
+    if (std::find(reserved.begin(), reserved.end(), name.text) != reserved.end())
+      refuse(name.place, fmt::format("{} {} cannot be called '{}', which is {}", article, kind, name.text,
+                                     name.text == "t"    ? "the time"
+                                     : name.text == "pi" ? "the number pi"
+                                                         : "a function"));
+    const auto [at, is_new] = kinds_.try_emplace(name.text, kind);
+    if (!is_new)
+      refuse(name.place, fmt::format("the name '{}' of {} {} is that of a {} already", name.text, article, kind, at->second));
+  }
+
+  template <class List, class NameOf> void distinct(const List& list, const char* kind, const NameOf& name_of) const {
+    std::map<std::string, int> seen;
+    for (const auto& one : list) {
+      const Text& name = name_of(one);
+      if (name.text.empty()) refuse(name.place, fmt::format("{} without a name", kind));
+      if (++seen[name.text] > 1) refuse(name.place, fmt::format("{} called '{}' exists already", kind, name.text));
+    }
+  }
+
+  void read_states() {
+    state_texts_ = text_.states;
+    if (!text_.mechanics) {
+      if (!text_.stops.empty()) refuse(text_.stops[0].name.place, "a stop needs mechanics, with coordinates and a mass matrix");
+      if (!text_.friction.empty())
+        refuse(text_.friction[0].name.place,
+               "friction needs mechanics, with a mass matrix; without, it is a surface where two modes meet");
+      if (state_texts_.empty()) refuse({}, "the system has no states");
+      return;
+    }
+    const MechanicsText& mechanics = *text_.mechanics;
+    if (!text_.states.empty())
+      refuse(text_.states[0].place, "both states and mechanics are given; the states are the coordinates, then the velocities");
+    if (!text_.modes.empty())
+      refuse(text_.modes[0].name.place, "both modes and mechanics are given; the modes follow from the mechanics");
+    if (mechanics.coordinates.empty()) refuse(mechanics.place, "the mechanics has no coordinates");
+    if (mechanics.velocities.size() != mechanics.coordinates.size())
+      refuse(
+          mechanics.velocities.empty() ? mechanics.place : mechanics.velocities[0].place,
+          fmt::format("there are {} coordinates and {} velocities", mechanics.coordinates.size(), mechanics.velocities.size()));
+    state_texts_ = mechanics.coordinates;
+    state_texts_.insert(state_texts_.end(), mechanics.velocities.begin(), mechanics.velocities.end());
+  }
+
+  void read_names() {
+    out_.system.name = text_.name;
+    read_states();
+    for (const Text& state : state_texts_) declare(state, "state", "a");
+    for (const ParameterText& parameter : text_.parameters) declare(parameter.name, "parameter", "a");
+    for (const Definition& definition : text_.definitions) declare(definition.name, "definition", "a");
+    for (const Definition& output : text_.outputs) declare(output.name, "output", "an");
+    distinct(text_.modes, "a mode", [](const ModeText& mode) -> const Text& { return mode.name; });
+    distinct(text_.events, "an event", [](const EventText& event) -> const Text& { return event.name; });
+    for (std::size_t i = 0; i < state_texts_.size(); ++i) {
+      out_.states.push_back(state_texts_[i].text);
+      names_.emplace(state_texts_[i].text, graph_.state(i));
+    }
+    symbols_.states = out_.states;
+    out_.system.states = state_texts_.size();
+    out_.system.state_names = out_.states;
+    for (const Table& table : text_.tables) tables_.emplace(table.name, graph_.add_table(table));
+  }
+
+  /// What is known so far; names that are declared but not known yet are refused with `refusal` behind them.
+  Scope scope(bool with_time) {
+    Scope out;
+    out.find = [this](std::string_view name) -> std::optional<Expression> {
+      const auto found = names_.find(name);
+      return found == names_.end() ? std::nullopt : std::optional(found->second);
+    };
+    out.table = [this](std::string_view name) -> std::optional<std::size_t> {
+      const auto found = tables_.find(name);
+      return found == tables_.end() ? std::nullopt : std::optional(found->second);
+    };
+    for (const auto& [name, expression] : names_) out.names.push_back(name);
+    for (const auto& [name, number] : tables_) out.tables.push_back(name);
+    out.refusal = [this, with_time](std::string_view name) -> std::string {
+      if (name == "t") return with_time ? std::string() : "the time t cannot be used";
+      const auto kind = kinds_.find(name);
+      return kind == kinds_.end() ? std::string() : fmt::format("the {} {} cannot be used", kind->second, name);
+    };
+    return out;
+  }
+
+  /// Names of parameters only.
+  Scope parameter_scope() {
+    Scope out = scope(false);
+    out.rates = false;
+    out.find = [this](std::string_view name) -> std::optional<Expression> {
+      const auto kind = kinds_.find(name);
+      const auto found = names_.find(name);
+      if (kind == kinds_.end() || kind->second != "parameter" || found == names_.end()) return std::nullopt;
+      return found->second;
+    };
+    std::erase_if(out.names, [&](const std::string& name) { return kinds_.at(name) != "parameter"; });
+    return out;
+  }
+
+  // Parameters --------------------------------------------------------------------------------------------------------------
+
+  /// The value at the default parameters.
+  double value_of(Expression e) const { return values(graph_, {&e, 1}, 0.0, Vector::Zero(states()), defaults_)[0]; }
+
+  double number(const Text& text, const std::string& where) {
+    Scope none;
+    none.find = [](std::string_view) { return std::nullopt; };
+    none.refusal = [](std::string_view name) { return fmt::format("the name {} cannot be used", name); };
+    none.rates = false;
+    const double value = value_of(parse_expression(graph_, text_.source, text, none, where, &hazards_));
+    if (!std::isfinite(value)) refuse(text.place, fmt::format("the number {} is not finite", where));
+    return value;
+  }
+
+  ParameterInfo info_of(const ParameterText& text) {
+    ParameterInfo info;
+    info.name = text.name.text;
+    info.unit = text.unit;
+    info.meaning = text.meaning;
+    const auto bound = [&](const Text& of, const char* which) {
+      return number(of, fmt::format("in the {} of the parameter {}", which, info.name));
+    };
+    if (text.min && text.above) refuse(text.above->place, fmt::format("the parameter {} has both min and above", info.name));
+    if (text.max && text.below) refuse(text.below->place, fmt::format("the parameter {} has both max and below", info.name));
+    if (text.min) info.lower = bound(*text.min, "min");
+    if (text.above) info.lower = bound(*text.above, "above");
+    info.lower_open = text.above.has_value();
+    if (text.max) info.upper = bound(*text.max, "max");
+    // The largest number below it: ranges have no open upper end.
+    if (text.below) info.upper = std::nextafter(bound(*text.below, "below"), -std::numeric_limits<double>::infinity());
+    if (info.upper < info.lower)
+      refuse(text.name.place,
+             fmt::format("no value is allowed for the parameter {}: its range is {}", info.name, range_text(info)));
+    return info;
+  }
+
+  void check_range(const ParameterInfo& info, const Text& value) const {
+    try {
+      check_parameters({info}, Vector::Constant(1, info.default_value));
+    } catch (const std::invalid_argument& error) {
+      refuse(value.place, error.what());
+    }
+  }
+
+  void read_parameters() {
+    std::vector<Definition> tied;
+    std::vector<ParameterInfo> tied_infos;
+    std::vector<ParameterInfo>& free = out_.system.parameters;
+    for (const ParameterText& one : text_.parameters) {
+      const std::string where = fmt::format("in the parameter {}", one.name.text);
+      ParameterInfo info = info_of(one);
+      if (has_names(text_.source, one.value, where)) {
+        tied.push_back({one.name, one.value});
+        tied_infos.push_back(info);
+        continue;
+      }
+      info.default_value = number(one.value, where);
+      check_range(info, one.value);
+      names_.emplace(info.name, graph_.parameter(free.size()));
+      free.push_back(info);
+    }
+    defaults_ = default_parameters(free);
+    for (const ParameterInfo& info : free) symbols_.parameters.push_back(info.name);
+    const std::vector<Expression> expressions =
+        parse_definitions(graph_, text_.source, tied, parameter_scope(), "parameter", &hazards_);
+    for (std::size_t i = 0; i < tied.size(); ++i) {
+      const Expression e = expressions[i];
+      ParameterInfo& info = tied_infos[i];
+      info.default_value = value_of(e);
+      check_range(info, tied[i].value);
+      names_.emplace(info.name, e);
+      TiedParameter one;
+      one.info = info;
+      const ScalarFunction value = scalar_function(graph_, e);
+      const VectorFunction gradient = gradient_in_parameters(graph_, e);
+      one.value = [value](const Vector& p) { return value(0.0, {}, p); };
+      one.dp = [gradient](const Vector& p, Vector& out) {
+        if (gradient) {
+          gradient(0.0, {}, p, out);
+        } else {
+          out.setZero();
+        }
+      };
+      out_.tied.push_back(std::move(one));
+    }
+  }
+
+  void read_definitions() {
+    const std::vector<Expression> expressions =
+        parse_definitions(graph_, text_.source, text_.definitions, scope(true), "definition", &hazards_);
+    for (std::size_t i = 0; i < expressions.size(); ++i) names_.emplace(text_.definitions[i].name.text, expressions[i]);
+  }
+
+  // Modes and events ---------------------------------------------------------------------------------------------------------
+
+  /// Rates become expressions of the mode's field.
+  class Rates {
+   public:
+    Rates(Builder& builder, const ModePiece& mode)
+        : builder_(builder), mode_(mode), field_(mode.field.size()), in_progress_(mode.field.size(), false) {}
+
+    Expression resolve(Expression e) {
+      Graph& graph = builder_.graph_;
+      if (!dependence(graph, e).rate) return e;
+      Replacement known;
+      for (const Expression part : reachable(graph, e)) {
+        const Node n = graph.node(part);
+        if (n.operation != Operation::rate) continue;
+        const Expression of = graph.substitute(n.a, known);
+        Expression sum = graph.derivative(of, graph.time());
+        for (const std::size_t i : dependence(graph, of).states) {
+          const Expression slope = graph.derivative(of, graph.state(i));
+          if (!graph.is_constant(slope, 0.0)) sum = graph.add(sum, graph.multiply(slope, field(i)));
+        }
+        known.emplace(part.index, sum);
+      }
+      return graph.substitute(e, known);
+    }
+
+    Expression field(std::size_t i) {
+      if (field_[i]) return *field_[i];
+      if (in_progress_[i])
+        builder_.refuse(mode_.equation[i],
+                        fmt::format("the rate of {} in mode {} depends on itself", builder_.out_.states[i], mode_.name));
+      in_progress_[i] = true;
+      field_[i] = resolve(mode_.field[i]);
+      return *field_[i];
+    }
+
+   private:
+    Builder& builder_;
+    const ModePiece& mode_;
+    std::vector<std::optional<Expression>> field_;
+    std::vector<char> in_progress_;
+  };
+
+  std::optional<std::size_t> state_number(const std::string& name) const {
+    const auto found = std::find(out_.states.begin(), out_.states.end(), name);
+    return found == out_.states.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - out_.states.begin()));
+  }
+
+  void read_modes() {
+    if (text_.modes.empty()) refuse({}, "the system has no modes");
+    const Scope names = scope(true);
+    for (const ModeText& text : text_.modes) {
+      ModePiece mode;
+      mode.name = text.name.text;
+      mode.place = text.name.place;
+      std::vector<std::optional<Assignment>> equation(state_texts_.size());
+      const auto where = [&](std::string_view name) { return fmt::format("in the equation of {}", name); };
+      for (Assignment& one :
+           parse_block(graph_, text_.source, text.equations, names, where, fmt::format("in mode {}", mode.name), &hazards_)) {
+        const auto i = state_number(one.name);
+        if (!i)
+          refuse(one.place, fmt::format("an equation of '{}', which is no state, in mode {}{}", one.name, mode.name,
+                                        suggestion(one.name, out_.states)));
+        if (!one.primed) refuse(one.place, fmt::format("an equation of mode {} begins with {}' =", mode.name, one.name));
+        if (equation[*i]) refuse(one.place, fmt::format("a second equation of {} in mode {}", one.name, mode.name));
+        equation[*i] = std::move(one);
+      }
+      for (std::size_t i = 0; i < equation.size(); ++i) {
+        if (!equation[i])
+          refuse(text.name.place.line > 0 ? text.name.place : text.equations.place,
+                 fmt::format("the state {} has no equation in mode {}", out_.states[i], mode.name));
+        mode.field.push_back(equation[i]->value);
+        mode.equation.push_back(equation[i]->equation);
+      }
+      pieces_.modes.push_back(std::move(mode));
+    }
+    std::vector<std::vector<Expression>> resolved;
+    for (const ModePiece& mode : pieces_.modes) {
+      Rates rates(*this, mode);
+      resolved.emplace_back();
+      for (std::size_t i = 0; i < out_.states.size(); ++i) resolved.back().push_back(rates.field(i));
+    }
+    for (std::size_t m = 0; m < pieces_.modes.size(); ++m) pieces_.modes[m].field = resolved[m];
+  }
+
+  /// From the text, from mechanics, from surfaces.
+  void make_modes() {
+    const Reading reading{graph_, text_, scope(true), &hazards_, symbols_, out_.system.parameters, defaults_, out_.start};
+    if (text_.mechanics) {
+      pieces_ = make_mechanics(reading);
+    } else {
+      read_modes();
+    }
+    add_surfaces(reading, pieces_);
+    for (const ModePiece& mode : pieces_.modes) rates_.emplace_back(*this, mode);
+  }
+
+  std::size_t mode_number(const Text& name, const std::string& event) const {
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < pieces_.modes.size(); ++i) {
+      if (pieces_.modes[i].name == name.text) return i;
+      names.push_back(pieces_.modes[i].name);
+    }
+    refuse(name.place, fmt::format("the event {} names an unknown mode '{}'{}", event, name.text, suggestion(name.text, names)));
+  }
+
+  /// A mode that a reset may lead to; it does where the conditions are positive.
+  struct Side {
+    std::size_t mode = 0;
+    std::vector<Expression> conditions;
+  };
+
+  /// A reset that names no mode stays in its mode, but goes to the side of a surface where it ends.
+  void find_sides(const Side& side, const std::vector<Expression>& decided, const std::vector<Expression>& map,
+                  std::vector<Side>& out) {
+    Replacement after;
+    for (std::size_t i = 0; i < map.size(); ++i) after.emplace(graph_.state(i).index, map[i]);
+    for (const SurfacePiece& surface : pieces_.surfaces) {
+      if (!surface.parts(side.mode) || std::find(decided.begin(), decided.end(), surface.h) != decided.end()) continue;
+      const Expression behind = graph_.substitute(surface.h, after);
+      const Expression change =
+          side.mode == surface.sliding ? graph_.substitute(behind, surface.on_it) : graph_.subtract(behind, surface.h);
+      if (is_zero(graph_, change)) continue;
+      std::vector<Expression> known = decided;
+      known.push_back(surface.h);
+      for (const bool upwards : {true, false}) {
+        if (surface.below == surface.above && !upwards) break;
+        Side next{upwards ? surface.above : surface.below, side.conditions};
+        if (surface.below != surface.above) next.conditions.push_back(upwards ? behind : graph_.negate(behind));
+        find_sides(next, known, map, out);
+      }
+      return;
+    }
+    out.push_back(side);
+  }
+
+  void read_events() {
+    const Scope names = scope(true);
+    for (std::size_t number = 0; number < text_.events.size(); ++number) {
+      const EventText& text = text_.events[number];
+      const std::string& name = text.name.text;
+      EventPiece event{
+          .name = name, .text = number, .count = text.count, .guard = {}, .map = {}, .when = text.when.place, .reset = {}};
+      if (text.kind) {
+        std::vector<std::string> kinds;
+        for (const EventKind kind : event_kinds) kinds.emplace_back(event_kind_name(kind));
+        const auto found = std::find(kinds.begin(), kinds.end(), text.kind->text);
+        if (found == kinds.end())
+          refuse(text.kind->place, fmt::format("the event {} has an unknown kind '{}'{}", name, text.kind->text,
+                                               suggestion(text.kind->text, kinds)));
+        event.kind = event_kinds[static_cast<std::size_t>(found - kinds.begin())];
+      }
+      const Expression guard =
+          parse_expression(graph_, text_.source, text.when, names, fmt::format("in the guard of {}", name), &hazards_);
+      std::vector<Expression> map;
+      for (std::size_t i = 0; i < out_.states.size(); ++i) map.push_back(graph_.state(i));
+      if (text.reset) {
+        event.reset = text.reset->place;
+        std::vector<char> seen(map.size(), 0);
+        const auto where = [&](std::string_view of) { return fmt::format("in the reset of {} by {}", of, name); };
+        for (const Assignment& one :
+             parse_block(graph_, text_.source, *text.reset, names, where, fmt::format("in the reset of {}", name), &hazards_)) {
+          const auto i = state_number(one.name);
+          if (!i)
+            refuse(one.place, fmt::format("the reset of {} sets '{}', which is no state{}", name, one.name,
+                                          suggestion(one.name, out_.states)));
+          if (one.primed) refuse(one.place, fmt::format("the reset of {} sets a rate; write {} = ...", name, one.name));
+          if (seen[*i]++) refuse(one.place, fmt::format("the reset of {} sets {} twice", name, one.name));
+          map[*i] = one.value;
+        }
+      }
+      const std::size_t first = text.from ? mode_number(*text.from, name) : 0;
+      const std::size_t last = text.from ? first : pieces_.modes.size() - 1;
+      for (event.from = first; event.from <= last; ++event.from) {
+        event.to = text.to ? mode_number(*text.to, name) : event.from;
+        event.guard = rates_[event.from].resolve(guard);
+        if (dependence(graph_, event.guard).states.empty() || is_zero(graph_, event.guard))
+          refuse(text.when.place, fmt::format("the guard of {} does not depend on the motion: no state stands in it", name));
+        event.map.clear();
+        for (const Expression one : map) event.map.push_back(rates_[event.from].resolve(one));
+        std::vector<Side> sides;
+        if (text.to) {
+          sides.push_back({event.to, {}});
+        } else {
+          find_sides({event.to, {}}, {}, event.map, sides);
+        }
+        for (std::size_t i = 0; i < sides.size(); ++i) {
+          event.to = sides[i].mode;
+          event.otherwise.reset();
+          if (i + 1 < sides.size()) event.otherwise = AlternativePiece{sides[i].conditions, pieces_.events.size() + 1};
+          pieces_.events.push_back(event);
+        }
+      }
+    }
+  }
+
+  // Forcing ------------------------------------------------------------------------------------------------------------------
+
+  /// False: there is none.
+  bool read_forcing() {
+    if (text_.forcing && text_.period) refuse(text_.period->place, "both a forcing frequency and a period are given");
+    if (!text_.forcing && !text_.period) return false;
+    const Expression two_pi = graph_.multiply(graph_.constant(2.0), graph_.pi());
+    const Text& place = text_.forcing ? *text_.forcing : *text_.period;
+    Expression period;
+    if (text_.forcing) {
+      const auto kind = kinds_.find(text_.forcing->text);
+      if (kind == kinds_.end() || kind->second != "parameter") {
+        std::vector<std::string> candidates;
+        for (const ParameterText& one : text_.parameters) candidates.push_back(one.name.text);
+        refuse(place.place, fmt::format("the forcing frequency '{}' is no parameter{}", text_.forcing->text,
+                                        suggestion(text_.forcing->text, candidates)));
+      }
+      period = graph_.divide(two_pi, names_.at(text_.forcing->text));
+    } else {
+      period = parse_expression(graph_, text_.source, *text_.period, parameter_scope(), "in the period", &hazards_);
+    }
+    const double value = value_of(period);
+    if (!(value > 0.0) || !std::isfinite(value))
+      refuse(place.place, text_.forcing ? fmt::format("the forcing frequency is {} by default; allowed is > 0",
+                                                      value_of(names_.at(text_.forcing->text)))
+                                        : fmt::format("the period is {} by default; allowed is > 0", value));
+    const auto on = dependence(graph_, period).parameters;
+    if (on.size() == 1 && is_zero(graph_, graph_.subtract(graph_.multiply(period, graph_.parameter(on[0])), two_pi))) {
+      out_.system.forcing_frequency = on[0];
+      return true;
+    }
+    const ScalarFunction of_p = scalar_function(graph_, period);
+    const VectorFunction gradient = gradient_in_parameters(graph_, period);
+    out_.system.period = ForcingPeriod{[of_p](const Vector& p) { return of_p(0.0, {}, p); },
+                                       [gradient](const Vector& p, Vector& out) {
+                                         if (gradient) {
+                                           gradient(0.0, {}, p, out);
+                                         } else {
+                                           out.setZero();
+                                         }
+                                       }};
+    return true;
+  }
+
+  /// An autonomous system does not know the time.
+  void refuse_time() const {
+    for (const EventPiece& event : pieces_.events) {
+      if (dependence(graph_, event.guard).time)
+        refuse(event.when,
+               fmt::format("the guard of {} depends on the time, but neither a forcing frequency nor a period is given",
+                           event.name));
+      if (dependence(graph_, event.map).time)
+        refuse(event.reset,
+               fmt::format("the reset of {} depends on the time, but neither a forcing frequency nor a period is given",
+                           event.name));
+    }
+    for (const ModePiece& mode : pieces_.modes)
+      for (std::size_t i = 0; i < mode.field.size(); ++i)
+        if (dependence(graph_, mode.field[i]).time)
+          refuse(mode.equation[i],
+                 fmt::format("the equation of {} depends on the time, but neither a forcing frequency nor a period is given",
+                             out_.states[i]));
+  }
+
+  void check_period() const {
+    if (!is_forced(out_.system)) return;
+    const double T = forcing_period(out_.system, defaults_);
+    const Vector x = out_.start ? *out_.start : Vector::Constant(states(), 0.1);
+    // Instants without a simple relation to the period.
+    for (const double phase : {0.137, 0.618}) {
+      for (std::size_t m = 0; m < pieces_.modes.size(); ++m) {
+        const ModePiece& mode = pieces_.modes[m];
+        const std::vector<double> before = values(graph_, mode.field, phase * T, x, defaults_);
+        const std::vector<double> after = values(graph_, mode.field, (1.0 + phase) * T, x, defaults_);
+        for (std::size_t i = 0; i < before.size(); ++i)
+          if (std::abs(after[i] - before[i]) > period_tolerance * (1.0 + std::abs(before[i])))
+            refuse(mode.equation[i], fmt::format("the equation of {} does not repeat with the period {}", out_.states[i], T));
+      }
+    }
+  }
+
+  // Contact laws, resets -----------------------------------------------------------------------------------------------------
+
+  Place hazard_place(Expression node, const Place& otherwise) const {
+    for (const Hazard& hazard : hazards_)
+      if (hazard.node == node) return hazard.place;
+    return otherwise;
+  }
+
+  void replace_contact_powers() {
+    for (std::size_t m = 0; m < pieces_.modes.size(); ++m) {
+      ModePiece& mode = pieces_.modes[m];
+      Replacement replacement;
+      for (std::size_t i = 0; i < mode.field.size(); ++i) {
+        for (const Expression part : reachable(graph_, mode.field[i])) {
+          const Node n = graph_.node(part);
+          const bool root = n.operation == Operation::sqrt;
+          if ((n.operation != Operation::power && !root) || replacement.contains(part.index)) continue;
+          if (!dependence(graph_, n.a).moves() || bounds(graph_, n.a, out_.system.parameters).lower >= 0.0) continue;
+          const Place place = hazard_place(part, mode.equation[i]);
+          const bool entered = std::any_of(pieces_.events.begin(), pieces_.events.end(), [&](const EventPiece& event) {
+            return event.to == m && event.from != m && is_zero(graph_, graph_.subtract(event.guard, n.a));
+          });
+          if (!entered && root) continue;  // a root is checked at the start only
+          const std::string base = to_text(graph_, n.a, symbols_, 60);
+          const double exponent = root ? 0.5 : value_of_constant(n.b);
+          if (!entered)
+            refuse(place, fmt::format("{} may become negative under an exponent that is no integer, in mode {}, which is not "
+                                      "entered through it as a guard",
+                                      base, mode.name));
+          if (!(exponent >= 1.0))
+            refuse(place, fmt::format("the power of {} has an infinite derivative at the guard through which mode {} is entered",
+                                      base, mode.name));
+          replacement.emplace(part.index, graph_.contact_power(n.a, exponent));
+        }
+      }
+      for (Expression& one : mode.field) one = graph_.substitute(one, replacement);
+      contact_powers_.insert(replacement.begin(), replacement.end());
+    }
+  }
+
+  /// NaN: it is no constant.
+  double value_of_constant(Expression e) const {
+    const Dependence on = dependence(graph_, e);
+    return on.moves() || !on.parameters.empty() ? std::nan("") : value_of(e);
+  }
+
+  bool is_identity(const EventPiece& event) const {
+    for (std::size_t i = 0; i < event.map.size(); ++i)
+      if (event.map[i] != graph_.state(i)) return false;
+    return true;
+  }
+
+  /// A state that a reset leaves as it is lies on the guard exactly, if the guard is linear in it: rounding would leave it
+  /// beyond.
+  void finish_resets() {
+    for (EventPiece& event : pieces_.events) {
+      if (is_identity(event)) continue;
+      const auto kept = [&](std::size_t i) { return event.map[i] == graph_.state(i); };
+      if (const auto solution = solve_guard(graph_, event.guard, event.map.size(), kept))
+        event.map[solution->state] = solution->value;
+    }
+  }
+
+  /// Whether the fields of both modes agree where the guard vanishes.
+  bool fields_agree(const EventPiece& event) {
+    const auto& f = pieces_.modes[event.from].field;
+    const auto& g = pieces_.modes[event.to].field;
+    if (f == g) return true;
+    for (std::size_t i = 0; i < f.size(); ++i)
+      if (!vanishes_on(graph_, graph_.subtract(g[i], f[i]), event.guard, f.size(), out_.system.parameters)) return false;
+    return true;
+  }
+
+  void build_modes() {
+    for (const ModePiece& piece : pieces_.modes) {
+      Mode mode;
+      mode.name = piece.name;
+      mode.field = vector_function(graph_, piece.field);
+      mode.field_dx = derivative_in_states(graph_, piece.field);
+      mode.field_dp = derivative_in_parameters(graph_, piece.field);
+      if (!mode.field_dp) mode.field_dp = [](double, const Vector&, const Vector&, Matrix& J) { J.setZero(); };
+      mode.field_dt = derivative_in_time(graph_, piece.field);
+      mode.structure = recognise_structure(graph_, piece.field, out_.system.forcing_frequency, out_.system.parameters.size());
+      out_.system.modes.push_back(std::move(mode));
+      out_.modes.push_back({piece.field});
+      constraints_.emplace_back();
+      for (const Expression one : piece.constraints) constraints_.back().push_back(scalar_function(graph_, one));
+    }
+  }
+
+  void build_events() {
+    for (const EventPiece& piece : pieces_.events) {
+      Event event;
+      event.name = piece.name;
+      event.from = piece.from;
+      event.to = piece.to;
+      event.kind = piece.kind;
+      // In a mode with constraints the level would say too much: what is continuous on it is so only where they hold.
+      const auto level = pieces_.modes[piece.from].constraints.empty() ? recognise_level(graph_, piece.guard) : std::nullopt;
+      if (level) {
+        event.guard = make_level_guard(*level);
+      } else {
+        event.guard.value = scalar_function(graph_, piece.guard);
+        event.guard.dx = gradient_in_states(graph_, piece.guard);
+        event.guard.dp = gradient_in_parameters(graph_, piece.guard);
+        event.guard.dt = scalar_derivative_in_time(graph_, piece.guard);
+      }
+      if (is_identity(piece)) {
+        event.continuous = piece.from != piece.to && (piece.continuous || (!piece.decided && fields_agree(piece)));
+      } else if (const auto rebound = recognise_rebound(graph_, piece.map, level); rebound && piece.from == piece.to) {
+        event.reset = make_rebound(*rebound);
+        const auto coefficient = static_cast<Eigen::Index>(rebound->coefficient);
+        event.log_volume_change = [coefficient](const Vector& p) { return 2.0 * std::log(p[coefficient]); };
+      } else {
+        event.reset = reset_of(piece.map);
+      }
+      add_contact(piece, event);
+      out_.system.events.push_back(std::move(event));
+      out_.events.push_back({piece.guard, piece.map, piece.text, piece.count});
+    }
+  }
+
+  Reset reset_of(const std::vector<Expression>& map) {
+    Reset reset;
+    reset.map = vector_function(graph_, map);
+    reset.dx = derivative_in_states(graph_, map);
+    reset.dp = derivative_in_parameters(graph_, map);
+    reset.dt = derivative_in_time(graph_, map);
+    return reset;
+  }
+
+  /// What mechanics and surfaces know of an event.
+  void add_contact(const EventPiece& piece, Event& event) {
+    if (piece.effective_mass) event.effective_mass = scalar_function(graph_, *piece.effective_mass);
+    if (piece.restitution && !event.log_volume_change) {
+      const ScalarFunction restitution = scalar_function(graph_, *piece.restitution);
+      event.log_volume_change = [restitution](const Vector& p) { return 2.0 * std::log(std::abs(restitution(0.0, {}, p))); };
+    }
+    if (const auto& rest = piece.accumulation)
+      event.accumulation = Accumulation{rest->sticking_mode, reset_of(rest->map), scalar_function(graph_, rest->pressing)};
+    if (const auto& otherwise = piece.otherwise) {
+      std::vector<ScalarFunction> conditions;
+      for (const Expression one : otherwise->conditions) conditions.push_back(scalar_function(graph_, one));
+      event.otherwise = Alternative{[conditions](double t, const Vector& x, const Vector& p) {
+                                      double least = std::numeric_limits<double>::infinity();
+                                      for (const ScalarFunction& one : conditions) least = std::min(least, one(t, x, p));
+                                      return least;
+                                    },
+                                    otherwise->event};
+    }
+  }
+
+  void read_outputs() {
+    const std::vector<Expression> expressions =
+        parse_definitions(graph_, text_.source, text_.outputs, scope(true), "output", &hazards_);
+    for (std::size_t number = 0; number < expressions.size(); ++number) {
+      const Expression raw = expressions[number];
+      const bool by_mode = dependence(graph_, raw).rate;
+      std::vector<ScalarFunction> of_mode;
+      for (std::size_t m = 0; m < (by_mode ? pieces_.modes.size() : 1); ++m) {
+        Expression e = raw;
+        if (by_mode) {
+          Rates rates(*this, pieces_.modes[m]);
+          e = rates.resolve(raw);
+        }
+        of_mode.push_back(scalar_function(graph_, graph_.substitute(e, contact_powers_)));
+      }
+      out_.outputs.push_back(
+          {text_.outputs[number].name.text, [of_mode](std::size_t mode, double t, const Vector& x, const Vector& p) {
+             return of_mode[of_mode.size() == 1 ? 0 : mode](t, x, p);
+           }});
+    }
+  }
+
+  // Values at the start --------------------------------------------------------------------------------------------------------
+
+  void read_start() {
+    if (text_.start.empty()) return;
+    Vector x = Vector::Constant(states(), std::nan(""));
+    for (const StartText& one : text_.start) {
+      const auto i = state_number(one.state.text);
+      if (!i)
+        refuse(one.state.place,
+               fmt::format("the start gives '{}', which is no state{}", one.state.text, suggestion(one.state.text, out_.states)));
+      double& value = x[static_cast<Eigen::Index>(*i)];
+      if (!std::isnan(value)) refuse(one.state.place, fmt::format("the start gives {} twice", one.state.text));
+      value = value_of(parse_expression(graph_, text_.source, one.value, parameter_scope(),
+                                        fmt::format("in the start of {}", one.state.text), &hazards_));
+      if (!std::isfinite(value)) refuse(one.value.place, fmt::format("the start of {} is not finite", one.state.text));
+    }
+    for (Eigen::Index i = 0; i < x.size(); ++i)
+      if (std::isnan(x[i]))
+        refuse(text_.start.front().state.place,
+               fmt::format("the start gives no value of {}", out_.states[static_cast<std::size_t>(i)]));
+    out_.start = x;
+  }
+
+  /// Divisions, roots, logarithms: of parameters in every mode, of the motion in the mode of the start.
+  void check_values() const {
+    const Vector zero = Vector::Zero(states());
+    std::optional<std::size_t> start_mode;
+    if (out_.start) {
+      // Before the mode is asked for: a guard may divide by zero, too.
+      for (const EventPiece& event : pieces_.events) check_values(event.guard, *out_.start, true, event.when);
+      start_mode = mode_at(out_.system, 0.0, *out_.start, defaults_);
+      if (!start_mode) {
+        std::string guards;
+        for (const EventPiece& event : pieces_.events)
+          if (values(graph_, {&event.guard, 1}, 0.0, *out_.start, defaults_)[0] > 0.0)
+            guards += (guards.empty() ? "" : ", ") + event.name;
+        refuse(text_.start.front().state.place, fmt::format("the start lies beyond a guard of every mode ({})", guards));
+      }
+    }
+    for (std::size_t m = 0; m < pieces_.modes.size(); ++m)
+      for (std::size_t i = 0; i < pieces_.modes[m].field.size(); ++i)
+        check_values(pieces_.modes[m].field[i], out_.start ? *out_.start : zero, start_mode == m, pieces_.modes[m].equation[i]);
+    for (const EventPiece& event : pieces_.events) {
+      if (!out_.start) check_values(event.guard, zero, false, event.when);
+      for (const Expression one : event.map) check_values(one, zero, false, event.reset);
+    }
+  }
+
+  void check_values(Expression root, const Vector& x, bool with_motion, const Place& otherwise) const {
+    std::vector<Expression> nodes, operand;
+    for (const Expression part : reachable(graph_, root)) {
+      const Node& n = graph_.node(part);
+      const bool can_fail = n.operation == Operation::divide || n.operation == Operation::sqrt || n.operation == Operation::log ||
+                            n.operation == Operation::power || (n.operation == Operation::integer_power && n.value < 0.0);
+      if (!can_fail || (!with_motion && dependence(graph_, part).moves())) continue;
+      nodes.push_back(part);
+      operand.push_back(n.operation == Operation::divide ? n.b : n.a);
+    }
+    if (nodes.empty()) return;
+    const std::vector<double> value = values(graph_, operand, 0.0, x, defaults_);
+    const std::vector<double> result = values(graph_, nodes, 0.0, x, defaults_);
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      const Node& n = graph_.node(nodes[i]);
+      const std::string what = to_text(graph_, operand[i], symbols_, 60);
+      const Place place = hazard_place(nodes[i], otherwise);
+      const char* when = dependence(graph_, nodes[i]).moves() ? "at the start" : "at the default parameters";
+      if (n.operation == Operation::divide || n.operation == Operation::integer_power) {
+        if (value[i] == 0.0) refuse(place, fmt::format("the divisor {} is zero {}", what, when));
+      } else if (n.operation == Operation::log) {
+        if (!(value[i] > 0.0)) refuse(place, fmt::format("the logarithm of {}, which is {} {}", what, value[i], when));
+      } else if (value[i] < 0.0 && std::isnan(result[i])) {
+        refuse(place, fmt::format("the root of {}, which is {} {}", what, value[i], when));
+      } else if (!std::isfinite(result[i])) {
+        refuse(place, fmt::format("the power of {} is {} {}", what, result[i], when));
+      }
+    }
+  }
+
+  /// A reset within a mode has to leave its guard. Seen at states on the guard, near the start and at random ones.
+  void check_resets() const {
+    std::mt19937 engine(1);
+    std::uniform_real_distribution<double> any(-1.0, 1.0);
+    const Vector& p = defaults_;
+    Vector f(states()), gradient(states()), after(states());
+    for (std::size_t e = 0; e < pieces_.events.size(); ++e) {
+      const Event& event = out_.system.events[e];
+      const EventPiece& piece = pieces_.events[e];
+      if (event.from != event.to || piece.text >= text_.events.size()) continue;
+      const Mode& mode = out_.system.modes[event.from];
+      const auto rate = [&](double t, const Vector& x) {
+        mode.field(t, x, p, f);
+        event.guard.dx(t, x, p, gradient);
+        return gradient.dot(f) + (event.guard.dt ? event.guard.dt(t, x, p) : 0.0);
+      };
+      for (int trial = 0; trial < reset_trials; ++trial) {
+        Vector x = out_.start ? *out_.start : Vector::Zero(states());
+        for (double& value : x)
+          if (trial > 0) value += any(engine) * (1.0 + std::abs(value));
+        double h = event.guard.value(0.0, x, p);
+        for (int i = 0; i < 30 && h != 0.0; ++i) {
+          event.guard.dx(0.0, x, p, gradient);
+          x -= gradient * (h / gradient.squaredNorm());
+          h = event.guard.value(0.0, x, p);
+        }
+        const double tolerance = guard_tolerance * (1.0 + x.lpNorm<Eigen::Infinity>());
+        if (!x.allFinite() || !(std::abs(h) <= tolerance)) continue;
+        const double arrives = rate(0.0, x);
+        if (!(arrives > 1e-6 * (1.0 + f.lpNorm<Eigen::Infinity>()))) continue;
+        if (event.reset.map) {
+          event.reset.map(0.0, x, p, after);
+        } else {
+          after = x;
+        }
+        if (!after.allFinite()) continue;
+        const double beyond = event.guard.value(0.0, after, p), leaves = rate(0.0, after);
+        const double reach = 100.0 * guard_tolerance * (1.0 + after.lpNorm<Eigen::Infinity>());
+        const Place& place = piece.reset.line > 0 ? piece.reset : piece.when;
+        if (beyond > reach || (beyond >= -reach && leaves > 1e-9 * (1.0 + f.lpNorm<Eigen::Infinity>())))
+          refuse(
+              place,
+              fmt::format(
+                  "{} leaves the state beyond its guard in mode {}: the guard is {:.3g} and rises at the rate {:.3g} after it",
+                  event.reset.map ? fmt::format("the reset of {}", event.name) : fmt::format("{} has no reset and", event.name),
+                  mode.name, std::abs(beyond) <= reach ? 0.0 : beyond, leaves));
+        break;
+      }
+    }
+  }
+
+  const SystemText& text_;
+  std::vector<Text> state_texts_;
+  std::vector<std::vector<ScalarFunction>> constraints_;  // of each mode
+  TextSystem out_;
+  Graph& graph_;
+  std::map<std::string, std::string, std::less<>> kinds_;  // name -> state, parameter, definition, output
+  std::map<std::string, Expression, std::less<>> names_;
+  std::map<std::string, std::size_t, std::less<>> tables_;
+  std::vector<Hazard> hazards_;
+  Symbols symbols_;
+  Vector defaults_;
+  Pieces pieces_;
+  std::vector<Rates> rates_;
+  Replacement contact_powers_;
+};
+
+}  // namespace
+
+TextSystem make_system(const SystemText& text) { return Builder(text).build(); }
+
+}  // namespace graze::equations

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A system written as text (parameters, definitions, modes with equations, events with guards and resets) to a HybridSystem.
+//
+// All derivatives (fields, guards and resets in x, p and t) come from the expressions and are exact. Parameters whose value names
+// other parameters are tied: they are replaced by their expressions and are no parameters of the HybridSystem. Structure (levels,
+// rebounds, continuous crossings, linear and cubic oscillators, Hertz's contact) is recognised, not declared: a built-in system
+// written as text runs on the same flows.
+//
+// A power with an exponent that is no integer, of something that may become negative, is allowed in a mode that is entered
+// through that something as its guard (a contact law; it is zero outside its contact), and refused elsewhere.
+//
+// abs, sign, max, min, step, clamp and deadzone in equations, guards and resets become modes and guards (nonsmooth.hpp).
+//
+// Mechanics (matrices, stops, friction) and surfaces become modes and events (mechanics.hpp, sliding.hpp).
+//
+// The initial mode of a state is the first in which no guard is positive; a state on a guard belongs where it goes from there.
+// Modes that stick or slide come first, for states on their constraints. A state beyond the guards of all modes is not
+// admissible.
+#pragma once
+
+#include <graze/lib/equations/expression.hpp>
+#include <graze/lib/equations/parse.hpp>
+#include <graze/lib/equations/source.hpp>
+#include <graze/lib/system/hybrid_system.hpp>
+
+#include <memory>
+#include <optional>
+
+namespace graze::equations {
+
+struct ParameterText {
+  Text name;
+  Text value;  ///< a number, a fraction "36/35", a constant "pi/8", or an expression of other parameters (then it is tied)
+  std::optional<Text> min = {}, max = {}, above = {}, below = {};  ///< numbers; above and below exclude the value itself
+  std::string unit = "dimensionless";
+  std::string meaning = {};
+};
+
+struct ModeText {
+  Text name;
+  Text equations;  ///< "x' = v", one a line or parted by ;
+};
+
+struct EventText {
+  Text name;
+  std::optional<Text> kind = {};   ///< a name of EventKind; absent: other
+  std::optional<Text> from = {};   ///< absent: every mode
+  std::optional<Text> to = {};     ///< absent: the mode it comes from
+  Text when = {};                  ///< the guard: fires where it rises through zero
+  std::optional<Text> reset = {};  ///< "x = ...; v = ..."; what is not named stays
+  std::size_t count = 0;           ///< an orbit's n counts these where there is no forcing
+};
+
+/// M q'' + C q' + K q = force, and what stops and friction add. The states are the coordinates, then the velocities.
+struct MechanicsText {
+  std::vector<Text> coordinates, velocities;
+  std::vector<std::vector<Text>> mass;                          ///< of coordinates and parameters; symmetric, positive definite
+  std::vector<std::vector<Text>> damping = {}, stiffness = {};  ///< empty: none
+  std::vector<Text> force = {};                                 ///< all that is left, one entry a coordinate; empty: none
+  Place place = {};
+};
+
+/// A unilateral stop, open while its gap is positive. The gap's gradient W in the coordinates is the direction of its force.
+/// Contact laws, with d = -gap and its rate d':
+///     newton  k_r         d'+ = -k_r d'-: v+ = v - (1 + k_r) M^-1 W (W^T M^-1 W)^-1 gap'
+///     hertz   k_H, b_H    F = k_H d^(3/2) (1 + b_H d')     (b_H may be left out)
+///     linear  k, c        F = k d + c d'                   (c may be left out: Kelvin-Voigt with it)
+///     force   F           any expression of d, d' and the motion
+/// A force that vanishes where d does is left there. Any other one (Kelvin-Voigt) does not pull without adhesion: it ends where
+/// it vanishes, and begins again if it rises before the gap has opened. With adhesion it ends where the gap opens.
+struct StopText {
+  Text name;
+  Text gap;  ///< of coordinates and t
+  Text law;  ///< "newton", "hertz", "linear" or "force"
+  std::vector<Text> values;
+  bool adhesion = false;
+  std::size_t count = 0;  ///< as EventText has it, of impacts and entries
+};
+
+/// A surface where two modes meet. A motion that both fields press onto it slides along it in a mode of its own, with Filippov's
+/// convex combination of the fields.
+struct SurfaceText {
+  Text function;
+  Text below, above;                 ///< the modes where it is negative and positive
+  std::optional<Text> sliding = {};  ///< name of the mode that is derived; absent: the surface is only crossed
+  std::size_t count = 0;             ///< as EventText has it, of what enters the sliding mode, or of the crossing upwards without
+};
+
+/// Dry friction -mu(u) N sign(speed) along a sliding speed, with u = |speed|; needs mechanics. The speed is linear in the
+/// velocities, its gradient in them the direction of the force.
+struct FrictionText {
+  Text name;
+  Text speed;
+  Text normal;                        ///< N > 0
+  Text law;                           ///< mu(u)
+  std::optional<Text> sticking = {};  ///< static coefficient; absent: mu(0)
+  std::size_t count = 0;              ///< as EventText has it, of what begins to stick
+};
+
+struct StartText {
+  Text state;
+  Text value;  ///< a number or an expression of the parameters
+};
+
+struct SystemText {
+  std::string name;
+  Source source;
+  std::vector<Text> states = {};
+  std::optional<Text> forcing = {};  ///< the parameter that is the forcing frequency
+  std::optional<Text> period = {};   ///< or the period, a parameter or an expression of parameters; neither: autonomous
+  std::vector<ParameterText> parameters = {};
+  std::vector<Definition> definitions = {};
+  std::vector<ModeText> modes = {};
+  std::vector<EventText> events = {};
+  std::optional<MechanicsText> mechanics = {};  ///< instead of states and modes
+  std::vector<StopText> stops = {};
+  std::vector<FrictionText> friction = {};
+  std::vector<SurfaceText> surfaces = {};
+  std::vector<Definition> outputs = {};  ///< may name each other, in any order
+  std::vector<StartText> start = {};     ///< every state, or none
+  std::vector<Table> tables = {};        ///< for spline(name, u)
+};
+
+/// A function of the motion, evaluated in a mode (rates depend on it).
+struct Output {
+  std::string name;
+  std::function<double(std::size_t mode, double t, const Vector& x, const Vector& p)> value;
+};
+
+/// A parameter that is a function of the others.
+struct TiedParameter {
+  ParameterInfo info;  ///< with its value at the default parameters
+  std::function<double(const Vector& p)> value;
+  std::function<void(const Vector& p, Vector& out)> dp;  ///< gradient (number of parameters)
+};
+
+/// The expressions behind a mode and an event, for further derivatives.
+struct ModeExpressions {
+  std::vector<Expression> field;
+};
+struct EventExpressions {
+  Expression guard;
+  std::vector<Expression> map;  ///< x+ for each state
+  std::size_t text = 0;         ///< number in SystemText::events; SIZE_MAX: made from a nonsmooth function
+  std::size_t count = 0;
+};
+
+struct TextSystem {
+  HybridSystem system;
+  std::vector<std::string> states;
+  std::vector<TiedParameter> tied;
+  std::vector<Output> outputs;
+  std::optional<Vector> start;           ///< at t = 0
+  std::shared_ptr<Graph> graph;          ///< change it in one thread only
+  std::vector<ModeExpressions> modes;    ///< as HybridSystem::modes
+  std::vector<EventExpressions> events;  ///< as HybridSystem::events
+};
+
+/// @throws EquationError for every mistake in the text, with its place.
+TextSystem make_system(const SystemText& text);
+
+}  // namespace graze::equations

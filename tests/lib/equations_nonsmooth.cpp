@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// abs, sign, max, min, step, clamp and deadzone split into modes and guards.
+#include "support/checks.hpp"
+#include "support/system_texts.hpp"
+#include "support/two_sided_oscillator.hpp"
+
+using namespace graze;
+using namespace graze::support;
+
+namespace {
+
+SystemWriter forced(const std::string& force, const std::vector<std::pair<std::string, std::string>>& parameters = {}) {
+  SystemWriter writer;
+  writer.system.name = "nonsmooth";
+  writer.states({"x", "v"}).forcing("eta").parameter("eta", "0.9").parameter("xi", "1").parameter("b", "0.05");
+  for (const auto& [name, value] : parameters) writer.parameter(name, value);
+  writer.mode("free", "x' = v\nv' = xi*cos(eta*t) - 2*b*v - x - (" + force + ")");
+  return writer;
+}
+
+/// The field as it is written, branches included, against that of the mode of the state.
+void require_same_field(const equations::TextSystem& read,
+                        const std::function<double(double, const Vector&, const Vector&)>& force) {
+  const HybridSystem& system = read.system;
+  Random random(9);
+  const Vector p = default_parameters(system.parameters);
+  std::vector<int> met(system.modes.size(), 0);
+  for (int i = 0; i < 400; ++i) {
+    const Vector x = vector({random(-3.0, 3.0), random(-3.0, 3.0)});
+    const double t = random(0.0, 9.0);
+    const auto mode = mode_at(system, t, x, p);
+    REQUIRE(mode.has_value());
+    ++met[*mode];
+    Vector f(2);
+    system.modes[*mode].field(t, x, p, f);
+    REQUIRE(f[1] == Approx(p[1] * std::cos(p[0] * t) - 2.0 * p[2] * x[1] - x[0] - force(t, x, p)).margin(1e-13));
+    REQUIRE_THAT(check_mode(system, *mode, t, x, p), all_agree());
+  }
+  for (std::size_t m = 0; m < met.size(); ++m) {
+    INFO(system.modes[m].name);
+    REQUIRE(met[m] > 0);
+  }
+}
+
+std::string mistake(const equations::SystemText& text) {
+  try {
+    equations::make_system(text);
+  } catch (const equations::EquationError& error) {
+    return error.sentence();
+  }
+  return "none";
+}
+
+}  // namespace
+
+TEST_CASE("deadzone: three modes, one combination refuted, all crossings continuous, motion as of the hand-written system") {
+  const HybridSystem given = two_sided_oscillator(false);
+  SystemWriter writer = forced("k_S*deadzone(x, r)");
+  writer.system.parameters.push_back({.name = writer.write("r"), .value = writer.write("1"), .above = writer.write("0")});
+  writer.parameter("k_S", "25");
+  const equations::TextSystem read = equations::make_system(writer.system);
+  const HybridSystem& system = read.system;
+  REQUIRE(system.modes.size() == 3);
+  REQUIRE(system.events.size() == 4);
+  for (const Event& event : system.events) REQUIRE(event.continuous);
+  require_same_field(read, [](double, const Vector& x, const Vector& p) {
+    return x[0] > p[3] ? p[4] * (x[0] - p[3]) : x[0] < -p[3] ? p[4] * (x[0] + p[3]) : 0.0;
+  });
+  const Vector p = parameters(system, {{"xi", 1.7}, {"r", 0.8}}), q = parameters(given, {{"xi", 1.7}, {"r", 0.8}});
+  const Vector x0 = vector({0.2, 1.1});
+  const double T = forcing_period(system, p);
+  const Trajectory a = simulate(given, q, 0.0, x0, {.t_end = 3.0 * T}), b = simulate(system, p, 0.0, x0, {.t_end = 3.0 * T});
+  REQUIRE(a.events.size() > 6);
+  REQUIRE(a.events.size() == b.events.size());
+  REQUIRE((a.x - b.x).norm() < 1e-10);
+  REQUIRE_THAT(check_transition(system, p, 0.0, 1.5 * T, x0, 1e-7, 1e-5), all_agree());
+}
+
+TEST_CASE("abs, max, min and clamp, also inside one another, have the field of their branches in each mode") {
+  const auto force = [](const std::string& text, const std::function<double(double, const Vector&, const Vector&)>& f,
+                        std::size_t modes) {
+    INFO(text);
+    const equations::TextSystem read = equations::make_system(forced(text).system);
+    REQUIRE(read.system.modes.size() == modes);
+    for (const Event& event : read.system.events) REQUIRE(event.continuous);
+    require_same_field(read, f);
+  };
+  force(
+      "abs(x)*x", [](double, const Vector& x, const Vector&) { return std::abs(x[0]) * x[0]; }, 2);
+  force(
+      "abs(x) + abs(-x) + max(x, 0)",
+      [](double, const Vector& x, const Vector&) { return 2 * std::abs(x[0]) + std::max(x[0], 0.0); }, 2);
+  force(
+      "abs(x) + abs(v)", [](double, const Vector& x, const Vector&) { return std::abs(x[0]) + std::abs(x[1]); }, 4);
+  force(
+      "abs(abs(x) - 1)", [](double, const Vector& x, const Vector&) { return std::abs(std::abs(x[0]) - 1.0); }, 4);
+  force(
+      "clamp(2*x, -1, 1)", [](double, const Vector& x, const Vector&) { return std::clamp(2.0 * x[0], -1.0, 1.0); }, 3);
+  force(
+      "max(x, min(v, 0.5))", [](double, const Vector& x, const Vector&) { return std::max(x[0], std::min(x[1], 0.5)); }, 4);
+  // On one side the speed does not matter.
+  force(
+      "max(x, 0)*abs(v)", [](double, const Vector& x, const Vector&) { return std::max(x[0], 0.0) * std::abs(x[1]); }, 3);
+  // A parameter's sign is no event.
+  force(
+      "abs(b)*x + max(b, xi)",
+      [](double, const Vector& x, const Vector& p) { return std::abs(p[2]) * x[0] + std::max(p[2], p[1]); }, 1);
+}
+
+TEST_CASE("sign and step: the field jumps, and the saltation through it agrees with differences") {
+  const equations::TextSystem read = equations::make_system(forced("0.3*sign(x) + step(x - 1/2)").system);
+  const HybridSystem& system = read.system;
+  REQUIRE(system.modes.size() == 3);
+  REQUIRE(system.modes[0].name == "free: x - 0.5 > 0");
+  for (const Event& event : system.events) REQUIRE(!event.continuous);
+  require_same_field(read,
+                     [](double, const Vector& x, const Vector&) { return (x[0] > 0 ? 0.3 : -0.3) + (x[0] > 0.5 ? 1.0 : 0.0); });
+  const Vector p = parameters(system, {{"xi", 1.7}});
+  const Trajectory run = simulate(system, p, 0.0, vector({0.2, 1.1}), {.t_end = 12.0});
+  REQUIRE(run.events.size() > 4);
+  REQUIRE_THAT(check_transition(system, p, 0.0, 12.0, vector({0.2, 1.1}), 1e-7, 1e-5), all_agree());
+  // x sign(x) does not jump.
+  const equations::TextSystem smooth = equations::make_system(forced("x*sign(x)").system);
+  for (const Event& event : smooth.system.events) REQUIRE(event.continuous);
+}
+
+TEST_CASE("an impact within a split mode leads to the branch behind it") {
+  SystemWriter writer = forced("0.1*sign(v)");
+  writer.parameter("r", "0.7");
+  writer.system.parameters.push_back(
+      {.name = writer.write("k_r"), .value = writer.write("0.8"), .min = writer.write("0"), .max = writer.write("1")});
+  writer.event({"wall", "impact", "x - r", "v = -k_r*v", "", ""});
+  const equations::TextSystem read = equations::make_system(writer.system);
+  const HybridSystem& system = read.system;
+  REQUIRE(system.modes.size() == 2);
+  for (const Event& event : system.events)
+    if (event.name == "wall") REQUIRE(event.to == 1 - event.from);
+  const Vector p = parameters(system, {{"xi", 1.7}}), x0 = vector({0.2, 1.1});
+  const Trajectory run = simulate(system, p, 0.0, x0, {.t_end = 10.0});
+  REQUIRE(run.termination == Termination::time);
+  int impacts = 0;
+  for (const EventRecord& event : run.events) impacts += event.kind == EventKind::impact;
+  REQUIRE(impacts > 1);
+  REQUIRE_THAT(check_transition(system, p, 0.0, 10.0, x0, 1e-7, 1e-5), all_agree());
+}
+
+TEST_CASE("a contact whose friction has a sign is entered on the side that the guard's rise tells") {
+  SystemWriter writer = forced("0*x");
+  writer.parameter("r", "0.5").parameter("k", "20");
+  writer.mode("contact", "x' = v\nv' = xi*cos(eta*t) - 2*b*v - x - k*(x - r)*(1 + 0.2*sign(v))");
+  writer.event({"enter", "enter", "x - r", "", "free", "contact"});
+  writer.event({"leave", "leave", "r - x", "", "contact", "free"});
+  const HybridSystem system = equations::make_system(writer.system).system;
+  REQUIRE(system.modes.size() == 3);
+  REQUIRE(system.modes[1].name == "contact: v > 0");
+  REQUIRE(system.events[0].to == 1);
+  REQUIRE(system.events[0].continuous);
+  const Vector p = parameters(system, {{"xi", 1.7}}), x0 = vector({0.2, 1.1});
+  REQUIRE_THAT(check_transition(system, p, 0.0, 8.0, x0, 1e-7, 1e-5), all_agree());
+}
+
+TEST_CASE("what cannot be split is refused with a sentence") {
+  std::string many = "abs(x)";
+  for (int i = 1; i < 8; ++i) many += fmt::format(" + abs(x + {}*v)", i);
+  REQUIRE(mistake(forced(many).system) == "system.toml:10:1: the nonsmooth functions of mode free make more than 64 modes of it");
+  REQUIRE(mistake(forced("abs(x - sign(v))").system) ==
+          "system.toml:10:1: sign or step inside of abs in mode free is not handled; write its modes out");
+}
+
+TEST_CASE("a reset that does not tell the branch behind it leads to the branch where it ends") {
+  SystemWriter writer = forced("0.1*abs(v + 1)", {{"r", "0.7"}});
+  writer.event({"wall", "impact", "x - r", "v = -0.3 - 0.8*v", "", ""});
+  const HybridSystem system = equations::make_system(writer.system).system;
+  const Vector p = default_parameters(system.parameters);
+  REQUIRE(system.modes[0].name == "free: v + 1 > 0");
+  Propagator propagator(system, p, all_parameters(system));
+  for (const double speed : {0.3, 0.8, 1.5}) {
+    HybridState state{0.0, vector({0.7, speed}), 0};
+    REQUIRE(propagator.step(state, 1.0, Sensitivity::state_and_parameters) == StepEnd::event);
+    const double after = -0.3 - 0.8 * speed;
+    REQUIRE(state.x[1] == Approx(after).epsilon(1e-15));
+    REQUIRE(system.modes[state.mode].name == (after > -1.0 ? "free: v + 1 > 0" : "free: v + 1 < 0"));
+    REQUIRE(propagator.segment().event == propagator.record().event);
+    REQUIRE(system.events[propagator.record().event].to == state.mode);
+  }
+  REQUIRE_THAT(check_transition(system, parameters(system, {{"xi", 1.5}}), 0.0, 6.0, vector({0.2, 1.2}), 1e-7, 1e-5),
+               all_agree());
+}
