@@ -40,6 +40,14 @@ std::vector<CurvePoint> images_of(const BranchProblem& problem, const CurvePoint
   return list;
 }
 
+/// Whether impacts give nothing back (k_r = 0): each of them is its own complete chatter, and where nothing presses the mass any
+/// more it leaves at once. The state changes continuously there.
+bool is_plastic(const HybridSystem& system, const Vector& p) {
+  return std::any_of(system.events.begin(), system.events.end(), [&](const Event& event) {
+    return event.accumulation && event.log_volume_change && std::isinf(event.log_volume_change(p));
+  });
+}
+
 }  // namespace
 
 BranchFollower::BranchFollower(const HybridSystem& system, const ContinuationOptions& options, double low, double high)
@@ -147,13 +155,17 @@ Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& 
   if (!point.multipliers.valid || leaves_branch(system_, branch, point)) return Verdict::reject;
   // Where a chatter becomes incomplete infinitely many impacts come apart, each with a grazing of its own.
   const bool sticks = point.isolated_impacts < point.impacts;
-  if (hard_contacts_ && sticks != (branch.points.back().isolated_impacts < branch.points.back().impacts)) {
+  const bool switches = sticks != (branch.points.back().isolated_impacts < branch.points.back().impacts);
+  const bool plastic = is_plastic(system_, problem.equations().parameters());
+  if (hard_contacts_ && switches && !plastic) {
     chatter_ends_ = after.arclength - before.arclength <= 1e-7;
     return chatter_ends_ ? Verdict::stop : Verdict::reject;
   }
   // One grazing at a time: a step across several is halved, down to where they cannot be told apart. Contacts that touch together
   // (an orbit symmetric between two barriers) are one.
-  const int change = std::abs(point.isolated_impacts - branch.points.back().isolated_impacts);
+  const int change = plastic && switches && point.impacts == branch.points.back().impacts
+                         ? 0
+                         : std::abs(point.isolated_impacts - branch.points.back().isolated_impacts);
   // Orbits on both sides of a hard grazing are different families, even where the corrector finds its way across: never step over
   // one.
   if (change == 1 && hard_contacts_) return Verdict::reject;
@@ -361,6 +373,23 @@ std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const Br
                                problem.scale(), problem.equations().options());
     signature.measure_by(by_events->u);
     const Curve curve = follow_signature(signature, *by_events, branch);
+    // An impact that gives nothing back goes over into one that sticks: only the states know both.
+    if (curve.stop == TraceStop::min_step && !grazing_ && !branch.points.empty() && !curve.points.empty() &&
+        is_plastic(system_, signature.equations().parameters())) {
+      const BranchPoint& end = branch.points.back();
+      OrbitProblem there = problem.with_section(end.section_phase);
+      if (there.nodes() == static_cast<int>(end.nodes.size())) {
+        BranchStart from;
+        from.u = there.pack(end.nodes, end.duration, end.value);
+        const Vector& tangent = curve.points.back().tangent;
+        const double way = tangent.size() > 0 ? std::copysign(1.0, tangent[tangent.size() - 1]) : 1.0;
+        problem = std::move(there);
+        from.orientation = way * problem.parameter_direction();
+        problem.measure_by(from.u);
+        const Curve on = follow_states(problem, from, branch);
+        return finish(problem, on, branch, false);
+      }
+    }
     if (!branch.points.empty() || start.sequence) return finish(signature, curve, branch, start.on_grazing);
   }
   problem.measure_by(start.u);
@@ -643,7 +672,7 @@ SpecialPoint BranchFollower::grazing_point(const LocatedGrazing& located, int im
   set_impacts(point, impacts_before, impacts_after);
   point.details["scenario"] = std::string(grazing_scenario_name(located.scenario));
   point.details["time"] = located.t;
-  if (system_.forcing_frequency) {
+  if (is_forced(system_)) {
     const double T = forcing_period(system_, point.orbit.parameters);
     point.details["phase"] = 2.0 * std::numbers::pi * std::fmod(located.t / T, 1.0);
   }

@@ -45,6 +45,9 @@ double asymmetry(const HybridSystem& system, const Branch& branch, const BranchP
 
 bool skips_something(const BranchPoint& last, const BranchPoint& next) {
   const auto a = unstable_kinds(last), b = unstable_kinds(next);
+  // A pair outside the circle that meets on the real axis, and parts there, crosses nothing.
+  for (const std::size_t real : {0, 1})
+    if (a[real] + a[2] == b[real] + b[2] && a[1 - real] == b[1 - real] && std::abs(a[2] - b[2]) == 2) return false;
   return std::abs(a[0] - b[0]) > 1 || std::abs(a[1] - b[1]) > 1 || std::abs(a[2] - b[2]) > 2;
 }
 
@@ -53,7 +56,7 @@ bool changes_symmetry(const HybridSystem& system, const Branch& branch, const Br
   // branch point that was met exactly.
   constexpr double symmetric = 1e-8, broken = 1e-5;
   const BranchPoint& last = branch.points.back();
-  if (!system.forcing_frequency || branch.period % 2 == 0) return false;
+  if (!is_forced(system) || branch.period % 2 == 0) return false;
   if (last.signature.events.size() != next.signature.events.size()) return false;
   if (!may_be_symmetric(last.signature) || !may_be_symmetric(next.signature)) return false;
   const double before = asymmetry(system, branch, last);

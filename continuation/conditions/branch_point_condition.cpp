@@ -21,7 +21,8 @@ Vector extended_residual(const ZeroProblem& problem, const Vector& u, double unf
   A.col(size).head(size) = b;
   A.row(size).head(size) = c.transpose();
   const Vector unit = Vector::Unit(size + 1, size);
-  const Vector v = A.partialPivLu().solve(unit), w = A.transpose().partialPivLu().solve(unit);
+  const OrbitLU<Matrix> lu(A);
+  const Vector v = lu.solve(unit), w = lu.solve_adjoint(unit);
   if (null) *null = v.head(size);
   Vector out(size + 2);
   out << residual + unfolding * b, v[size], w.head(size).dot(jacobian.col(size));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/conditions/grazing.hpp>
+#include <graze/lib/numerics/orbit_lu.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -51,7 +52,7 @@ void analyse(OrbitProblem& problem, const GrazingGuess& guess, const GuardAndRat
   const int n = problem.states(), j = guess.stretch;
   const Touch& touch = equations.stretch(j).touch;
   const Eigen::Index size = jacobian.rows();
-  const Eigen::PartialPivLU<Matrix> states(jacobian.leftCols(size));
+  const OrbitLU<Matrix> states(Matrix(jacobian.leftCols(size)));
   const Vector u_dp = states.solve(-jacobian.col(size));
   located.family_dp.resize(size + 1);
   located.family_dp << u_dp, 1.0;
@@ -239,13 +240,13 @@ LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const 
     right << -residual, -at.h, -at.rate;
     const double scale = 1.0 + located.u.head(unknowns - 1).lpNorm<Eigen::Infinity>();
     located.newton.residual_history.push_back(right.lpNorm<Eigen::Infinity>() / scale);
-    const Eigen::PartialPivLU<Matrix> lu(A);
+    const OrbitLU<Matrix> lu(A);
     const Vector step = lu.solve(right);
     if (!step.allFinite()) {
       located.newton.status = NewtonStatus::singular;
       break;
     }
-    const Vector row = lu.transpose().solve(Vector(Vector::Unit(unknowns + 1, unknowns - 1)));
+    const Vector row = lu.solve_adjoint(Vector::Unit(unknowns + 1, unknowns - 1));
     located.precision = rounding * scale * row.lpNorm<1>();
     const double step_size = step.lpNorm<Eigen::Infinity>() / scale;
     if (located.newton.residual() < 1e-11 && (step_size < 1e-14 || step_size >= 0.5 * last_step)) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/conditions/grazing_by_events.hpp>
 #include <graze/continuation/problems/clear_section.hpp>
+#include <graze/lib/numerics/orbit_lu.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -22,7 +23,7 @@ bool to_zero_speed(SignatureProblem& problem, Vector& u, int k) {
     A << jacobian, problem.speed_gradient(u, k).transpose();
     Vector right(u.size());
     right << -residual, -problem.speed(u, k);
-    const Vector step = A.partialPivLu().solve(right);
+    const Vector step = OrbitLU<Matrix>(A).solve(right);
     const double size = step.lpNorm<Eigen::Infinity>() / (1.0 + u.lpNorm<Eigen::Infinity>());
     if (last < 1e-8 && !(size < 0.5 * last)) return true;
     if (!(size < last)) return false;

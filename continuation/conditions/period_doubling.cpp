@@ -99,7 +99,7 @@ std::optional<NormalForm> normal_form_by_events(BranchProblem& problem, const Lo
   if (!J) return std::nullopt;
   Matrix bordered(size + 1, size + 1);
   bordered << *J, psi, phi.head(size).transpose(), 0.0;
-  const Eigen::PartialPivLU<Matrix> second_order(bordered);
+  const OrbitLU<Matrix> second_order(bordered);
   const Matrix dK = (problem.cyclic(located.u, 1.0) - problem.cyclic(located.u, 0.0)).real();
   const double turn = 12.0 * w.dot(dK * v);
   if (half != v.size() || turn == 0.0) return std::nullopt;

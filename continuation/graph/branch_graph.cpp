@@ -35,6 +35,14 @@ bool is_stable(const Branch& branch) {
   return std::any_of(branch.points.begin(), branch.points.end(), [](const BranchPoint& point) { return point.stable; });
 }
 
+/// Of the values that its points take.
+double width(const Branch& branch) {
+  const auto [least, most] =
+      std::minmax_element(branch.points.begin(), branch.points.end(),
+                          [](const BranchPoint& a, const BranchPoint& b) { return a.value < b.value; });
+  return branch.points.empty() ? 0.0 : most->value - least->value;
+}
+
 /// Whether it is stable on either side of its special point.
 bool is_stable_beside(const Branch& branch, const SpecialPoint& point) {
   const auto stable = [&](std::size_t k) { return k < branch.points.size() && branch.points[k].stable; };
@@ -138,6 +146,12 @@ class Graph {
           return series.explains(task.orbit, value_of(task.orbit));
         }))
       return because("of a series towards complete chatter");
+    if (task.origin == Origin::doubled && 2 * impacts > choice_.most_impacts_unseen &&
+        width(*parent) < choice_.narrowest * (high_ - low_)) {
+      cut_off(task, fmt::format("more than {} impacts, born on a branch narrower than {:g} of the range",
+                                choice_.most_impacts_unseen, choice_.narrowest));
+      return true;
+    }
     const bool promising = seed ? task.orbit.stable() : is_stable_beside(*parent, parent->special_points[task.special]);
     if (promising || fruitless_ < choice_.patience) return false;
     return because(fmt::format("beyond unstable orbits; {} branches in a row were stable nowhere", choice_.patience));

@@ -53,6 +53,10 @@ struct FamilyChoice {
   /// Orbits with more impacts in a forcing period, complete chatters not counted, are not followed: at low frequencies there are
   /// hundreds of families, each with one impact more than the last.
   int most_impacts = 32;
+  /// What doubles on a branch narrower than this part of the range cannot be seen beside it. Orbits with more than so many impacts
+  /// are then listed at their period doubling and not followed: the cost of one grows with the square of their number.
+  double narrowest = 1e-3;
+  int most_impacts_unseen = 64;
 };
 
 /// Follows everything from the seeds (converged orbits) within the range options.from ... options.to.

@@ -72,7 +72,7 @@ bool lies_on(const HybridSystem& system, const Branch& branch, const std::vector
     const BranchPoint &a = branch.points[i], &b = branch.points[i + 1];
     if (a.value == b.value || value < std::min(a.value, b.value) || value > std::max(a.value, b.value)) continue;
     const double s = (value - a.value) / (b.value - a.value);
-    const double duration = system.forcing_frequency ? branch.period * forcing_period(system, at(value))
+    const double duration = is_forced(system) ? branch.period * forcing_period(system, at(value))
                                                      : a.duration + s * (b.duration - a.duration);
     if (!here) here = shape_of(system, at(value), states, duration);
     const OrbitShape first = shape(a);

@@ -29,7 +29,7 @@ constexpr int shortest_transient = 40, shortest_for_box = 16, fewest_values = 61
 constexpr int few_impacts = 4;
 
 void check_forced(const HybridSystem& system) {
-  if (!system.forcing_frequency) throw std::invalid_argument("the skeleton is that of a forced system; this one is autonomous");
+  if (!is_forced(system)) throw std::invalid_argument("the skeleton is that of a forced system; this one is autonomous");
 }
 
 /// Events in a forcing period of motions from rest and from beside it, once their first periods are over: the most of them.

@@ -215,7 +215,7 @@ Eigen::VectorXcd SignatureProblem::cyclic_derivative(const Vector& u, std::compl
 
 double SignatureProblem::state_scale(const Vector& u) const {
   // Between events the forced part of a motion and the free one are larger than their sum at the events.
-  constexpr double cancelled = 3.0;
+  constexpr double cancelled = 4.0;
   double largest = 0.0;
   for (int k = 0; k < equations_.events(); ++k) largest = std::max(largest, equations_.state(u, k).lpNorm<Eigen::Infinity>());
   return 1.0 + cancelled * largest;

@@ -26,14 +26,20 @@ std::string reason(const ZeroProblem& problem, NewtonStatus status) {
   return text;
 }
 
-/// True if the step from `last` to `next` passes through `first` the way the curve went on from there, and `next` then becomes that
-/// point. Being near it is not enough: another turn of the curve may be.
+/// True if the step of this length from `last` to `next` passes through `first` the way the curve went on from there, and `next`
+/// then becomes that point. Being near it is not enough: another turn of the curve may be.
 bool returns_to(const CurvePoint& first, const ZeroProblem& problem, const Vector& weights, const CurvePoint& last, CurvePoint& next,
-                const TraceOptions& options) {
-  // Most points of a long curve are far away in the last unknown alone.
+                double length, const TraceOptions& options) {
+  // Near it is no further than two steps in any unknown. Most points of a long curve are further away in the last one, and most
+  // images of an orbit in one of the first.
   const Eigen::Index end = first.u.size() - 1;
-  const double length = weighted_norm(weights, next.u - last.u), reach = length / std::sqrt(weights[end]);
-  if (std::abs(first.u[end] - last.u[end]) > 2.0 * reach) return false;
+  const auto is_far = [&](Eigen::Index i) {
+    const double apart = first.u[i] - last.u[i];
+    return weights[i] * apart * apart > 4.0 * length * length;
+  };
+  if (is_far(end)) return false;
+  for (Eigen::Index i = 0; i < end; ++i)
+    if (is_far(i)) return false;
   const Vector normal = weights.cwiseProduct(first.tangent);
   const double before = normal.dot(last.u - first.u), after = normal.dot(next.u - first.u);
   if (!(before < 0.0 && after >= 0.0)) return false;
@@ -132,12 +138,15 @@ Curve trace(const ZeroProblem& problem, const Vector& u0, const Vector& orientat
     bool closes = false;
     if (next.newton.converged()) {
       next.tangent = tangent_at(problem, next.u, last.tangent);
-      next.arclength = last.arclength + weighted_norm(weights, next.u - last.u);
+      const double length = weighted_norm(weights, next.u - last.u);
+      next.arclength = last.arclength + length;
       const double cosine = next.tangent.size() == 0 ? -1.0 : weights.cwiseProduct(next.tangent).dot(last.tangent);
       // A jump to a neighbouring curve shows as a correction longer than the step, a kink as a large angle.
       const bool smooth = std::acos(std::clamp(cosine, -1.0, 1.0)) <= options.max_angle &&
                           weighted_norm(weights, next.u - predicted) <= 0.5 * step;
-      const auto comes_to = [&](const CurvePoint& point) { return returns_to(point, problem, weights, last, next, options); };
+      const auto comes_to = [&](const CurvePoint& point) {
+        return returns_to(point, problem, weights, last, next, length, options);
+      };
       closes = smooth && (std::any_of(origins.begin(), origins.end(), comes_to) ||
                           (curve.points.size() > 2 && std::any_of(curve.points.begin() + 1, curve.points.end() - 2, comes_to)));
       if (smooth || (step <= options.min_step && next.tangent.size() > 0))

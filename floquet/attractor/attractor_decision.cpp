@@ -25,12 +25,12 @@ double growth(const Attractor& attractor, double T) {
   return attractor.type == AttractorType::chaotic ? attractor.exponents[0] * T : 0.0;
 }
 
-/// Not into a barrier.
+/// The coordinates of a mechanical system, which come first among its states, by different lengths; not into a barrier.
 void push_off(const HybridSystem& system, const Vector& p, int round, Vector& state) {
   const double far = 1e-4 * std::pow(10.0, round) * (1.0 + state.lpNorm<Eigen::Infinity>());
   for (const double way : {-far, far}) {
     Vector pushed = state;
-    pushed[0] += way;
+    for (Eigen::Index i = 0; 2 * i < state.size(); ++i) pushed[i] += way / static_cast<double>(1 + i);
     if (!mode_at(system, 0.0, pushed, p)) continue;
     state = pushed;
     return;

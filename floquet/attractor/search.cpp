@@ -32,21 +32,21 @@ constexpr double same_place = 1e-6;
 /// there to there bends so sharply that hardly a start comes home; half a period away it flies.
 constexpr std::array section_phases = {0.0, 0.5};
 
-FlowOptions scouting(FlowOptions options) {
+FlowOptions scouting(FlowOptions options, std::size_t max_steps) {
   options.tolerance = std::max(options.tolerance, scout_tolerance);
+  if (max_steps > 0) options.max_steps = max_steps;
   return options;
 }
 
 /// The state of one search: what was found, and how long nothing new has come.
 class Search {
  public:
-  Search(const HybridSystem& system, const Vector& p, int period, const Vector& lower, const Vector& upper,
-         const SearchOptions& options)
-      : system_(system), p_(p), period_(period), lower_(2.0 * lower - upper), upper_(2.0 * upper - lower), options_(options),
-        T_(forcing_period(system, p)) {
+  Search(const HybridSystem& system, const Vector& p, int period, const SearchBox& box, const SearchOptions& options)
+      : system_(system), p_(p), period_(period), lower_(2.0 * box.lower - box.upper), upper_(2.0 * box.upper - box.lower),
+        options_(options), T_(forcing_period(system, p)) {
     options_.shooting.reduce_period = true;
     options_.shooting.nodes = 0;
-    const FlowOptions flow = scouting(options.shooting.flow);
+    const FlowOptions flow = scouting(options.shooting.flow, box.max_steps * static_cast<std::size_t>(period));
     for (const double phase : section_phases)
       sections_.push_back(
           {phase, {system, p, period, 1, std::nullopt, flow, phase}, {system, p, period, period, std::nullopt, flow, phase}, {}});
@@ -385,8 +385,8 @@ std::vector<PeriodicOrbit> search_stable_orbits(const HybridSystem& system, cons
     const FlowOptions& flow = options.settling.shooting.flow;
     const auto first = search_box(system, parameters.front(), flow, options.box_periods);
     const auto last = search_box(system, parameters.back(), flow, options.box_periods);
-    lower = first.first.cwiseMin(last.first);
-    upper = first.second.cwiseMax(last.second);
+    lower = first.lower.cwiseMin(last.lower);
+    upper = first.upper.cwiseMax(last.upper);
   }
   check_box(system, lower, upper);
   std::mt19937_64 random(options.seed);
@@ -402,10 +402,17 @@ std::vector<PeriodicOrbit> search_stable_orbits(const HybridSystem& system, cons
 SearchResult search_orbits(const HybridSystem& system, const Vector& p, int period, const SearchOptions& options) {
   if (period < 1) throw std::invalid_argument(fmt::format("period n is {}; allowed is a whole number from 1", period));
   forcing_period(system, p);
-  Vector lower = options.lower, upper = options.upper;
-  if (lower.size() == 0 && upper.size() == 0) std::tie(lower, upper) = search_box(system, p, options.shooting.flow);
+  const bool given = options.lower.size() > 0 || options.upper.size() > 0;
+  const SearchBox box = given ? SearchBox{options.lower, options.upper, Termination::time, options.max_steps}
+                              : search_box(system, p, options.shooting.flow);
+  const Vector &lower = box.lower, &upper = box.upper;
   check_box(system, lower, upper);
-  Search search(system, p, period, lower, upper, options);
+  if (box.ended != Termination::time) {
+    SearchResult nothing;
+    nothing.ended = box.ended;
+    return nothing;
+  }
+  Search search(system, p, period, box, options);
   std::mt19937_64 random(options.seed);
   from_recurrences(search, forcing_period(system, p), period, random, lower, upper);
   if (!search.finished()) from_nlopt(search, lower, upper, options.seed, options.cancelled);

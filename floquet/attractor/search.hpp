@@ -8,6 +8,7 @@
 // another of its n phases) and multiples of shorter orbits are dropped. The same seed gives the same result.
 #pragma once
 
+#include <graze/floquet/orbit/search_box.hpp>
 #include <graze/floquet/orbit/shooting.hpp>
 
 #include <functional>
@@ -16,6 +17,7 @@ namespace graze {
 
 struct SearchOptions {
   Vector lower = {}, upper = {};  ///< the box; empty: search_box
+  std::size_t max_steps = 0;      ///< SearchBox::max_steps of a box that is given; 0: as shooting.flow says
   unsigned seed = 1;
   int patience = 2000;  ///< starts without a new orbit after which the search ends
   int max_starts = 40000;
@@ -30,6 +32,7 @@ struct SearchResult {
   int starts = 0;         ///< Newton iterations started
   int converged = 0;      ///< of them, how many converged to any orbit of the period or a divisor
   bool complete = false;  ///< ended by patience, not by max_starts or cancellation
+  Termination ended = Termination::time;  ///< SearchBox::ended: if it is not time, there was nothing to search
 };
 
 /// Where a motion starts, with its parameters.

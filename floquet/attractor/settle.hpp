@@ -17,7 +17,7 @@ struct SettleOptions {
 };
 
 struct Settled {
-  Termination termination = Termination::failed;
+  Termination termination = Termination::failed;  ///< resonance: it grows, and for longer than the transient was
   Vector state;              ///< at forcing phase 0
   int suspected_period = 0;  ///< 0: none found up to max_period
   int periods = 0;           ///< forcing periods carried out
@@ -25,5 +25,21 @@ struct Settled {
 
 /// Simulates from `start` at forcing phase 0. @throws std::invalid_argument for an inadmissible start or an autonomous system.
 Settled settle(const HybridSystem& system, const Vector& p, const Vector& start, const SettleOptions& options = {});
+
+/// What an autonomous motion has settled on, seen at its returns: the events that are counted.
+struct SettledReturns {
+  Termination termination = Termination::failed;  ///< time: all returns were carried out
+  Vector state;                                   ///< halfway between the last return and the one before it
+  double duration = 0.0;                          ///< of the last `period` returns
+  int returns = 0;                                ///< carried out
+  bool repeats = false;                           ///< the states `period` returns apart differ by less than options.recurrence
+};
+
+/// Simulates from `start` for options.periods returns and `period` more. `counted`: indices of the events that are returns.
+/// longest_return: a return that takes longer ends the motion as Termination::failed.
+/// @throws std::invalid_argument for an inadmissible start, or if no event is counted.
+SettledReturns settle_on_returns(const HybridSystem& system, const Vector& p, const Vector& start,
+                                 const std::vector<std::size_t>& counted, int period, const SettleOptions& options = {},
+                                 double longest_return = 1e4);
 
 }  // namespace graze

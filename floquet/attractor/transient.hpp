@@ -7,6 +7,7 @@
 #include <graze/floquet/attractor/refused_orbits.hpp>
 #include <graze/floquet/attractor/return_watch.hpp>
 #include <graze/floquet/attractor/settling_orbit.hpp>
+#include <graze/lib/motion/unbounded.hpp>
 
 #include <fmt/format.h>
 
@@ -36,7 +37,7 @@ inline bool cancelled(const AttractorOptions& options) { return options.lyapunov
 class Transient {
  public:
   Transient(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options)
-      : options_(options), watch_(options.recurrence) {
+      : system_(system), p_(p), options_(options), watch_(options.recurrence) {
     if (options.transient < 0)
       throw std::invalid_argument(fmt::format("the transient is {} periods; allowed is 0 or more", options.transient));
     initial_mode(system, 0.0, start, p);
@@ -63,6 +64,7 @@ class Transient {
     }
     if (termination != Termination::time) return stop(termination);
     out_.state = state;
+    if (at_end() && resonant_periods(system_, p_, state) > periods_) return stop(Termination::resonance);
     asks_ = std::min(watch_.see(state), options_.max_period);
     if (periods_ == options_.transient) asks_ = std::max(asks_, periods_of_look(options_, periods_));
   }
@@ -83,6 +85,8 @@ class Transient {
  private:
   bool at_end() const { return periods_ >= options_.transient; }
 
+  const HybridSystem& system_;
+  const Vector& p_;
   const AttractorOptions& options_;
   ReturnWatch watch_;
   RefusedOrbits passed_by_;

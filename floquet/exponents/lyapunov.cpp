@@ -55,7 +55,7 @@ class Frame {
 }  // namespace
 
 void validate(const HybridSystem& system, const LyapunovOptions& options) {
-  if (!system.forcing_frequency)
+  if (!is_forced(system))
     throw std::invalid_argument("the exponents are averaged over forcing periods; this system is autonomous");
   if (options.interval < 1)
     throw std::invalid_argument(fmt::format("interval is {}; allowed is a whole number >= 1", options.interval));

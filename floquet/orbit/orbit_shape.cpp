@@ -16,7 +16,7 @@ OrbitShape from_events(const HybridSystem& system, const std::vector<EventRecord
                        int period, double unit) {
   OrbitShape shape;
   shape.period = period;
-  shape.autonomous = !system.forcing_frequency;
+  shape.autonomous = !is_forced(system);
   const auto is_stick = [](const EventRecord& event) { return event.kind == EventKind::stick || event.kind == EventKind::release; };
   shape.sticks = std::any_of(events.begin(), events.end(), is_stick);
   for (const EventRecord& event : events) {

@@ -6,16 +6,39 @@
 
 namespace graze {
 
-std::pair<Vector, Vector> search_box(const HybridSystem& system, const Vector& p, const FlowOptions& options, int periods) {
+namespace {
+
+/// Steps that a stretch may always have, and evaluations of the motions' longest stretch for each step (a step of a series of
+/// order 16 counts as 16: this is 32 times their steps).
+constexpr std::size_t least_steps = 2000, steps_of_evaluations = 2;
+/// Motions that fail in their first period, one after the other, before no other is tried: each may take as many steps as there
+/// may be.
+constexpr int most_failures = 3;
+
+}  // namespace
+
+SearchBox search_box(const HybridSystem& system, const Vector& p, const FlowOptions& options, int periods) {
   const auto n = static_cast<Eigen::Index>(system.states);
   const double T = forcing_period(system, p);
   Propagator propagator(system, p, {}, options);
   double size = 0.0;
+  int failures = 0;
+  bool carried = false;
+  SearchBox box;
   Transition transition;
   const auto run_from = [&](Vector x, int counted_from) {
     for (int k = 0; k < periods; ++k) {
       carry(propagator, 0.0, T, x, {.sensitivity = Sensitivity::none}, transition);
-      if (transition.termination != Termination::time) break;
+      if (transition.termination != Termination::time) {
+        // Beyond a barrier, and beside motions that escape, there may be others.
+        const bool others = transition.termination == Termination::inadmissible_start || transition.termination == Termination::escape;
+        if (!carried && !others) {
+          ++failures;
+          box.ended = transition.termination;
+        }
+        break;
+      }
+      carried = true;
       const bool settled = (transition.x1 - x).norm() <= 1e-9 * x.norm();
       x = transition.x1;
       if (k >= counted_from || settled) size = std::max(size, x.cwiseAbs().maxCoeff());
@@ -24,7 +47,7 @@ std::pair<Vector, Vector> search_box(const HybridSystem& system, const Vector& p
   };
   for (const double start : {0.0, 0.1, -0.1}) run_from(Vector::Constant(n, start), 0);
   // A hard barrier at r < 0 leaves no room near the origin.
-  for (double start = 0.2; size == 0.0 && start < 1e4; start *= 2.0) {
+  for (double start = 0.2; size == 0.0 && start < 1e4 && failures < most_failures; start *= 2.0) {
     run_from(Vector::Constant(n, -start), 0);
     run_from(Vector::Constant(n, start), 0);
   }
@@ -35,6 +58,7 @@ std::pair<Vector, Vector> search_box(const HybridSystem& system, const Vector& p
     const LevelGuard& guard = *event.guard.level;
     const double level = p[static_cast<Eigen::Index>(guard.level)], at_rest = std::max(size, std::abs(level));
     for (const double times : {1.0, 2.0, 4.0}) {
+      if (failures >= most_failures && !carried) break;
       Vector start = Vector::Zero(n);
       start[static_cast<Eigen::Index>(guard.coordinate)] = level - guard.sign * times * at_rest;
       run_from(start, periods / 2);
@@ -43,7 +67,11 @@ std::pair<Vector, Vector> search_box(const HybridSystem& system, const Vector& p
   }
   // Stroboscopic states show one phase only; a motion passes through the others, so every coordinate gets the largest size.
   const double reach = 1.5 * size + 1e-3;
-  return {Vector::Constant(n, -reach), Vector::Constant(n, reach)};
+  box.lower = Vector::Constant(n, -reach);
+  box.upper = Vector::Constant(n, reach);
+  if (carried) box.ended = Termination::time;
+  box.max_steps = std::min(options.max_steps, std::max(least_steps, steps_of_evaluations * propagator.most_evaluations()));
+  return box;
 }
 
 }  // namespace graze

@@ -27,7 +27,7 @@ class ShootingEquations {
   int period() const { return period_; }
   double section_phase() const { return section_phase_; }
   int unknowns() const { return n_ * nodes_ + (autonomous() ? 1 : 0); }
-  bool autonomous() const { return !propagator_.system().forcing_frequency.has_value(); }
+  bool autonomous() const { return !is_forced(propagator_.system()); }
   const HybridSystem& system() const { return propagator_.system(); }
   const Vector& parameters() const { return propagator_.parameters(); }
   std::optional<std::size_t> active() const { return active_; }

@@ -14,7 +14,7 @@ SignatureEquations::SignatureEquations(const HybridSystem& system, const Vector&
                                        std::size_t active, const FlowOptions& options)
     : propagator_(system, p, {active}, options), n_(static_cast<int>(system.states)), period_(period),
       sequence_(std::move(events)), active_(active) {
-  if (!system.forcing_frequency)
+  if (!is_forced(system))
     throw std::invalid_argument("a signature with fixed period needs a forced system; this one is autonomous");
   if (sequence_.empty()) throw std::invalid_argument("a signature without events has no nodes; use ShootingEquations");
   for (int k = 0; k < this->events(); ++k) {

@@ -77,7 +77,7 @@ OrbitCheck compare_exponents(const HybridSystem& system, VerifiedOrbit& verified
   OrbitCheck check{"exponents", -1.0, bound::exponent};
   const std::vector<double>& exponents = orbit.multipliers.exponents;
   const bool finite = std::all_of(exponents.begin(), exponents.end(), [](double e) { return std::isfinite(e); });
-  if (!system.forcing_frequency || !orbit.stable() || !finite || options.average_periods == 0 ||
+  if (!is_forced(system) || !orbit.stable() || !finite || options.average_periods == 0 ||
       orbit.admissible != Admissibility::admissible || !std::isfinite(verified.eigenvector_condition))
     return check;
   const auto whole_turns = [n = orbit.period](std::int64_t periods) { return (periods + n - 1) / n * n; };

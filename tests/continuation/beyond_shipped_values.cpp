@@ -116,6 +116,40 @@ TEST_CASE("no branch is closed in the middle of its range where an impact passes
   }
 }
 
+TEST_CASE("an impact that gives nothing back goes over into one that sticks, and back (fixed)") {
+  // Released where cos(eta t) = r at rest, the mass is back at r just T later: at eta = 1.2646035797545 for r = 0.7, at
+  // 1.4684442530694 for r = 0.4. Nothing else happens there.
+  struct Case {
+    double r, at, from, to;
+  };
+  for (const Case& c : {Case{0.7, 1.2646035797545, 1.2, 1.5}, {0.7, 1.2646035797545, 1.4, 1.2}, {0.4, 1.4684442530694, 1.4, 1.6},
+                        {0.4, 1.4684442530694, 1.55, 1.4}}) {
+    INFO("r = " << c.r << " from " << c.from);
+    const HybridSystem system = make_oscillator("linear", "newton");
+    const Vector p = parameters(system, {{"b", 0.04}, {"r", c.r}, {"k_r", 0.0}, {"eta", c.from}});
+    Vector start = settle(system, p, Vector{{0.0, 0.0}}).state;
+    PeriodicOrbit orbit = shoot(system, p, start, 1);
+    if (!orbit.converged() || orbit.impacts == 0) orbit = shoot(system, p, Vector{{-0.86, 2.08}}, 1);
+    REQUIRE(orbit.converged());
+    REQUIRE(orbit.impacts == 1);
+    ContinuationOptions options;
+    options.to = c.to;
+    options.switch_generations = 0;
+    const Branch branch = continue_orbit(system, orbit, options).front();
+    CHECK(branch.stop == BranchStop::reached_bound);
+    // On both sides of the change the orbit is what a motion from beside it settles on.
+    for (const BranchPoint& point : branch.points) {
+      if (!point.stable || std::abs(point.value - c.at) > 0.05) continue;
+      Vector there = p;
+      there[static_cast<Eigen::Index>(parameter_index(system.parameters, "eta"))] = point.value;
+      const Vector state = settle(system, there, point.state(), {.periods = 50}).state;
+      CHECK((state - point.state()).norm() < 1e-9);
+      // Within 1e-6 of the change the force that presses the mass is smaller than what tells the two apart.
+      if (std::abs(point.value - c.at) > 1e-6) CHECK((point.isolated_impacts == point.impacts) == (point.value > c.at));
+    }
+  }
+}
+
 TEST_CASE("a sticking branch is no closed one, either (fixed)") {
   const std::vector<Branch> branches =
       follow({.set = {{"b", 0.02}, {"r", 0.5}, {"k_r", 0.8}}, .from = 0.05, .to = 0.5, .generations = 0});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The skeleton of the published range: what must be in it, and every special point computed a second way.
 #include <graze/continuation/conditions/grazing.hpp>
+#include <graze/continuation/conditions/grazing_edge.hpp>
 #include <graze/continuation/conditions/multiplier_condition.hpp>
 #include <graze/continuation/graph/chatter_series.hpp>
 #include <graze/continuation/graph/skeleton.hpp>
@@ -425,4 +426,52 @@ TEST_CASE("a series towards complete chatter is followed to its accumulation, an
   CHECK(std::abs(accumulates - sticks_up_to) < 2e-5);  // the last family followed lies 5e-4 before it
   const double ratio = std::stod(reason.substr(reason.find("in the ratio ") + 13));
   CHECK(std::abs(ratio - 0.7) < 0.02);  // the coefficient of restitution
+}
+
+TEST_CASE("what doubles on a branch too narrow to be seen is listed where it is born if it has many impacts") {
+  const HybridSystem system = make_oscillator("linear", "hertz");
+  const Vector p = parameters(system, {{"eta", 0.925}, {"b_H", 0.1}});
+  const Settled settled = settle(system, p, Vector::Zero(2));
+  REQUIRE(settled.suspected_period == 1);
+  ContinuationOptions options;
+  options.from = 0.7;
+  options.to = 0.95;
+  options.max_period = 4;
+  options.switch_generations = 2;
+  const auto graph_of = [&](double narrowest) {
+    return follow_branches(system, {{shoot(system, p, settled.state, 1)}}, options, {},
+                           {.all = false, .narrowest = narrowest, .most_impacts_unseen = 3});
+  };
+  const auto of_period = [](const BranchGraph& graph, int period) {
+    return std::count_if(graph.branches.begin(), graph.branches.end(), [&](const Branch& b) { return b.period == period; });
+  };
+  const auto listed = [](const BranchGraph& graph) {
+    return std::count_if(graph.cut_off.begin(), graph.cut_off.end(), [](const CutOff& cut) {
+      return cut.label.starts_with("PD") && cut.reason.starts_with("more than 3 impacts, born on a branch narrower than");
+    });
+  };
+  // All branches are narrower than twice the range; none is than a billionth of it.
+  const BranchGraph cut = graph_of(2.0), whole = graph_of(1e-9);
+  CHECK(of_period(whole, 4) > 0);
+  CHECK(listed(whole) == 0);
+  CHECK(of_period(cut, 2) == of_period(whole, 2));
+  CHECK(of_period(cut, 4) == 0);
+  CHECK(listed(cut) > 0);
+}
+
+TEST_CASE("an orbit without states that is shortened to its least period has none afterwards") {
+  PeriodicOrbit orbit;
+  orbit.period = 2;
+  orbit.state = vector({0.3, 0.1});
+  orbit.nodes = {orbit.state, orbit.state};
+  LocatedGrazing grazing;
+  grazing.u = vector({0.3, 0.1, 0.3, 0.1, 0.5});
+  grazing.family_dp = grazing.u;
+  CHECK(to_least_period(orbit, grazing) == 1);
+  CHECK(orbit.states.empty());
+  // So it is compared with no other.
+  const GrazingEdge unknown{0.5, 1, 1, orbit.states}, known{0.5, 1, 1, {orbit.state}};
+  CHECK(!same_edge(unknown, known));
+  CHECK(!same_edge(known, unknown));
+  CHECK(same_edge(known, known));
 }

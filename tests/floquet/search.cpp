@@ -55,7 +55,8 @@ bool holds(const std::vector<PeriodicOrbit>& list, const PeriodicOrbit& orbit) {
 /// All orbits of least period n to which Newton (40 iterations, 12 halvings) comes from the middles of side x side cells of the
 /// box, by single and by multiple shooting in turn.
 std::vector<PeriodicOrbit> from_grid(const Known& known, int n, int side) {
-  const auto [lower, upper] = search_box(known.system, known.p);
+  const SearchBox box = search_box(known.system, known.p);
+  const Vector &lower = box.lower, &upper = box.upper;
   std::vector<PeriodicOrbit> found;
   for (int i = 0; i < side; ++i) {
     for (int j = 0; j < side; ++j) {
@@ -104,7 +105,8 @@ TEST_CASE("the search finds the orbits with one impact that the closed form know
       for (const double eta : {1.3, 2.2, 2.9}) {
         const OneImpactParameters q{0.05, 1.0, eta, r, k_r};
         const Vector p = parameters(system, {{"eta", eta}, {"r", r}, {"k_r", k_r}});
-        const auto [lower, upper] = search_box(system, p);
+        const SearchBox box = search_box(system, p);
+        const Vector &lower = box.lower, &upper = box.upper;
         for (int n = 1; n <= 3; ++n) {
           std::vector<PeriodicOrbit> found;
           bool searched = false;
@@ -211,7 +213,8 @@ TEST_CASE("the search box holds the motion, also where the barrier leaves no roo
   const HybridSystem rigid = make_oscillator("linear", "newton");
   for (const double r : {2.0, 0.0, -0.5, -3.0}) {
     INFO("r " << r);
-    const auto [lower, upper] = search_box(rigid, parameters(rigid, {{"eta", 1.6}, {"r", r}, {"k_r", 0.8}}));
+    const SearchBox box = search_box(rigid, parameters(rigid, {{"eta", 1.6}, {"r", r}, {"k_r", 0.8}}));
+    const Vector &lower = box.lower, &upper = box.upper;
     CHECK(lower[0] < r);
     CHECK(lower[0] < -0.5);
     CHECK(upper[0] > 0.0);
