@@ -9,6 +9,7 @@
 #include <graze/apps/output/result.hpp>
 #include <graze/apps/problem/axis.hpp>
 #include <graze/apps/problem/flow_choice.hpp>
+#include <graze/apps/problem/motion.hpp>
 #include <graze/apps/results/attractor_report.hpp>
 #include <graze/apps/results/find_orbit.hpp>
 #include <graze/apps/results/input_file.hpp>
@@ -34,7 +35,7 @@ constexpr int most_starts = 1000000;  // a result is held in memory before it is
 
 struct Options {
   StartOptions start;  // its problem
-  std::string x, v, resume;
+  std::string x, v, plane, resume;
   std::optional<int> random, seed;
   int transient = 1000, periods = 20000, max_period = 64;
   FlowChoice flow;
@@ -47,18 +48,57 @@ constexpr int probes = 12, probed_periods = 2000;
 /// The room around an attractor that the box leaves, as a share of its width.
 constexpr double room = 0.05;
 
-Matrix grid_of(const std::array<Axis, 2>& axes, int threads) {
+/// The plane of starts: two states, while the others keep their values.
+struct Plane {
+  std::array<Eigen::Index, 2> state = {0, 1};
+  std::array<std::string, 2> name = {"x", "v"};
+  Vector others;
+};
+
+Plane plane_of(const Options& options, const Problem& problem) {
+  Plane plane;
+  plane.others = options.start.start ? state_of(problem, *options.start.start)
+                                     : problem.start.value_or(rest_state(problem, problem.parameters));
+  const std::vector<std::string> names = state_columns(problem);
+  if (names.size() < 2) throw std::invalid_argument("basins are drawn over two states; this system has one");
+  plane.name = {names[0], names[1]};
+  if (options.plane.empty()) return plane;
+  const std::size_t comma = options.plane.find(',');
+  plane.name = {options.plane.substr(0, comma), comma == std::string::npos ? "" : options.plane.substr(comma + 1)};
+  for (const std::size_t i : {0, 1}) {
+    const auto found = std::find(names.begin(), names.end(), plane.name[i]);
+    if (found == names.end())
+      throw std::invalid_argument(
+          fmt::format("--plane {}: {}; give two, for example {},{}", options.plane,
+                      unknown_name("state", plane.name[i], names), names[0], names[1]));
+    plane.state[i] = found - names.begin();
+  }
+  if (plane.state[0] == plane.state[1])
+    throw std::invalid_argument(fmt::format("--plane {}: the two states must differ", options.plane));
+  return plane;
+}
+
+Vector start_at(const Plane& plane, double x, double v) {
+  Vector start = plane.others;
+  start[plane.state[0]] = x;
+  start[plane.state[1]] = v;
+  return start;
+}
+
+Matrix grid_of(const Plane& plane, const std::array<Axis, 2>& axes, int threads) {
   const auto across = static_cast<std::size_t>(axes[0].count), rows = static_cast<std::size_t>(axes[1].count);
-  Matrix starts(2, static_cast<Eigen::Index>(across * rows));
+  Matrix starts(plane.others.size(), static_cast<Eigen::Index>(across * rows));
   on_threads(threads, rows, [&](std::size_t j) {
     for (std::size_t i = 0; i < across; ++i)
-      starts.col(static_cast<Eigen::Index>(j * across + i)) << axes[0].at(static_cast<int>(i)), axes[1].at(static_cast<int>(j));
+      starts.col(static_cast<Eigen::Index>(j * across + i)) =
+          start_at(plane, axes[0].at(static_cast<int>(i)), axes[1].at(static_cast<int>(j)));
   });
   return starts;
 }
 
 /// The box made wide enough for the attractors that some starts in it lead to.
-void widen(std::array<Axis, 2>& axes, const Options& options, const Problem& problem, const Console& console) {
+void widen(std::array<Axis, 2>& axes, const Plane& plane, const Options& options, const Problem& problem,
+           const Console& console) {
   std::array<Axis, 2> few = axes;
   for (Axis& axis : few) axis.count = probes;
   BasinOptions probing;
@@ -69,27 +109,50 @@ void widen(std::array<Axis, 2>& axes, const Options& options, const Problem& pro
   probing.cancelled = interrupted;
   probing.flow.kind = options.flow.kind();
   probing.flow.cancelled = interrupted;
-  const Basins basins = find_attractors(problem.system, problem.parameters, grid_of(few, console.thread_count()), probing);
+  const Basins basins = find_attractors(problem.system, problem.parameters, grid_of(plane, few, console.thread_count()), probing);
   for (const CoexistingAttractor& found : basins.attractors)
     for (const Vector& state : found.states)
-      for (const Eigen::Index i : {0, 1}) {
-        Axis& axis = axes[static_cast<std::size_t>(i)];
-        const double margin = room * (axis.to - axis.from);
+      for (const std::size_t i : {0, 1}) {
+        Axis& axis = axes[i];
+        const double margin = room * (axis.to - axis.from), at = state[plane.state[i]];
         // At a hard stop the barrier is the end of what there can be, and what lies inside already needs no room.
-        if (state[i] < axis.from) axis.from = state[i] - margin;
-        if (state[i] > axis.to) axis.to = state[i] + margin;
+        if (at < axis.from) axis.from = at - margin;
+        if (at > axis.to) axis.to = at + margin;
       }
 }
 
 /// Where the motions are: as wide as the motion without barrier and as the clearance, up to the barrier, and as the attractors.
-std::array<Axis, 2> default_axes(const Options& options, const Problem& problem, const Console& console) {
+std::array<Axis, 2> built_in_axes(const Problem& problem) {
   const Vector& p = problem.parameters;
   const Vector steady = steady_response(p);
   const double eta = p[oscillator_parameter::eta], r = p[oscillator_parameter::r];
   double size = std::max(std::hypot(steady[0], steady[1] / eta), std::abs(r));
   if (!std::isfinite(size) || size == 0.0) size = 1.0;
-  std::array<Axis, 2> axes = {Axis{std::min(-size, r - size), r}, Axis{-size * std::max(1.0, eta), size * std::max(1.0, eta)}};
-  widen(axes, options, problem, console);
+  return {Axis{std::min(-size, r - size), r}, Axis{-size * std::max(1.0, eta), size * std::max(1.0, eta)}};
+}
+
+/// As far as a motion from the given start goes within some periods, and half as far again on both sides.
+std::array<Axis, 2> axes_of_motion(const Plane& plane, const Problem& problem) {
+  constexpr int periods = 100;
+  const Motion motion = run_motion(problem.system, problem.parameters, plane.others, {.periods = periods});
+  std::array<Axis, 2> axes;
+  for (const std::size_t i : {0, 1}) {
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    const auto take = [&](double value) {
+      low = std::min(low, value);
+      high = std::max(high, value);
+    };
+    for (const Vector& state : motion.strobe) take(state[plane.state[i]]);
+    for (const EventRecord& event : motion.events) take(event.x_minus[plane.state[i]]), take(event.x_plus[plane.state[i]]);
+    const double reach = std::max({high - low, std::abs(low), std::abs(high), 1e-6});
+    axes[i] = {low - 0.5 * reach, high + 0.5 * reach};
+  }
+  return axes;
+}
+
+std::array<Axis, 2> default_axes(const Plane& plane, const Options& options, const Problem& problem, const Console& console) {
+  std::array<Axis, 2> axes = problem.written ? axes_of_motion(plane, problem) : built_in_axes(problem);
+  widen(axes, plane, options, problem, console);
   if (!options.random)  // the middles of the cells
     for (Axis& axis : axes) {
       const double half = 0.5 * (axis.to - axis.from) / axis.count;
@@ -100,17 +163,18 @@ std::array<Axis, 2> default_axes(const Options& options, const Problem& problem,
 }
 
 /// The default of an earlier run that is gone on with, so that it is the same.
-Axis axis_from(const Json& earlier, const char* name, const Axis& otherwise) {
+Axis axis_from(const Json& earlier, const std::string& name, const Axis& otherwise) {
   const Json& range = earlier.at("options").at(name);
   return {range.at(0), range.at(1), range.size() > 2 ? range[2].get<int>() : otherwise.count};
 }
 
-std::array<Axis, 2> axes_of(const Options& options, const Problem& problem, const Json& earlier, const Console& console) {
+std::array<Axis, 2> axes_of(const Plane& plane, const Options& options, const Problem& problem, const Json& earlier,
+                            const Console& console) {
   const bool counted = !options.random, is_default = options.x.empty() || options.v.empty();
   std::array<Axis, 2> axes;
-  if (is_default && earlier.is_null()) axes = default_axes(options, problem, console);
+  if (is_default && earlier.is_null()) axes = default_axes(plane, options, problem, console);
   try {
-    if (is_default && !earlier.is_null()) axes = {axis_from(earlier, "x", axes[0]), axis_from(earlier, "v", axes[1])};
+    if (is_default && !earlier.is_null()) axes = {axis_from(earlier, plane.name[0], axes[0]), axis_from(earlier, plane.name[1], axes[1])};
   } catch (const nlohmann::json::exception&) {
     refuse_to_resume(options.resume, "attractors", "is damaged; compute it anew");
   }
@@ -124,15 +188,17 @@ std::array<Axis, 2> axes_of(const Options& options, const Problem& problem, cons
 
 /// In the order of the picture: row by row, x fastest. Random ones are drawn from the bits of the generator, which are the same
 /// everywhere.
-Matrix starts_of(const Options& options, const std::array<Axis, 2>& axes, int threads) {
-  if (!options.random) return grid_of(axes, threads);
-  Matrix starts(2, *options.random);
+Matrix starts_of(const Plane& plane, const Options& options, const std::array<Axis, 2>& axes, int threads) {
+  if (!options.random) return grid_of(plane, axes, threads);
+  Matrix starts(plane.others.size(), *options.random);
   std::mt19937_64 generator(static_cast<unsigned>(options.seed.value_or(1)));
   const auto draw = [&](const Axis& axis) {
     return axis.from + (axis.to - axis.from) * (static_cast<double>(generator() >> 11) * 0x1p-53);
   };
-  for (auto start : starts.colwise())
-    for (const Eigen::Index i : {0, 1}) start[i] = draw(axes[static_cast<std::size_t>(i)]);
+  for (auto start : starts.colwise()) {
+    const double x = draw(axes[0]), v = draw(axes[1]);
+    start = start_at(plane, x, v);
+  }
   return starts;
 }
 
@@ -170,9 +236,10 @@ StartOutcome outcome_of(const Json& code) {
   return {id == 0 ? Fate::lost : Fate::not_run, 0};
 }
 
-Json basins_json(const Options& options, const std::array<Axis, 2>& axes, const Matrix& starts,
-                 const std::vector<StartOutcome>& outcomes) {
+Json basins_json(const Problem& problem, const Plane& plane, const Options& options, const std::array<Axis, 2>& axes,
+                 const Matrix& starts, const std::vector<StartOutcome>& outcomes) {
   Json json;
+  if (problem.written) json["plane"] = plane.name;
   const auto codes = [&](std::size_t begin, std::size_t end) {
     Json::array_t list;
     list.reserve(end - begin);
@@ -184,8 +251,8 @@ Json basins_json(const Options& options, const std::array<Axis, 2>& axes, const 
     json["attractor"] = codes(0, outcomes.size());
     return json;
   }
-  for (int i = 0; i < axes[0].count; ++i) json["x"].push_back(axes[0].at(i));
-  for (int j = 0; j < axes[1].count; ++j) json["v"].push_back(axes[1].at(j));
+  for (int i = 0; i < axes[0].count; ++i) json[plane.name[0]].push_back(axes[0].at(i));
+  for (int j = 0; j < axes[1].count; ++j) json[plane.name[1]].push_back(axes[1].at(j));
   const auto across = static_cast<std::size_t>(axes[0].count);
   Json& rows = json["attractor"] = Json::array();
   for (std::size_t k = 0; k < outcomes.size(); k += across) rows.push_back(codes(k, std::min(k + across, outcomes.size())));
@@ -242,7 +309,7 @@ Basins earlier_basins(const Json& earlier, const std::string& folder, const Json
   return basins;
 }
 
-void starts_csv(const Matrix& starts, const Basins& basins, int threads, const TextSink& sink) {
+void starts_csv(const Problem& problem, const Matrix& starts, const Basins& basins, int threads, const TextSink& sink) {
   std::vector<std::string> ends;  // of lines, by attractor
   for (std::size_t i = 0; i < basins.attractors.size(); ++i) {
     const Attractor& attractor = basins.attractors[i].attractor;
@@ -250,21 +317,25 @@ void starts_csv(const Matrix& starts, const Basins& basins, int threads, const T
     ends.push_back(fmt::format("{},{},{}\n", i + 1, attractor_type_name(attractor.type),
                                periodic ? fmt::format("{},{}", attractor.period, attractor.impacts) : ","));
   }
-  sink(csv(Table{{"x", "v", "attractor", "type", "period", "impacts"}, {}}));
+  Table head{state_columns(problem), {}};
+  head.columns.insert(head.columns.end(), {"attractor", "type", "period", "impacts"});
+  sink(csv(head));
   hand_on_items(threads, basins.outcomes.size(), sink, [&](std::size_t k, std::string& lines) {
     const StartOutcome& outcome = basins.outcomes[k];
     const auto start = starts.col(static_cast<Eigen::Index>(k));
     const std::string_view other = outcome.fate == Fate::inadmissible ? ",beyond the barrier,,\n"
                                    : outcome.fate == Fate::lost       ? ",lost,,\n"
                                                                       : ",not run,,\n";
-    char numbers[64];  // of 24 characters at the most
-    lines.append(numbers, fmt::format_to(numbers, FMT_COMPILE("{},{},"), start[0], start[1]));
+    char number[32];  // of 24 characters at the most
+    for (const double value : start) lines.append(number, fmt::format_to(number, FMT_COMPILE("{},"), value));
     lines += outcome.fate == Fate::reached ? std::string_view(ends[outcome.attractor]) : other;
   });
 }
 
-std::string overview(const Basins& basins) {
-  Table table{{"id", "attractor", "starts", "fraction", "standard error", "exponents", "standard errors", "x", "x'"}, {}};
+std::string overview(const Problem& problem, const Basins& basins) {
+  Table table{{"id", "attractor", "starts", "fraction", "standard error", "exponents", "standard errors"}, {}};
+  const std::vector<std::string> names = state_headings(problem);
+  table.columns.insert(table.columns.end(), names.begin(), names.end());
   const auto list = [](const std::vector<double>& values, int digits, std::string (*text_of)(double, int)) {
     std::string text;
     for (const double value : values) text += (text.empty() ? "" : ", ") + text_of(value, digits);
@@ -276,14 +347,14 @@ std::string overview(const Basins& basins) {
     table.rows.push_back({std::to_string(table.rows.size() + 1), attractor_name(attractor), std::to_string(found.count),
                           rounded(found.fraction, 4), rounded(found.fraction_error, 2),
                           list(attractor.exponents, periodic ? 6 : 4, exponent_text),
-                          periodic ? "-" : list(attractor.standard_errors, 1, error_text), rounded(attractor.state[0], 9),
-                          rounded(attractor.state[1], 9)});
+                          periodic ? "-" : list(attractor.standard_errors, 1, error_text)});
+    for (const double value : attractor.state) table.rows.back().push_back(rounded(value, 9));
   }
   std::string text = aligned(table);
   const auto conservative = [](const CoexistingAttractor& found) { return found.attractor.conservative; };
   if (std::any_of(basins.attractors.begin(), basins.attractors.end(), conservative))
     text += "  nothing dissipates here: these are kinds of motion, not attractors\n";
-  text += fmt::format("  of {} admissible starts; x, x' at forcing phase 0", basins.admissible);
+  text += fmt::format("  of {} admissible starts; {} at forcing phase 0", basins.admissible, fmt::join(names, ", "));
   if (basins.lost > 0) text += fmt::format("; {} lost (the motion could not be carried on)", counted(basins.lost, "start"));
   return text + fmt::format("\n  {} forcing periods were computed for them\n", basins.periods);
 }
@@ -311,11 +382,12 @@ BasinOptions basin_options(const Options& options, const Console& console, Progr
   return out;
 }
 
-Json described(const Options& options, const std::array<Axis, 2>& axes) {
+Json described(const Problem& problem, const Plane& plane, const Options& options, const std::array<Axis, 2>& axes) {
   Json json = {{"problem", options.start.file}, {"set", options.start.settings}};
+  if (problem.written) json.update({{"plane", plane.name}, {"start", to_json(plane.others)}});
   for (std::size_t i = 0; i < 2; ++i) {
-    json[i == 0 ? "x" : "v"] = {axes[i].from, axes[i].to};
-    if (!options.random) json[i == 0 ? "x" : "v"].push_back(axes[i].count);
+    json[plane.name[i]] = {axes[i].from, axes[i].to};
+    if (!options.random) json[plane.name[i]].push_back(axes[i].count);
   }
   if (options.random) json.update({{"random", *options.random}, {"seed", options.seed.value_or(1)}});
   json.update({{"transient", options.transient}, {"periods", options.periods}, {"max_period", options.max_period}});
@@ -329,12 +401,13 @@ int run(const Options& given, const Console& console) {
   if (!options.resume.empty() && options.output.out.empty()) options.output.out = options.resume;
   const OutputFolder folder(options.output, "attractors", options.start.file, options.resume);
   const Problem problem = open_problem(options.start, console);
-  const std::array<Axis, 2> axes = axes_of(options, problem, folder.earlier(), console);
-  const Matrix starts = starts_of(options, axes, console.thread_count());
+  const Plane plane = plane_of(options, problem);
+  const std::array<Axis, 2> axes = axes_of(plane, options, problem, folder.earlier(), console);
+  const Matrix starts = starts_of(plane, options, axes, console.thread_count());
   const auto count = static_cast<std::size_t>(starts.cols());
   check_starts(problem, starts);
   Result result;
-  result.json = result_head("attractors/1", "attractors", problem, described(options, axes));
+  result.json = result_head("attractors/1", "attractors", problem, described(problem, plane, options, axes));
   folder.check_free_for(result.json);
   Basins basins;
   if (!options.resume.empty()) basins = earlier_basins(folder.earlier(), options.resume, result.json);
@@ -345,7 +418,7 @@ int run(const Options& given, const Console& console) {
     set_status(json, status, message);
     put_basins(json, basins);
     // Of many starts these are large.
-    if (wants_json(options.output)) json["basins"] = basins_json(options, axes, starts, basins.outcomes);
+    if (wants_json(options.output)) json["basins"] = basins_json(problem, plane, options, axes, starts, basins.outcomes);
     return json;
   };
   {
@@ -370,8 +443,8 @@ int run(const Options& given, const Console& console) {
     message = "no motion could be carried on";
   }
   result.json = with_basins(status, message);
-  result.csv = [&](const TextSink& sink) { starts_csv(starts, basins, console.thread_count(), sink); };
-  result.text = describe(problem) + "\n\n" + (basins.attractors.empty() ? message + "\n" : overview(basins));
+  result.csv = [&](const TextSink& sink) { starts_csv(problem, starts, basins, console.thread_count(), sink); };
+  result.text = describe(problem) + "\n\n" + (basins.attractors.empty() ? message + "\n" : overview(problem, basins));
   if (status != Status::done) console.err << "graze attractors: " << message << how_to_go_on(status, options.output) << "\n";
   return deliver(result, options.output, "attractors", exit_code(status), console);
 }
@@ -380,9 +453,11 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   auto options = std::make_shared<Options>();
   add_problem_options(app, options->start);
   begin_group(app, "Starts");
+  add_state(app, "--start", options->start.start, "the states that are not varied (default: the file's, else 0)");
+  add_text(app, "--plane", options->plane, "NAME,NAME", "the two states that are varied (default: the first two)");
   add_text(app, "--x", options->x, "A:B:N",
-           "N values of x at forcing phase 0 from A to B (default: up to the barrier and as far as attractors reach, 64)");
-  add_text(app, "--v", options->v, "A:B:N", "the same of x' (default: as wide as the motion, 64)");
+           "N values of the first of them, x at forcing phase 0 from A to B (default: up to the barrier and as far as attractors reach, 64)");
+  add_text(app, "--v", options->v, "A:B:N", "the same of the second, x' (default: as wide as the motion, 64)");
   add_count(app, "--random", options->random, 1, "so many random starts in the ranges --x A:B and --v A:B instead of a grid",
             most_starts);
   add_count(app, "--seed", options->seed, 0, "of the random starts (default 1)");

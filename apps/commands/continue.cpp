@@ -29,7 +29,7 @@ constexpr std::size_t rows_shown = 40;  // of a branch's table, without --all
 
 struct Options {
   OrbitOptions orbit;
-  std::string parameter = "eta";
+  std::string parameter;
   std::optional<double> from, to, max_step;
   int switches = 1, multiples = 1;
   std::optional<int> max_points;
@@ -80,11 +80,13 @@ Json all_options(const Problem& problem, const Options& options) {
   return json;
 }
 
-int run(const Options& options, const Console& console) {
+int run(const Options& given, const Console& console) {
+  Options options = given;
   const OutputFolder folder(options.output, "continue", options.orbit.start.file);
   if (options.max_step && !(*options.max_step > 0.0))
     throw std::invalid_argument(fmt::format("--max-step {}: must be > 0, for example 0.01", *options.max_step));
   Problem problem = open_problem(options.orbit.start, console);
+  options.parameter = parameter_name(problem, options.parameter);
   check_parameter_name(problem, options.parameter);
   if (options.from) set_parameter(problem, options.parameter, *options.from, "--from");
   const double start = parameter(problem, options.parameter);
@@ -130,13 +132,13 @@ int run(const Options& options, const Console& console) {
   for (const Branch& branch : branches) {
     result.json["branches"].push_back(branch_json(branch));
     result.text.append("\n").append(
-        branch_text(branch, options.all ? std::numeric_limits<std::size_t>::max() : rows_shown, same));
+        branch_text(problem, branch, options.all ? std::numeric_limits<std::size_t>::max() : rows_shown, same));
   }
   put_same_points(result.json["branches"], branches);
   const std::vector<Cascade> doublings = cascades(branches);
   result.json["cascades"] = cascades_json(doublings);
   result.text += cascades_text(doublings, options.parameter);
-  result.table = branches_table(branches);
+  result.table = branches_table(problem, branches);
   if (status != Status::done) console.err << "graze continue: " << message << "\n";
   return deliver(result, options.output, "continue", exit_code(status), console);
 }
@@ -145,7 +147,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   auto options = std::make_shared<Options>();
   add_orbit_options(app, options->orbit);
   begin_group(app, "Branch");
-  add_text(app, "--param", options->parameter, "NAME", "continuation parameter (default eta)");
+  add_text(app, "--param", options->parameter, "NAME", "continuation parameter (default: the forcing frequency)");
   add_number(app, "--from", options->from, "where it starts (default: the problem's own value)");
   add_number(app, "--to", options->to, "where it is to end", Need::required);
   add_count(app, "--switch", options->switches, 0, "generations of period-doubled branches that are followed (default 1)");

@@ -38,7 +38,7 @@ constexpr int usual_steps = 300;  // of a sweep through the range
 
 struct Options {
   StartOptions start;
-  std::string parameter = "eta";
+  std::string parameter;
   std::optional<double> from, to;
   bool skeleton = false, all = false;
   int max_period = 16, max_branches = 500, seed = 1;
@@ -56,7 +56,7 @@ std::vector<PeriodicOrbit> impactless(const Problem& problem, const std::string&
   for (int i = 0; i < values; ++i) {
     Problem at = problem;
     set_parameter(at, name, from + i * (to - from) / (values - 1));
-    const Vector guess = steady_response(at.parameters);
+    const Vector guess = at.written ? rest_state(at, at.parameters) : steady_response(at.parameters);
     if (!mode_at(at.system, 0.0, guess, at.parameters)) continue;
     PeriodicOrbit orbit = shoot(at.system, at.parameters, guess, 1);
     if (orbit.converged() && orbit.impacts == 0) list.push_back(std::move(orbit));
@@ -202,7 +202,7 @@ Status add_skeleton(Result& result, Earlier& earlier, const Options& options, co
     if (found.graph.interrupted) status = Status::interrupted;
   }
   if (earlier.branches.empty() && status == Status::done) status = Status::failed;
-  result.table = branches_table(earlier.branches);
+  result.table = branches_table(problem, earlier.branches);
   result.text += skeleton_text(result.json["search"], result.json["seeds"].size(), earlier.branches, earlier.cut_off,
                                options.parameter);
   return status;
@@ -295,6 +295,7 @@ int run(const Options& given, const Console& console) {
   const OutputFolder folder(options.output, "diagram", options.start.file, options.resume);
   earlier.result = folder.earlier();
   const Problem problem = open_problem(options.start, console);
+  options.parameter = parameter_name(problem, options.parameter);
   check_options(options, problem);
   if (!options.resume.empty()) check_earlier(earlier, options, problem);
   Json described = options_json(problem, options.start);
@@ -336,7 +337,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   auto options = std::make_shared<Options>();
   add_start_options(app, options->start);
   begin_group(app, "Diagram");
-  add_text(app, "--param", options->parameter, "NAME", "parameter (default eta)");
+  add_text(app, "--param", options->parameter, "NAME", "parameter (default: the forcing frequency)");
   add_number(app, "--from", options->from, "one end of its range", Need::required);
   add_number(app, "--to", options->to, "the other end", Need::required);
   add_flag(app, "--skeleton", options->skeleton, "the skeleton alone, without sweeps (graze.branch/1)");

@@ -27,7 +27,7 @@ namespace {
 
 struct Options {
   OrbitOptions orbit;
-  std::string type, parameter = "eta";
+  std::string type, parameter;
   std::optional<double> near, reach, from;
   OutputOptions output;
 };
@@ -188,9 +188,11 @@ std::string remark(const Located& located, const Options& options, double reach)
   return fmt::format("{}", fmt::join(parts, "; "));
 }
 
-int run(const Options& options, const Console& console) {
+int run(const Options& given, const Console& console) {
+  Options options = given;
   const OutputFolder folder(options.output, "locate", options.orbit.start.file);
   Problem problem = open_problem(options.orbit.start, console);
+  options.parameter = parameter_name(problem, options.parameter);
   const double reach = options.reach.value_or(default_reach(*options.near));
   if (!(reach > 0.0)) throw std::invalid_argument(fmt::format("--reach {}: must be > 0, for example 0.01", reach));
   set_parameter(problem, options.parameter, options.from.value_or(*options.near), options.from ? "--from" : "--near");
@@ -211,9 +213,9 @@ int run(const Options& options, const Console& console) {
   result.json["special_point"] = point ? special_point_json(*point) : Json(nullptr);
   result.text = describe(problem, options.parameter) + "\n\n";
   if (point) {
-    result.text += special_point_text(*point, options.parameter) + "\n" + orbit_text(point->orbit, stability_text(*point));
+    result.text += special_point_text(*point, options.parameter) + "\n" + orbit_text(problem, point->orbit, stability_text(*point));
     if (!message.empty()) result.text += "\n" + message + "\n";
-    result.table = orbits_table({point->orbit}, false);
+    result.table = orbits_table(problem, {point->orbit}, false);
     const auto stable =
         std::find(result.table.columns.begin(), result.table.columns.end(), "stable") - result.table.columns.begin();
     result.table.rows.front()[static_cast<std::size_t>(stable)] = stable_cell(stable_at(*point));
@@ -231,7 +233,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_orbit_options(app, options->orbit);
   begin_group(app, "Point");
   add_choice(app, "--type", options->type, locatable(), "what is located", Need::required);
-  add_text(app, "--param", options->parameter, "NAME", "continuation parameter (default eta)");
+  add_text(app, "--param", options->parameter, "NAME", "continuation parameter (default: the forcing frequency)");
   add_number(app, "--near", options->near, "value of the parameter near which the point lies", Need::required);
   add_number(app, "--reach", options->reach, "how far from --near it may lie (default: 5 % of it)");
   add_number(app, "--from", options->from,

@@ -58,7 +58,7 @@ int run(const Options& options, const Console& console) {
     throw std::invalid_argument(
         fmt::format("--periods {} is less than --interval {}; give at least one interval", options.periods, options.interval));
   const Problem problem = open_problem(options.start, console);
-  const Vector start = start_state(problem, options.start.start);
+  const Vector start = start_state(problem, options.start);
   Json given = options_json(problem, options.start);
   given.update({{"periods", options.periods}, {"interval", options.interval}, {"max_period", options.max_period}});
   if (options.standard_error) given["standard_error"] = *options.standard_error;
@@ -82,7 +82,9 @@ int run(const Options& options, const Console& console) {
     if (averaged) console.note(message);
   } else if (attractor.termination != Termination::time || attractor.time_average.stop == LyapunovStop::failed) {
     status = Status::failed;
-    message = "the motion could not be carried on";
+    const Termination ended = attractor.termination != Termination::time ? attractor.termination : attractor.time_average.termination;
+    const bool grows = ended == Termination::escape || ended == Termination::resonance;
+    message = fmt::format("{}{}", grows ? "" : "the motion could not be carried on: ", termination_text(ended));
   } else if (attractor.type != AttractorType::periodic && attractor.time_average.stop == LyapunovStop::budget &&
              options.standard_error != 0.0) {
     // Not a failure, and no other exit code: an average and its error of so many periods are a result. But it says so.
@@ -110,7 +112,7 @@ int run(const Options& options, const Console& console) {
                                  there ? exact(mean.exponents[i]) : "", there ? exact(mean.standard_errors[i]) : ""});
   }
   result.text =
-      describe(problem) + "\n\n" + (attractor.exponents.empty() ? message + "\n" : attractor_text(attractor, options.max_period));
+      describe(problem) + "\n\n" + (attractor.exponents.empty() ? message + "\n" : attractor_text(problem, attractor, options.max_period));
   if (status == Status::done && interrupted()) result.text += "\n" + message + "\n";
   if (status != Status::done) console.err << "graze lyapunov: " << message << "\n";
   return deliver(result, options.output, "lyapunov", exit_code(status), console);

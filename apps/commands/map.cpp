@@ -69,9 +69,9 @@ MapPlan plan_from(const Options& options, const Console& console) {
   plan.grid = {parse_parameter(plan.problem, options.parameters[0]), parse_parameter(plan.problem, options.parameters[1])};
   if (!options.starts.empty()) plan.starts.clear();
   for (const std::string& text : options.starts) {
-    const auto state = parse_numbers(text);
-    if (!state || state->size() != 2) throw std::invalid_argument(fmt::format("--start {}: must be {}", text, state_form(text)));
-    plan.starts.emplace_back(*state);
+    const std::optional<StateText> state = parse_state(text);
+    if (!state) throw std::invalid_argument(fmt::format("--start {}: must be {}", text, state_form(text)));
+    plan.starts.emplace_back(state_of(plan.problem, *state));
   }
   if (options.starts.empty() && plan.problem.start) plan.starts = {plan.problem.start};
   plan.follow = options.follow;

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // graze models: what a problem file can name: oscillators, contact laws, excitations; their parameters, ranges, defaults, units.
 #include <graze/apps/commands/command.hpp>
+#include <graze/apps/console/arguments.hpp>
 #include <graze/apps/output/output_folder.hpp>
 #include <graze/apps/output/result.hpp>
 #include <graze/apps/problem/problem.hpp>
+#include <graze/apps/problem/shipped.hpp>
 #include <graze/apps/text/number.hpp>
 #include <graze/apps/text/version.hpp>
 
@@ -86,6 +88,13 @@ Result describe_models() {
   json["contact_quantities"] = parameters_json(contact_infos(), false);
   add_rows(physical, "contact", contact_infos(), false);
   text += aligned(physical);
+  text += "\nModels written as text (graze models NAME prints the file, to begin a system of one's own from)\n";
+  for (const std::string& name : shipped_models()) {
+    const std::string model = shipped_model(name);
+    const std::string title = model.substr(0, model.find('\n'));
+    json["models"].push_back({{"name", name}, {"title", title.substr(std::min<std::size_t>(2, title.size()))}});
+    text += fmt::format("  {:<18} {}\n", name, json["models"].back()["title"].get<std::string>());
+  }
   result.text = std::move(text);
   result.table.rows.insert(result.table.rows.end(), physical.rows.begin(), physical.rows.end());
   return result;
@@ -93,8 +102,14 @@ Result describe_models() {
 
 std::function<int(const Console&)> setup(CLI::App& app) {
   auto options = std::make_shared<OutputOptions>();
+  auto name = std::make_shared<std::string>();
+  add_text(app, "NAME", *name, "NAME", "print the file of this model");
   add_output_options(app, *options, "models/1");
-  return [options](const Console& console) {
+  return [options, name](const Console& console) {
+    if (!name->empty()) {
+      console.out << shipped_model(*name);
+      return 0;
+    }
     const OutputFolder folder(*options, "models");
     const Result models = describe_models();
     folder.check_free_for(models.json);
@@ -107,8 +122,8 @@ std::function<int(const Console&)> setup(CLI::App& app) {
 Command models_command() {
   return {"models",
           "built-in oscillators and contact laws, their parameters, ranges, defaults",
-          "Everything that a problem file may name.",
-          {"graze models", "graze models --json -"},
+          "Everything that a problem file may name, and the models that come as files with their own equations.",
+          {"graze models", "graze models duffing-two-stops > mine.toml", "graze models --json -"},
           setup};
 }
 

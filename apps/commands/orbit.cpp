@@ -35,13 +35,13 @@ int run(const Options& options, const Console& console) {
   }
   add_origin(result.json, found);
 
-  result.table = orbits_table(found.orbits, false);
+  result.table = orbits_table(problem, found.orbits, false);
   result.text = describe(problem) + "\n\n";
-  if (found.orbits.size() > 1) result.text += "orbits found\n" + aligned(orbits_table(found.orbits, true)) + "\n";
+  if (found.orbits.size() > 1) result.text += "orbits found\n" + aligned(orbits_table(problem, found.orbits, true)) + "\n";
   if (options.orbit.search)
-    for (const PeriodicOrbit& orbit : found.orbits) result.text += orbit_text(orbit) + "\n";
+    for (const PeriodicOrbit& orbit : found.orbits) result.text += orbit_text(problem, orbit) + "\n";
   else if (!found.orbits.empty())
-    result.text += orbit_text(found.orbits.front());
+    result.text += orbit_text(problem, found.orbits.front());
   if (!found.orbits.empty() && !found.remark.empty())
     result.text += fmt::format("\n  {}: found by a search, {}\n", found.remark,
                                found.orbits.front().stable() ? "the orbit above was not reached from the start"

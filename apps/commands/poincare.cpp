@@ -65,9 +65,12 @@ int run(const Options& options, const Console& console) {
                           patience);
   }
   set_status(result.json, status, message);
-  result.json.update(section_json(section));
+  result.json.update(section_json(problem, section));
   result.table.columns = result.json["columns"].get<std::vector<std::string>>();
-  for (const auto& point : section.points) result.table.rows.push_back({exact(point[0]), exact(point[1])});
+  for (const Vector& point : section.points) {
+    std::vector<std::string>& cells = result.table.rows.emplace_back();
+    for (const double value : point) cells.push_back(exact(value));
+  }
   result.text =
       fmt::format("{}\n{} of the {} section in {}\n{}", describe(problem), counted(section.points.size(), "point"),
                   options.section, counted(static_cast<std::size_t>(section.periods), "forcing period"), aligned(result.table));
@@ -91,7 +94,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
 Command poincare_command() {
   return {"poincare",
           "points of a stroboscopic or impact section",
-          "After --settle forcing periods of transient, points of the section are collected: (x, x') at forcing phase 0, or at "
+          "After --settle forcing periods of transient, points of the section are collected: states at forcing phase 0, or at "
           "each impact (entry\n"
           "into contact) the forcing phase and the speed of approach.",
           {"graze poincare data/problems/newton-elastic.toml --set eta=0.711 --points 5000 --plot section.png",

@@ -8,6 +8,7 @@
 #include <graze/apps/drawing/draw_files.hpp>
 #include <graze/apps/output/output_folder.hpp>
 #include <graze/apps/output/result.hpp>
+#include <graze/apps/problem/shipped.hpp>
 #include <graze/apps/published/figures.hpp>
 #include <graze/apps/results/input_file.hpp>
 #include <graze/apps/results/sweep_report.hpp>
@@ -34,12 +35,8 @@ struct Options {
 /// The file given, or the one that came with the program: installed beside it, or in the tree it was built from.
 std::string published_file(const Options& options) {
   if (!options.file.empty()) return options.file;
-  std::error_code error;
-  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
-  const std::filesystem::path installed = program.parent_path() / GRAZE_INSTALLED_DATA / "published.toml";
-  if (!error && std::filesystem::exists(installed, error)) return installed.lexically_normal().string();
-  const std::string source = GRAZE_SOURCE_DATA "/published.toml";
-  if (std::filesystem::exists(source, error)) return source;
+  const std::filesystem::path found = shipped("published.toml");
+  if (!found.empty()) return found.string();
   throw std::invalid_argument(
       "published.toml is neither installed beside the program nor in the tree it was built from; give the file");
 }

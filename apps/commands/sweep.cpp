@@ -22,7 +22,7 @@ namespace {
 
 struct Options {
   StartOptions start;
-  std::string parameter = "eta", direction = "up", resume;
+  std::string parameter, direction = "up", resume;
   std::optional<double> from, to;
   SweepingOptions sweeping;
   OutputOptions output;
@@ -50,6 +50,7 @@ int run(const Options& given, const Console& console) {
   if (!options.resume.empty() && options.output.out.empty()) options.output.out = options.resume;
   const OutputFolder folder(options.output, "sweep", options.start.file, options.resume);
   const Problem problem = open_problem(options.start, console);
+  options.parameter = parameter_name(problem, options.parameter);
   if (!(*options.from < *options.to))
     throw std::invalid_argument(fmt::format("--from {} and --to {}: a sweep needs from < to; --direction down goes the other way",
                                             exact(*options.from), exact(*options.to)));
@@ -88,7 +89,7 @@ int run(const Options& given, const Console& console) {
   Swept swept = carry_out_sweeps(problem, options.start, range, options.sweeping, console, so_far, keeping);
   result.json = with_status(swept);
   result.list = rows_of(swept);
-  result.csv = [&](const TextSink& sink) { samples_csv(swept.rows, options.parameter, console.thread_count(), sink); };
+  result.csv = [&](const TextSink& sink) { samples_csv(problem, swept.rows, options.parameter, console.thread_count(), sink); };
   result.text = describe(problem, options.parameter) + "\n\n" + aligned(sweep_overview(swept.rows, options.parameter));
   if (swept.status != Status::done)
     console.err << "graze sweep: " << swept.message << how_to_go_on(swept.status, options.output) << "\n";
@@ -102,7 +103,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   auto options = std::make_shared<Options>();
   add_start_options(app, options->start);
   begin_group(app, "Sweep");
-  add_text(app, "--param", options->parameter, "NAME", "parameter (default eta)");
+  add_text(app, "--param", options->parameter, "NAME", "parameter (default: the forcing frequency)");
   add_number(app, "--from", options->from, "lower end of its range", Need::required);
   add_number(app, "--to", options->to, "upper end", Need::required);
   add_choice(app, "--direction", options->direction, {"up", "down", "both"}, "which way it goes (default up)");

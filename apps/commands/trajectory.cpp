@@ -30,11 +30,10 @@ struct Options {
 };
 
 std::string motion_text(const Motion& motion, const ContactList& list) {
-  const Vector& end = motion.strobe.back();
   std::string text = counted(static_cast<std::size_t>(motion.periods), "forcing period");
   if (!motion.samples.empty()) text += ", " + counted(motion.samples.size(), "sample");
   text += fmt::format(", {}; {}\n", counted(list.contacts.size(), "contact"), termination_text(motion.termination));
-  text += fmt::format("  state at the end ({}, {})\n", rounded(end[0], 15), rounded(end[1], 15));
+  text += fmt::format("  state at the end {}\n", rounded_state(motion.strobe.back(), 15));
   std::vector<Contact> shown = list.contacts;
   if (shown.size() > contacts_shown) shown.resize(contacts_shown);
   if (!shown.empty()) text.append("\n").append(aligned(contacts_table(shown)));
@@ -81,9 +80,12 @@ int run(const Options& options, const Console& console) {
                                                                    counted(static_cast<std::size_t>(motion.periods), "period"),
                                                                    termination_text(motion.termination));
   set_status(result.json, status, message);
-  result.json.update(motion_json(motion, list));
-  result.table.columns = {"tau", "x", "v"};
-  for (const auto& row : motion.samples) result.table.rows.push_back({exact(row[0]), exact(row[1]), exact(row[2])});
+  result.json.update(motion_json(problem, motion, list));
+  result.table.columns = motion_columns(problem);
+  for (const Vector& row : motion.samples) {
+    std::vector<std::string>& cells = result.table.rows.emplace_back();
+    for (const double value : row) cells.push_back(exact(value));
+  }
   result.text = describe(problem) + "\n" + motion_text(motion, list);
   if (status != Status::done) console.err << "graze trajectory: " << message << "\n";
   return deliver(result, options.output, "trajectory", exit_code(status), console);

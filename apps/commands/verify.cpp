@@ -31,7 +31,7 @@ namespace {
 
 struct Options {
   OrbitOptions orbit;
-  std::string parameter = "eta";
+  std::string parameter;
   std::optional<double> from, to, step;
   int average = 2000;
   bool hard_limit = false;
@@ -66,6 +66,7 @@ Vector hertz_parameters(const Problem& problem) {
 }
 
 void check_hard_limit(const Problem& problem, const Options& options) {
+  if (problem.written) throw std::invalid_argument("--hard-limit is for the built-in oscillators; a system written as text has no stiffness that it knows");
   if (problem.contact == "newton") {
     if (options.parameter == "k_r" || parameter(problem, "k_r") != 1.0)
       throw std::invalid_argument(
@@ -219,9 +220,11 @@ std::string sentence(const std::vector<std::string>& complaints) {
   return text;
 }
 
-int run(const Options& options, const Console& console) {
+int run(const Options& given, const Console& console) {
+  Options options = given;
   const OutputFolder folder(options.output, "verify", options.orbit.start.file);
   const Problem problem = open_problem(options.orbit.start, console);
+  options.parameter = parameter_name(problem, options.parameter);
   const std::vector<double> values = values_of(options, problem);
   const bool range = values.size() > 1;
   for (const double end : {values.front(), values.back()}) problem_at(problem, options, end);  // a wrong value is found out now
@@ -265,7 +268,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   auto options = std::make_shared<Options>();
   add_orbit_options(app, options->orbit);
   begin_group(app, "Range");
-  add_text(app, "--param", options->parameter, "NAME", "parameter (default eta)");
+  add_text(app, "--param", options->parameter, "NAME", "parameter (default: the forcing frequency)");
   add_number(app, "--from", options->from, "first value (default: the problem's own)");
   add_number(app, "--to", options->to, "last value, above or below it (default: one value only)");
   add_number(app, "--step", options->step, "from one value to the next");

@@ -96,12 +96,30 @@ void add_count(CLI::App& app, const std::string& names, int& target, int least, 
       [&target, names, least, most](const std::string& text) { target = count(names, text, least, most); });
 }
 
-void add_state(CLI::App& app, const std::string& names, std::optional<Vector>& target, const std::string& help) {
+void add_state(CLI::App& app, const std::string& names, std::optional<StateText>& target, const std::string& help) {
   add(app, names, "x,v", help, Need::optional, [&target, names](const std::string& text) {
-    const std::optional<Vector> state = parse_numbers(text);
-    if (!state || state->size() != 2) refuse(names, text, state_form(text));
-    target = state;
+    target = parse_state(text);
+    if (!target) refuse(names, text, state_form(text));
   });
+}
+
+std::optional<StateText> parse_state(const std::string& text) {
+  StateText state;
+  std::string values;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::string part = text.substr(begin, end - begin);
+    const std::size_t equals = part.find('=');
+    const bool named = equals != std::string::npos && equals > 0;
+    if (begin > 0 && named == state.names.empty()) return std::nullopt;  // all of them or none
+    if (named) state.names.push_back(part.substr(0, equals));
+    values += (begin > 0 ? "," : "") + (named ? part.substr(equals + 1) : part);
+    begin = end + 1;
+  }
+  const std::optional<Vector> numbers = parse_numbers(values);
+  if (!numbers || numbers->size() == 0) return std::nullopt;
+  state.values = *numbers;
+  return state;
 }
 
 void add_choice(CLI::App& app, const std::string& names, std::string& target, const std::vector<std::string>& choices,
@@ -124,7 +142,8 @@ std::string state_form(const std::string& text) {
   const std::size_t comma = text.find(',');
   const bool beyond =
       is_beyond_double(text.substr(0, comma)) || (comma != std::string::npos && is_beyond_double(text.substr(comma + 1)));
-  return fmt::format("two numbers x,v{}, for example 0.5,-1.2", beyond ? fmt::format(", each {}", magnitude) : "");
+  return fmt::format("two numbers x,v{}, for example 0.5,-1.2, or by name, x=0.5,v=-1.2",
+                     beyond ? fmt::format(", each {}", magnitude) : "");
 }
 
 void begin_group(CLI::App& app, const std::string& heading) { app.option_defaults()->group(heading); }

@@ -42,8 +42,16 @@ void add_count(CLI::App& app, const std::string& names, std::optional<int>& targ
 void add_count(CLI::App& app, const std::string& names, int& target, int least, const std::string& help,
                int most = std::numeric_limits<int>::max());
 
-/// A state "x,v".
-void add_state(CLI::App& app, const std::string& names, std::optional<Vector>& target, const std::string& help);
+/// A state as it was given: numbers by position (no names), or by name.
+struct StateText {
+  std::vector<std::string> names;
+  Vector values;
+};
+
+/// A state "0.5,-1.2" or "x=0.5,v=-1.2".
+void add_state(CLI::App& app, const std::string& names, std::optional<StateText>& target, const std::string& help);
+/// The same of a text. nullopt: it is neither.
+std::optional<StateText> parse_state(const std::string& text);
 
 /// One of the given names.
 void add_choice(CLI::App& app, const std::string& names, std::string& target, const std::vector<std::string>& choices,

@@ -26,7 +26,7 @@ constexpr std::array<Field, 6> fields = {
     {"impacts", "p of z = p/n; 0 also where not periodic", false, sizeof(int)},
     {"lambda_1", "first Lyapunov exponent per unit of dimensionless time", false, sizeof(double)},
     {"standard_error", "of lambda_1; 0: exact, from the multipliers", false, sizeof(double)},
-    {"state", "(x, x') on the attractor at forcing phase 0", true, sizeof(double)}};
+    {"state", "the states on the attractor at forcing phase 0", true, sizeof(double)}};
 
 /// Places of the rows of a band: (layer, row, column) or (layer, row, column, component).
 struct Band {

@@ -253,8 +253,12 @@ void write_layers(hid_t file, const MapPlan& plan, hid_t layer, hid_t component)
 void write_head(hid_t file, const MapPlan& plan, const Json& head) {
   set_attribute(file, "schema", std::string(head.at("schema")));
   set_attribute(file, "graze", std::string(program_version));
-  set_attribute(file, "oscillator", plan.problem.oscillator);
-  set_attribute(file, "contact", plan.problem.contact);
+  if (plan.problem.written) {
+    set_attribute(file, "system", plan.problem.system.name);
+  } else {
+    set_attribute(file, "oscillator", plan.problem.oscillator);
+    set_attribute(file, "contact", plan.problem.contact);
+  }
   set_attribute(file, "units", std::string("dimensionless"));
   set_attribute(file, "options", flat(head.at("options")));
   set_attribute(file, "head", flat(head));
@@ -300,6 +304,13 @@ void write_band(const std::vector<Handle>& datasets, const Band& band, BandData&
   }
 }
 
+std::string component_meaning(const Problem& problem) {
+  std::string meaning;
+  const std::vector<std::string> names = state_headings(problem);
+  for (std::size_t i = 0; i < names.size(); ++i) meaning += fmt::format("{}{} for {}", i == 0 ? "of the state: " : ", ", i, names[i]);
+  return meaning;
+}
+
 void write_content(hid_t file, const MapPlan& plan, const Json& head, const MapRows& rows, int threads) {
   write_head(file, plan, head);
   const ParameterGrid& grid = plan.grid;
@@ -308,7 +319,7 @@ void write_content(hid_t file, const MapPlan& plan, const Json& head, const MapR
       make_scale(file, grid.columns.parameter, values_of(grid.columns), meaning_of(plan, grid.columns.parameter));
   const Handle rows_scale = make_scale(file, grid.rows.parameter, values_of(grid.rows), meaning_of(plan, grid.rows.parameter));
   const Handle layer = make_scale(file, "layer", numbers_to(plan.layers()), "number of the layer; see start and follow");
-  const Handle component = make_scale(file, "component", numbers_to(states), "of the state: 0 for x, 1 for x'");
+  const Handle component = make_scale(file, "component", numbers_to(states), component_meaning(plan.problem));
   write_layers(file, plan, layer, component);
   const Handle attractor = attractor_type();
   // With a name in the file, before those of the datasets: netCDF asks for both.

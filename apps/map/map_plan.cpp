@@ -43,11 +43,10 @@ LayerOrigin layer_origin(const MapPlan& plan, int layer) {
 
 std::vector<MapLayer> layers_of(const MapPlan& plan) {
   std::vector<MapLayer> layers;
-  const auto barrier = static_cast<Eigen::Index>(parameter_index(plan.problem.system.parameters, "r"));
   for (int layer = 0; layer < plan.layers(); ++layer) {
     const LayerOrigin origin = layer_origin(plan, layer);
-    const auto start = [given = origin.start, barrier](const Vector& p) {
-      return given ? *given : Vector{{std::min(0.0, p[barrier]), 0.0}};
+    const auto start = [given = origin.start, problem = plan.problem](const Vector& p) {
+      return given ? *given : rest_state(problem, p);
     };
     layers.push_back({start, origin.follow});
   }

@@ -92,14 +92,15 @@ std::string map_point_name(const MapCounts::key_type& kind) {
 
 std::string layer_name(const MapPlan& plan, int layer) {
   const LayerOrigin origin = layer_origin(plan, layer);
-  const std::string from = origin.start ? fmt::format("({}, {})", rounded((*origin.start)[0], 6), rounded((*origin.start)[1], 6))
-                                        : std::string("rest");
+  const std::string from = origin.start ? rounded_state(*origin.start, 6) : std::string("rest");
   if (origin.follow == MapDirection::none) return "each point from " + from;
   return fmt::format("rows followed {}, from {}", map_direction_name(origin.follow), from);
 }
 
 std::string map_model(const MapPlan& plan) {
-  std::string text = fmt::format("{} oscillator, {} contact", plan.problem.oscillator, plan.problem.contact);
+  std::string text = plan.problem.written
+                         ? plan.problem.system.name
+                         : fmt::format("{} oscillator, {} contact", plan.problem.oscillator, plan.problem.contact);
   char separator = ':';
   const auto& parameters = plan.problem.system.parameters;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
@@ -185,9 +186,9 @@ MapRows rows_from_json(const MapPlan& plan, const Json& result) {
 
 void map_csv(const MapPlan& plan, const MapRows& rows, int threads, const TextSink& sink) {
   const ParameterGrid& grid = plan.grid;
-  sink(csv(Table{
-      {"layer", grid.rows.parameter, grid.columns.parameter, "type", "period", "impacts", "lambda_1", "standard_error", "x", "v"},
-      {}}));
+  Table head{{"layer", grid.rows.parameter, grid.columns.parameter, "type", "period", "impacts", "lambda_1", "standard_error"}, {}};
+  for (const std::string& name : state_columns(plan.problem)) head.columns.push_back(name);
+  sink(csv(head));
   std::vector<std::string> columns;
   for (int column = 0; column < grid.columns.count; ++column) columns.push_back(exact(grid.columns.at(column)));
   const auto write = [&](int row, const std::vector<MapPoint>& points) {
@@ -202,10 +203,13 @@ void map_csv(const MapPlan& plan, const MapRows& rows, int threads, const TextSi
         fmt::format_to(out, FMT_COMPILE(",{},{}"), point.period, point.impacts);
       else
         lines += ",,";
-      for (const double number : {point.lambda_1, point.standard_error, point.state[0], point.state[1]}) {
+      const auto add = [&](double number) {
         lines += ',';
         if (!std::isnan(number)) fmt::format_to(out, FMT_COMPILE("{}"), number);
-      }
+      };
+      add(point.lambda_1);
+      add(point.standard_error);
+      for (const double number : point.state) add(number);
       lines += '\n';
     }
     return lines;

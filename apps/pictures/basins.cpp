@@ -36,12 +36,24 @@ int colour_index(const Json& code, std::size_t attractors) {
   return id > 0 ? id - 1 : id == 0 ? static_cast<int>(attractors) : -1;
 }
 
+/// Which two states stand along the axes.
+std::pair<std::size_t, std::size_t> plane_of(const Json& result) {
+  if (!result.at("basins").contains("plane")) return {0, 1};
+  const Json& plane = result["basins"]["plane"];
+  const auto index = [&](const Json& name) {
+    const Json& states = result.at("states");
+    return static_cast<std::size_t>(std::find(states.begin(), states.end(), name) - states.begin());
+  };
+  return {index(plane.at(0)), index(plane.at(1))};
+}
+
 Picture draw_basins(const Json& result) {
   Picture picture;
   picture.title = "Basins of attraction";
   picture.subtitle = model_title(result);
-  picture.x_label = "x at forcing phase 0 (dimensionless)";
-  picture.y_label = "x' at forcing phase 0 (dimensionless)";
+  const auto [across, up] = plane_of(result);
+  picture.x_label = state_label(result, across, true);
+  picture.y_label = state_label(result, up, true);
   picture.grid = false;
   const Json& attractors = result.at("attractors");
   const Json& basins = result.at("basins");
@@ -49,19 +61,21 @@ Picture draw_basins(const Json& result) {
   Range x, v;
   std::vector<std::array<double, 2>> starts;
   std::vector<int> colour;
-  const bool grid = basins.contains("x");
-  const bool cells = grid && basins["x"].size() > 1 && basins.at("v").size() > 1;
+  const std::string x_name = basins.contains("plane") ? basins["plane"].at(0) : "x";
+  const std::string v_name = basins.contains("plane") ? basins["plane"].at(1) : "v";
+  const bool grid = basins.contains(x_name);
+  const bool cells = grid && basins[x_name].size() > 1 && basins.at(v_name).size() > 1;
   for (std::size_t i = 0; i < attractors.size(); ++i) colours.push_back(tint(colour_of(i), cells ? 0.6 : 0.35));
   colours.emplace_back(lost_colour);
   if (grid)
-    for (std::size_t j = 0; j < basins.at("v").size(); ++j)
-      for (std::size_t i = 0; i < basins["x"].size(); ++i) {
-        starts.push_back({basins["x"][i].get<double>(), basins["v"][j].get<double>()});
+    for (std::size_t j = 0; j < basins.at(v_name).size(); ++j)
+      for (std::size_t i = 0; i < basins[x_name].size(); ++i) {
+        starts.push_back({basins[x_name][i].get<double>(), basins[v_name][j].get<double>()});
         colour.push_back(colour_index(basins.at("attractor").at(j).at(i), attractors.size()));
       }
   else
     for (std::size_t k = 0; k < basins.at("starts").size(); ++k) {
-      starts.push_back({basins["starts"][k].at(0).get<double>(), basins["starts"][k].at(1).get<double>()});
+      starts.push_back({basins["starts"][k].at(across).get<double>(), basins["starts"][k].at(up).get<double>()});
       colour.push_back(colour_index(basins.at("attractor").at(k), attractors.size()));
     }
   for (const auto& start : starts) {
@@ -69,9 +83,9 @@ Picture draw_basins(const Json& result) {
     v.take(start[1]);
   }
   if (cells) {
-    take_cells(x, basins["x"]);
-    take_cells(v, basins["v"]);
-    picture.cells = Cells{basins["x"].get<std::vector<double>>(), basins["v"].get<std::vector<double>>(), colours, colour};
+    take_cells(x, basins[x_name]);
+    take_cells(v, basins[v_name]);
+    picture.cells = Cells{basins[x_name].get<std::vector<double>>(), basins[v_name].get<std::vector<double>>(), colours, colour};
   } else {
     add_start_dots(picture, starts, colour, colours);
   }
@@ -101,8 +115,8 @@ Picture draw_basins(const Json& result) {
   const double lost = result.at("lost"), admissible = result.at("admissible");
   if (lost > 0.0) picture.curves.push_back(legend_entry(fmt::format("lost: {} %", percent(lost / admissible)), lost_colour));
   // The barrier where it is in sight; then it stays inside the picture.
-  const Barrier barrier = barrier_of(result, true);
-  if (barrier.position > x.low - 0.1 * (x.high - x.low) && barrier.position < x.high + 0.5 * (x.high - x.low)) {
+  for (const Barrier& barrier : barriers_of(result, true)) {
+    if (!(barrier.position > x.low - 0.1 * (x.high - x.low) && barrier.position < x.high + 0.5 * (x.high - x.low))) continue;
     picture.barriers.push_back(barrier);
     x.take(barrier.position);
   }

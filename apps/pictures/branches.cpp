@@ -33,7 +33,7 @@ Picture draw_branches(const Json& result) {
   picture.title = "Periodic orbits";
   picture.subtitle = model_title(result, result.at("parameter"));
   picture.x_label = x_label;
-  picture.y_label = "x at forcing phase 0 (dimensionless)";
+  picture.y_label = state_label(result, 0, true);
   for (std::size_t b = 0; b < result.at("branches").size(); ++b) {
     const Json& branch = result["branches"][b];
     const std::vector<Drawn> points = points_in_order(branch);

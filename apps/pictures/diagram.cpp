@@ -40,7 +40,7 @@ Picture draw_diagram(const Json& result) {
   picture.title = "Sweeps, branches of periodic orbits, and Lyapunov exponents";
   picture.subtitle = model_title(result, parameter);
   picture.x_label = parameter + " (dimensionless)";
-  picture.y_label = "x at forcing phase 0 (dimensionless)";
+  picture.y_label = state_label(result, 0, true);
   picture.height = upper_height;
   const SkeletonCurves parts = skeleton_curves(result);
   const std::vector<Curve> samples = samples_of(result);
@@ -56,8 +56,8 @@ Picture draw_diagram(const Json& result) {
     if (std::any_of(samples.begin(), samples.end(), [&](const Curve& curve) { return curve.colour == sweep_colour(direction); }))
       picture.curves.push_back(legend_line(axes, std::string("sweep ") + direction, Stroke::dots, sweep_colour(direction), 1.0));
   for (Curve& line : skeleton_legend(parts, axes, branch_widths)) picture.curves.push_back(std::move(line));
-  const Barrier barrier = barrier_of(result, false);
-  if (axes.y[0] < barrier.position && barrier.position < axes.y[1]) picture.barriers.push_back(barrier);
+  for (const Barrier& barrier : barriers_of(result, false))
+    if (axes.y[0] < barrier.position && barrier.position < axes.y[1]) picture.barriers.push_back(barrier);
   axes.rows = upper_lines - 5.0 - legend_rows(picture.curves.size() + picture.barriers.size());
   picture.curves.insert(picture.curves.end(), samples.begin(), samples.end());
   add_skeleton(picture, result, parts, axes, branch_widths, samples);

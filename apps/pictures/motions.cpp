@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Pictures of motions: time series and phase portraits of orbits, special points and trajectories, with the barrier drawn.
 #include <graze/apps/pictures/pictures.hpp>
+#include <graze/apps/pictures/range.hpp>
 #include <graze/apps/problem/head.hpp>
 #include <graze/apps/problem/motion.hpp>
 #include <graze/apps/results/orbit_report.hpp>
@@ -15,9 +16,6 @@
 namespace graze::apps {
 
 namespace {
-
-constexpr const char* x_label = "x (dimensionless)";
-constexpr const char* v_label = "x' (dimensionless)";
 
 constexpr int samples_per_period = 600;                                     // a short contact is still a smooth arc
 constexpr std::size_t most_samples_per_period = 2400, most_samples = 9000;  // of a trajectory: more are an image
@@ -44,10 +42,10 @@ void insert_events(Sampled& motion, const Json& events) {
 /// An orbit of a result, run through again from its state.
 Sampled sampled_orbit(const Problem& problem, const Json& orbit, const std::string& name) {
   const int period = orbit.at("period");
-  const Vector state{{orbit.at("state").at(0).get<double>(), orbit.at("state").at(1).get<double>()}};
+  const Vector state = vector_from(orbit.at("state"));
   const Motion motion = run_motion(problem.system, problem.parameters, state, {.periods = period, .samples = samples_per_period});
   Sampled out;
-  out.rows = motion.samples;
+  for (const Vector& row : motion.samples) out.rows.push_back({row[0], row[1], row[2]});
   insert_events(out, events_json(motion.events, contacts_of_run(motion.events)));
   for (int k = 0; k < std::min<int>(period, static_cast<int>(motion.strobe.size())); ++k)
     out.strobe.push_back({motion.strobe[static_cast<std::size_t>(k)][0], motion.strobe[static_cast<std::size_t>(k)][1]});
@@ -106,10 +104,11 @@ Picture phase_portrait(const Json& result, const std::vector<Sampled>& motions) 
   Picture picture;
   picture.title = "Phase portrait";
   picture.subtitle = model_title(result);
-  picture.x_label = x_label;
-  picture.y_label = v_label;
-  picture.barriers.push_back(barrier_of(result, true));
-  double lowest = picture.barriers.front().position, highest = lowest;
+  picture.x_label = state_label(result, 0, false);
+  picture.y_label = state_label(result, 1, false);
+  picture.barriers = barriers_of(result, true);
+  Range across;
+  for (const Barrier& barrier : picture.barriers) across.take(barrier.position);
   Curve strobe;
   strobe.stroke = Stroke::marks;
   strobe.colour = "black";
@@ -121,16 +120,15 @@ Picture phase_portrait(const Json& result, const std::vector<Sampled>& motions) 
     curve.colour = colour_of(i);
     for (const auto& row : motions[i].rows) {
       curve.points.push_back({row[1], row[2], 0.0});
-      lowest = std::min(lowest, row[1]);
-      highest = std::max(highest, row[1]);
+      across.take(row[1]);
     }
     picture.curves.push_back(std::move(curve));
     for (const auto& state : motions[i].strobe) strobe.points.push_back({state[0], state[1], 0.0});
   }
   picture.curves.push_back(std::move(strobe));
   // The barrier stays inside the picture, with a little of what lies behind it.
-  const double margin = 0.06 * std::max(highest - lowest, 1e-3);
-  picture.x_range = {{lowest - margin, highest + margin}};
+  const double margin = 0.06 * std::max(across.high - across.low, 1e-3);
+  if (across.low <= across.high) picture.x_range = {{across.low - margin, across.high + margin}};
   return picture;
 }
 
@@ -139,9 +137,9 @@ Picture time_series(const Json& result, const std::vector<Sampled>& motions) {
   picture.title = "Displacement";
   picture.subtitle = model_title(result);
   picture.x_label = "tau (dimensionless time)";
-  picture.y_label = x_label;
-  picture.barriers.push_back(barrier_of(result, false));
-  picture.barriers.front().shaded = false;
+  picture.y_label = state_label(result, 0, false);
+  picture.barriers = barriers_of(result, false);
+  for (Barrier& barrier : picture.barriers) barrier.shaded = false;
   for (std::size_t i = 0; i < motions.size(); ++i) {
     Curve curve;
     curve.title = motions[i].title.empty() ? "x" : motions[i].title;
@@ -150,14 +148,12 @@ Picture time_series(const Json& result, const std::vector<Sampled>& motions) {
     picture.curves.push_back(std::move(curve));
   }
   // The barrier and its name stay inside the picture.
-  double lowest = picture.barriers.front().position, highest = lowest;
+  Range up;
+  for (const Barrier& barrier : picture.barriers) up.take(barrier.position);
   for (const Curve& curve : picture.curves)
-    for (const auto& point : curve.points) {
-      lowest = std::min(lowest, point[1]);
-      highest = std::max(highest, point[1]);
-    }
-  const double margin = 0.08 * std::max(highest - lowest, 1e-3);
-  picture.y_range = {{lowest - margin, highest + margin}};
+    for (const auto& point : curve.points) up.take(point[1]);
+  const double margin = 0.08 * std::max(up.high - up.low, 1e-3);
+  if (up.low <= up.high) picture.y_range = {{up.low - margin, up.high + margin}};
   return picture;
 }
 
@@ -184,8 +180,8 @@ Picture draw_section(const Json& result) {
   const bool impacts = result.at("section") == "impact";
   picture.title = fmt::format("Poincaré section ({})", result["section"].get<std::string>());
   picture.subtitle = model_title(result);
-  picture.x_label = impacts ? "forcing phase eta tau mod 2 pi (radians)" : "x at forcing phase 0 (dimensionless)";
-  picture.y_label = impacts ? "speed of impact (dimensionless)" : "x' at forcing phase 0 (dimensionless)";
+  picture.x_label = impacts ? "forcing phase eta tau mod 2 pi (radians)" : state_label(result, 0, true);
+  picture.y_label = impacts ? "speed of impact (dimensionless)" : state_label(result, 1, true);
   if (impacts) picture.x_range = {{0.0, 2.0 * M_PI}};
   Curve curve;
   curve.stroke = Stroke::dots;
@@ -201,8 +197,8 @@ Picture draw_section(const Json& result) {
   }
   picture.curves.push_back(std::move(curve));
   // Drawn where it is in sight: it must not squeeze the section into a corner.
-  const Barrier barrier = barrier_of(result, true);
-  if (!impacts && barrier.position < highest + 0.5 * (highest - lowest)) {
+  for (const Barrier& barrier : barriers_of(result, true)) {
+    if (impacts || !(barrier.position < highest + 0.5 * (highest - lowest))) continue;
     picture.barriers.push_back(barrier);
     lowest = std::min(lowest, barrier.position);
     highest = std::max(highest, barrier.position);

@@ -95,9 +95,16 @@ std::string colour_of(std::size_t series) {
 
 std::string model_title(const Json& result, const std::string& except) { return describe(problem_of(result), except); }
 
-Barrier barrier_of(const Json& result, bool vertical) {
+std::vector<Barrier> barriers_of(const Json& result, bool vertical) {
+  if (result.contains("states")) return {};
   const double r = result.at("parameters").at("r").get<double>();
-  return {vertical, r, fmt::format("barrier x = r = {}", rounded(r, 6)), true};
+  return {{vertical, r, fmt::format("barrier x = r = {}", rounded(r, 6)), true}};
+}
+
+std::string state_label(const Json& result, std::size_t state, bool at_phase_0) {
+  const bool written = result.contains("states");
+  const std::string name = written ? result["states"].at(state).get<std::string>() : state == 0 ? "x" : "x'";
+  return fmt::format("{}{}{}", name, at_phase_0 ? " at forcing phase 0" : "", written ? "" : " (dimensionless)");
 }
 
 }  // namespace graze::apps

@@ -49,8 +49,12 @@ std::string colour_of(std::size_t series);
 /// The title that all pictures of a model have: its kind and its parameters but `except`.
 std::string model_title(const Json& result, const std::string& except = {});
 
-/// The barrier of the result's model, at x = r.
-Barrier barrier_of(const Json& result, bool vertical);
+/// The barrier of a built-in oscillator, at x = r; none of a system written as text, whose barriers may be anywhere.
+std::vector<Barrier> barriers_of(const Json& result, bool vertical);
+
+/// The name of a state for an axis: "x (dimensionless)", "x at forcing phase 0 (dimensionless)"; the plain name if the system is
+/// written as text.
+std::string state_label(const Json& result, std::size_t state, bool at_phase_0);
 
 /// The exponents of a sweep without title, to stand below other axes of this range.
 Picture exponents_below(const Json& result, const std::array<double, 2>& x_range);

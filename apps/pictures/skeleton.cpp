@@ -122,7 +122,7 @@ Picture skeleton_of(const Json& result, const std::string& title, bool values) {
   picture.title = title;
   picture.subtitle = model_title(result, parameter);
   picture.x_label = parameter + " (dimensionless)";
-  picture.y_label = "x at forcing phase 0 (dimensionless)";
+  picture.y_label = state_label(result, 0, true);
   SkeletonCurves parts = skeleton_curves(result);
   if (values)
     for (SkeletonCurves::Named& point : parts.named) point.label += " " + rounded(point.value, 8);

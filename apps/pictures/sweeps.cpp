@@ -28,7 +28,7 @@ Picture frame(const Json& result, const std::string& title, const std::string& y
 bool has_rows(const Json& result) { return !result.at("rows").empty(); }
 
 Picture draw_states(const Json& result) {
-  Picture picture = frame(result, "Attractors", "x at forcing phase 0 (dimensionless)");
+  Picture picture = frame(result, "Attractors", state_label(result, 0, true));
   std::map<std::string, std::vector<std::array<double, 3>>> states;
   for (const Json& row : result.at("rows"))
     for (const Json& state : row.at("states")) states[row.at("direction")].push_back({row.at("value"), state.at(0), 0.0});

@@ -13,9 +13,17 @@ Json result_head(const std::string& schema, const std::string& command, const Pr
   head["schema"] = "graze." + schema;
   head["graze"] = program_version;
   head["command"] = command;
-  head["model"] = {{"oscillator", problem.oscillator}, {"contact", problem.contact}};
+  if (problem.written) {
+    head["model"] = {{"system", problem.system.name}, {"file", problem.file}, {"text", problem.text}};
+    head["states"] = state_columns(problem);
+  } else {
+    head["model"] = {{"oscillator", problem.oscillator}, {"contact", problem.contact}};
+  }
   for (std::size_t i = 0; i < problem.system.parameters.size(); ++i)
     head["parameters"][problem.system.parameters[i].name] = problem.parameters[static_cast<Eigen::Index>(i)];
+  if (problem.written)
+    for (const equations::TiedParameter& tied : problem.written->tied)
+      head["tied"][tied.info.name] = tied.value(problem.parameters);
   if (problem.converted_from) {
     const ConvertedFrom& from = *problem.converted_from;
     Json& quantities = head["converted_from"] = {{"excitation", from.excitation}};
@@ -44,7 +52,9 @@ int exit_code(Status status) {
 Problem problem_of(const Json& result) {
   try {
     const Json& model = result.at("model");
-    Problem problem = make_problem(model.at("oscillator").get<std::string>(), model.at("contact").get<std::string>());
+    Problem problem = model.contains("text")
+                          ? parse_problem(model.at("text").get<std::string>(), model.at("file").get<std::string>())
+                          : make_problem(model.at("oscillator").get<std::string>(), model.at("contact").get<std::string>());
     for (const auto& [name, value] : result.at("parameters").items()) set_parameter(problem, name, value.get<double>());
     return problem;
   } catch (const Json::exception& error) {

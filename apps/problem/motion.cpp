@@ -21,7 +21,10 @@ Motion run_motion(const HybridSystem& system, const Vector& parameters, const Ve
     if (!times.empty()) {
       const Matrix rows = sample(system, parameters, run, times);
       for (Eigen::Index i = 0; i < rows.rows(); ++i)
-        if (rows.row(i).allFinite()) motion.samples.push_back({offset + rows(i, 0), rows(i, 1), rows(i, 2)});
+        if (rows.row(i).allFinite()) {
+          motion.samples.emplace_back(rows.row(i).transpose());
+          motion.samples.back()[0] += offset;
+        }
     }
     for (EventRecord event : run.events) {
       event.t += offset;
@@ -33,7 +36,11 @@ Motion run_motion(const HybridSystem& system, const Vector& parameters, const Ve
     motion.strobe.push_back(x);
     if (options.progress) options.progress(motion.periods + 1);
   }
-  if (options.samples > 0 && motion.termination == Termination::time) motion.samples.push_back({T * motion.periods, x[0], x[1]});
+  if (options.samples > 0 && motion.termination == Termination::time) {
+    Vector last(x.size() + 1);
+    last << T * motion.periods, x;
+    motion.samples.push_back(std::move(last));
+  }
   return motion;
 }
 

@@ -6,14 +6,13 @@
 
 #include <graze/lib/motion/trajectory.hpp>
 
-#include <array>
 #include <functional>
 #include <vector>
 
 namespace graze::apps {
 
 struct Motion {
-  std::vector<std::array<double, 3>> samples;  ///< tau, x, x' at equal steps; tau = 0 at the start
+  std::vector<Vector> samples;      ///< tau and the states at equal steps; tau = 0 at the start
   std::vector<EventRecord> events;             ///< with t counted from the start
   std::vector<Vector> strobe;                  ///< states at forcing phase 0: the start, and after each period
   int periods = 0;                             ///< completed

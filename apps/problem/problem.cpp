@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/problem/problem.hpp>
+#include <graze/apps/problem/system_file.hpp>
 #include <graze/apps/problem/toml_section.hpp>
 #include <graze/apps/text/number.hpp>
 #include <graze/lib/models/oscillator.hpp>
@@ -21,6 +22,13 @@ Eigen::Index index_of(const Problem& problem, std::string_view name) {
   try {
     return static_cast<Eigen::Index>(parameter_index(problem.system.parameters, name));
   } catch (const std::invalid_argument& error) {
+    if (problem.written) {
+      for (const equations::TiedParameter& tied : problem.written->tied)
+        if (tied.info.name == name)
+          throw std::invalid_argument(
+              fmt::format("{} is an expression of other parameters in {}; set those, or give it a value there", name, problem.file));
+      throw;
+    }
     throw std::invalid_argument(error.what() + owner_of(name, problem.contact));
   }
 }
@@ -56,6 +64,15 @@ void set_parameter(Problem& problem, std::string_view name, double value) {
   changed[index_of(problem, name)] = value;
   check_parameters(problem.system.parameters, changed);
   problem.parameters = changed;
+}
+
+std::string parameter_name(const Problem& problem, const std::string& given) {
+  if (!given.empty()) return given;
+  if (const auto frequency = problem.system.forcing_frequency) return problem.system.parameters[*frequency].name;
+  std::vector<std::string> names;
+  for (const ParameterInfo& info : problem.system.parameters) names.push_back(info.name);
+  throw std::invalid_argument(fmt::format("{} names no parameter as its forcing frequency; give --param NAME, one of {}", problem.file,
+                                          fmt::join(names, ", ")));
 }
 
 void check_parameter_name(const Problem& problem, std::string_view name) {
@@ -106,23 +123,80 @@ void apply_settings(Problem& problem, const std::vector<std::string>& settings) 
 }
 
 Vector start_state(const Problem& problem, const std::optional<Vector>& given) {
-  const std::optional<Vector>& wanted = given ? given : problem.start;
-  const double barrier = parameter(problem, "r");
-  if (!wanted) return Vector{{std::min(0.0, barrier), 0.0}};
+  const Vector wanted = given ? *given : problem.start ? *problem.start : rest_state(problem, problem.parameters);
+  if (!given && !problem.start && !problem.written) return wanted;
   try {
-    initial_mode(problem.system, 0.0, *wanted, problem.parameters);
+    initial_mode(problem.system, 0.0, wanted, problem.parameters);
   } catch (const std::invalid_argument& error) {
-    const std::string source =
-        given ? fmt::format("--start {},{}", exact((*given)[0]), exact((*given)[1])) : problem.file + ": [start] state";
-    const bool inside = wanted->allFinite();
-    throw std::invalid_argument(fmt::format("{}: {}{}", source, error.what(),
-                                            inside ? fmt::format(", x <= r = {}", exact(barrier)) : "; give two that are"));
+    std::vector<std::string> values;
+    for (const double value : wanted) values.push_back(exact(value));
+    const std::string source = given           ? fmt::format("--start {}", fmt::join(values, ","))
+                               : problem.start ? problem.file + ": [start] state"
+                                               : problem.file + " gives no [start] state, and rest";
+    const std::string allowed = !wanted.allFinite()    ? fmt::format("; give {} that are", values.size() == 2 ? "two" : "numbers")
+                                : problem.written ? "; give another by --start"
+                                                  : fmt::format(", x <= r = {}", exact(parameter(problem, "r")));
+    throw std::invalid_argument(fmt::format("{}: {}{}", source, error.what(), allowed));
   }
-  return *wanted;
+  return wanted;
+}
+
+Vector rest_state(const Problem& problem, const Vector& parameters) {
+  Vector rest = Vector::Zero(static_cast<Eigen::Index>(problem.system.states));
+  if (!problem.written) rest[0] = std::min(0.0, parameters[index_of(problem, "r")]);
+  return rest;
+}
+
+Vector state_of(const Problem& problem, const StateText& given, const std::string& option) {
+  const std::vector<std::string> names = state_columns(problem);
+  if (given.names.empty()) {
+    if (static_cast<std::size_t>(given.values.size()) == names.size()) return given.values;
+    std::vector<std::string> values;
+    for (const double value : given.values) values.push_back(exact(value));
+    throw std::invalid_argument(fmt::format("{} {}: must be {} numbers {}, or some of them by name, {}=0.5", option,
+                                            fmt::join(values, ","), names.size() == 2 ? "two" : fmt::format("{}", names.size()),
+                                            fmt::join(names, ","), names.front()));
+  }
+  Vector state = problem.start ? *problem.start : Vector::Zero(static_cast<Eigen::Index>(names.size()));
+  for (std::size_t i = 0; i < given.names.size(); ++i) {
+    const auto found = std::find(names.begin(), names.end(), given.names[i]);
+    if (found == names.end())
+      throw std::invalid_argument(fmt::format("{}: {}", option, unknown_name("state", given.names[i], names)));
+    state[found - names.begin()] = given.values[static_cast<Eigen::Index>(i)];
+  }
+  return state;
+}
+
+std::vector<std::size_t> counted_events(const Problem& problem) {
+  std::vector<std::size_t> counted, contacts, sticking, all;
+  for (std::size_t i = 0; i < problem.system.events.size(); ++i) {
+    if (problem.written && problem.written->events[i].count > 0) counted.push_back(i);
+    if (begins_contact(problem.system.events[i].kind)) contacts.push_back(i);
+    if (problem.system.events[i].kind == EventKind::stick) sticking.push_back(i);
+    all.push_back(i);
+  }
+  for (const std::vector<std::size_t>* list : {&counted, &contacts, &sticking})
+    if (!list->empty()) return *list;
+  return all;
+}
+
+std::vector<std::string> state_columns(const Problem& problem) { return state_names(problem.system); }
+
+std::vector<std::string> state_headings(const Problem& problem) {
+  return problem.written ? state_names(problem.system) : std::vector<std::string>{"x", "x'"};
+}
+
+std::string state_text(const Problem& problem, const Vector& state, int digits) {
+  const std::vector<std::string> names = state_headings(problem);
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    text += fmt::format("{}{} = {}", i == 0 ? "" : "   ", names[i], rounded(state[static_cast<Eigen::Index>(i)], digits));
+  return text;
 }
 
 std::string describe(const Problem& problem, std::string_view except) {
-  std::string text = fmt::format("{} oscillator, {} contact", problem.oscillator, problem.contact);
+  std::string text = problem.written ? problem.system.name
+                                     : fmt::format("{} oscillator, {} contact", problem.oscillator, problem.contact);
   char separator = ':';
   for (std::size_t i = 0; i < problem.system.parameters.size(); ++i) {
     const std::string& name = problem.system.parameters[i].name;
@@ -130,6 +204,9 @@ std::string describe(const Problem& problem, std::string_view except) {
     text += fmt::format("{} {} = {}", separator, name, rounded(problem.parameters[static_cast<Eigen::Index>(i)], 8));
     separator = ',';
   }
+  if (problem.written)
+    for (const equations::TiedParameter& tied : problem.written->tied)
+      text += fmt::format("; {} = {}", tied.info.name, rounded(tied.value(problem.parameters), 8));
   return text;
 }
 
@@ -231,8 +308,37 @@ std::string model_name(TomlSection& section, const std::string& key, const std::
 
 }  // namespace
 
+namespace {
+
+/// A file with a system of its own.
+Problem parse_system(const toml::table& root, std::string_view text, const std::string& file) {
+  Problem problem;
+  problem.file = file;
+  problem.text = text;
+  auto written = std::make_shared<equations::TextSystem>(
+      equations::make_system(read_system(root, {file, std::string(text)})));
+  problem.system = written->system;
+  problem.start = written->start;
+  problem.written = std::move(written);
+  if (const auto frequency = problem.system.forcing_frequency) {
+    ParameterInfo& info = problem.system.parameters[*frequency];
+    if (info.lower < 0.0 || (info.lower == 0.0 && !info.lower_open)) {
+      info.lower = 0.0;
+      info.lower_open = true;
+    }
+  }
+  problem.parameters = default_parameters(problem.system.parameters);
+  TomlSection start(file, root, "start");
+  problem.settle = start.count("settle", 0);
+  problem.period = start.count("period", 1, longest_period);
+  return problem;
+}
+
+}  // namespace
+
 Problem parse_problem(std::string_view text, const std::string& file) {
   const toml::table root = parse_toml(text, file);
+  if (has_system(root)) return parse_system(root, text, file);
   const std::vector<std::string> sections = {"model", "parameters", "physical", "start"};
   for (const auto& [key, node] : root)
     if (std::find(sections.begin(), sections.end(), key.str()) == sections.end())

@@ -6,11 +6,16 @@
 //   [physical]    excitation = "kinematic", m = 1.0, ...            instead of [parameters]: converted (physical_units.hpp)
 //   [start]       state = [x, v], settle = 1000, period = 1         optional; --start, --settle, --period go before it
 //
+// or a system of its own, written as text (system_file.hpp).
+//
 // Every mistake in a file is a std::invalid_argument with one sentence: file, line, what was given, what is allowed.
 #pragma once
 
+#include <graze/apps/console/arguments.hpp>
+#include <graze/lib/equations/system_text.hpp>
 #include <graze/lib/system/hybrid_system.hpp>
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -36,7 +41,9 @@ inline constexpr double slowest_forcing = 1e-4;
 
 struct Problem {
   std::string file;
-  std::string oscillator, contact;
+  std::string oscillator, contact;                        ///< of a built-in system
+  std::string text;                                       ///< of a file with a system of its own, whole
+  std::shared_ptr<const equations::TextSystem> written;  ///< and what it says; null: built-in
   HybridSystem system;
   Vector parameters;
   std::vector<std::string> defaulted;  ///< parameters that neither the file nor a setting gives
@@ -61,6 +68,10 @@ void set_parameter(Problem& problem, std::string_view name, double value);
 /// The same for a value given by an option such as "--from", which the message then names.
 void set_parameter(Problem& problem, std::string_view name, double value, const std::string& option);
 
+/// The parameter that was given by --param; empty: the forcing frequency. @throws std::invalid_argument if it is empty and the
+/// system has none.
+std::string parameter_name(const Problem& problem, const std::string& given);
+
 /// @throws std::invalid_argument for a parameter that was given by --param and that the model does not have.
 void check_parameter_name(const Problem& problem, std::string_view name);
 
@@ -71,10 +82,27 @@ std::string owner_of(std::string_view parameter, const std::string& contact);
 /// Applies settings of the form name=value, in order.
 void apply_settings(Problem& problem, const std::vector<std::string>& settings);
 
-/// The state at forcing phase 0 to start from: `given`, else the file's, else rest at 0 (or at the barrier, where 0 lies beyond
-/// it).
+/// Where a motion starts if nobody says where: rest at 0, or at the barrier if 0 lies beyond it.
+Vector rest_state(const Problem& problem, const Vector& parameters);
+
+/// The state at forcing phase 0 to start from: `given`, else the file's, else rest_state().
 /// @throws std::invalid_argument for a state that is not admissible.
 Vector start_state(const Problem& problem, const std::optional<Vector>& given);
+
+/// A state that was given by position or by name; states that are not named are those of the file, else 0. `option` is what
+/// messages call it. @throws std::invalid_argument for a wrong number of values or an unknown name.
+Vector state_of(const Problem& problem, const StateText& given, const std::string& option = "--start");
+
+/// Events that are the returns of an autonomous system: those with a count, else those that begin a contact, else
+/// those that begin to stick, else all.
+std::vector<std::size_t> counted_events(const Problem& problem);
+
+/// Names of the states as columns of a table ("x", "v"), and as people read them ("x", "x'" for the built-in oscillators).
+std::vector<std::string> state_columns(const Problem& problem);
+std::vector<std::string> state_headings(const Problem& problem);
+
+/// "x = 1.5   x' = 0.2".
+std::string state_text(const Problem& problem, const Vector& state, int digits);
 
 /// "linear oscillator with hertz contact: b = 0.05, ..., k_H = 100", without the parameter called `except`.
 std::string describe(const Problem& problem, std::string_view except = {});

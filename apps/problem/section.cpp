@@ -19,7 +19,9 @@ Section collect_section(const Problem& problem, const Vector& start, const Secti
   Section section;
   section.kind = options.kind;
   const auto wanted = static_cast<std::size_t>(options.points);
-  const double eta = parameter(problem, "eta");
+  const auto frequency = problem.system.forcing_frequency;
+  const double eta = frequency ? problem.parameters[static_cast<Eigen::Index>(*frequency)]
+                               : 2.0 * std::numbers::pi / forcing_period(problem.system, problem.parameters);
   const bool impacts = options.kind == SectionKind::impact;
   Vector state = start;
   int idle = 0;
@@ -29,10 +31,10 @@ Section collect_section(const Problem& problem, const Vector& start, const Secti
     const std::size_t before = section.points.size();
     // A run of n periods gives n points, the next run begins with the state at its end.
     for (std::size_t k = 0; !impacts && k < static_cast<std::size_t>(motion.periods) && section.points.size() < wanted; ++k)
-      section.points.push_back({motion.strobe[k][0], motion.strobe[k][1]});
+      section.points.push_back(motion.strobe[k]);
     for (const EventRecord& event : motion.events) {
       if (!impacts || section.points.size() == wanted || !begins_contact(event.kind)) continue;
-      section.points.push_back({std::fmod(eta * event.t, 2.0 * std::numbers::pi), event.normal_speed});
+      section.points.push_back(Vector{{std::fmod(eta * event.t, 2.0 * std::numbers::pi), event.normal_speed}});
     }
     section.periods += motion.periods;
     section.termination = motion.termination;
@@ -43,12 +45,17 @@ Section collect_section(const Problem& problem, const Vector& start, const Secti
   return section;
 }
 
-Json section_json(const Section& section) {
+std::vector<std::string> section_columns(const Problem& problem, SectionKind kind) {
+  return kind == SectionKind::impact ? std::vector<std::string>{"phase", "speed"} : state_columns(problem);
+}
+
+Json section_json(const Problem& problem, const Section& section) {
   Json out;
   out["section"] = section_name(section.kind);
   out["periods"] = section.periods;
-  out["columns"] = section.kind == SectionKind::impact ? Json{"phase", "speed"} : Json{"x", "v"};
-  out["points"] = section.points;
+  out["columns"] = section_columns(problem, section.kind);
+  out["points"] = Json::array();
+  for (const Vector& point : section.points) out["points"].push_back(to_json(point));
   return out;
 }
 

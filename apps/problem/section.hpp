@@ -6,14 +6,13 @@
 
 #include <graze/lib/motion/trajectory.hpp>
 
-#include <array>
 #include <functional>
 #include <vector>
 
 namespace graze::apps {
 
 enum class SectionKind {
-  stroboscopic,  ///< (x, x') at forcing phase 0
+  stroboscopic,  ///< states at forcing phase 0
   impact         ///< (forcing phase, speed of approach) of each impact or entry into contact
 };
 
@@ -25,7 +24,7 @@ inline constexpr int patience = 1000;
 
 struct Section {
   SectionKind kind = SectionKind::stroboscopic;
-  std::vector<std::array<double, 2>> points;
+  std::vector<Vector> points;
   int periods = 0;
   Termination termination = Termination::time;
 };
@@ -41,6 +40,9 @@ struct SectionOptions {
 Section collect_section(const Problem& problem, const Vector& start, const SectionOptions& options);
 
 /// What graze.poincare/1 has beside its head: "section", "periods", "columns", "points".
-Json section_json(const Section& section);
+Json section_json(const Problem& problem, const Section& section);
+
+/// Names of the columns of its points.
+std::vector<std::string> section_columns(const Problem& problem, SectionKind kind);
 
 }  // namespace graze::apps

@@ -37,10 +37,10 @@ Picture portrait_of_chaos(const Problem& problem, const Vector& state) {
   Json result = result_head("trajectory/1", "reproduce", problem, Json::object());
   const Motion motion =
       run_motion(problem.system, problem.parameters, state, {.periods = portrait_periods, .samples = portrait_samples});
-  result.update(motion_json(motion, contacts_of_run(motion.events)));
+  result.update(motion_json(problem, motion, contacts_of_run(motion.events)));
   Picture portrait = picture_of(result, "phase");
   Json section = result_head("poincare/1", "reproduce", problem, Json::object());
-  section.update(section_json(collect_section(problem, state, {.points = section_points})));
+  section.update(section_json(problem, collect_section(problem, state, {.points = section_points})));
   Picture points = picture_of(section, "section");
   points.title = fmt::format("Poincaré section, {} points", section_points);
   points.subtitle.clear();

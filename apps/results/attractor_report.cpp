@@ -7,15 +7,20 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 namespace graze::apps {
 
 namespace {
 
 Json number_json(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+/// Member "unbounded" of a motion that grows without bound.
+constexpr std::array growths = {std::pair{Termination::escape, "escape"}, std::pair{Termination::resonance, "resonance"}};
 
 }  // namespace
 
@@ -65,6 +70,8 @@ void write_attractor(const Attractor& attractor, JsonText& json) {
     json.member("conservative", true);
     json.member("motion", conservative_motion_name(attractor.motion));
   }
+  for (const auto& [termination, name] : growths)
+    if (attractor.termination == termination) json.member("unbounded", name);
   json.end_object();
 }
 
@@ -80,6 +87,8 @@ Attractor attractor_of(const Json& json) {
   if (json.at("impacts").is_number()) out.impacts = json["impacts"];
   out.state = vector_from(json.at("state"));
   out.termination = Termination::time;
+  for (const auto& [termination, name] : growths)
+    if (json.value("unbounded", "") == name) out.termination = termination;
   out.isolated_impacts = json.value("isolated_impacts", out.impacts);
   out.rests = json.value("rests", false);
   out.conservative = json.value("conservative", false);
@@ -94,6 +103,8 @@ std::string attractor_name(const Attractor& attractor) {
   if (attractor.motion == ConservativeMotion::neutral)
     return "neutral " + (attractor.rests ? std::string("rest") : z_label(attractor.impacts, attractor.period));
   if (attractor.motion != ConservativeMotion::unknown) return std::string(conservative_motion_name(attractor.motion));
+  for (const auto& [termination, name] : growths)
+    if (attractor.termination == termination) return fmt::format("unbounded ({})", name);
   if (attractor.type != AttractorType::periodic) return std::string(attractor_type_name(attractor.type));
   if (attractor.rests) return "at rest";
   return z_label(attractor.impacts, attractor.isolated_impacts, attractor.period);
@@ -117,7 +128,7 @@ const char* conservative_text(ConservativeMotion motion) {
 
 }  // namespace
 
-std::string attractor_text(const Attractor& attractor, int max_period) {
+std::string attractor_text(const Problem& problem, const Attractor& attractor, int max_period) {
   std::string text;
   if (attractor.conservative) {
     text = fmt::format("{}: nothing dissipates here (Liouville's sum is zero), so there is no attractor; {}\n",
@@ -135,8 +146,7 @@ std::string attractor_text(const Attractor& attractor, int max_period) {
                     "positive by several standard errors\n",
                     max_period);
   }
-  text += fmt::format("  state at forcing phase 0   x = {}   x' = {}\n\n", rounded(attractor.state[0], 12),
-                      rounded(attractor.state[1], 12));
+  text += fmt::format("  state at forcing phase 0   {}\n\n", state_text(problem, attractor.state, 12));
   const bool periodic = attractor.type == AttractorType::periodic;
   Table table{{"exponent", "value"}, {}};
   if (!periodic) table.columns.push_back("standard error");

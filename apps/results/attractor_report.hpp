@@ -2,6 +2,7 @@
 // What is said of attractors and their exponents: as JSON, as text.
 #pragma once
 
+#include <graze/apps/problem/problem.hpp>
 #include <graze/apps/text/json.hpp>
 #include <graze/apps/text/json_text.hpp>
 
@@ -34,6 +35,6 @@ Attractor attractor_of(const Json& json);
 std::string attractor_name(const Attractor& attractor);
 
 /// All that `graze lyapunov` prints of an attractor, where orbits of up to `max_period` were looked for.
-std::string attractor_text(const Attractor& attractor, int max_period);
+std::string attractor_text(const Problem& problem, const Attractor& attractor, int max_period);
 
 }  // namespace graze::apps

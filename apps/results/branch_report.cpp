@@ -57,8 +57,10 @@ std::string multipliers_text(const FloquetMultipliers& multipliers, int digits) 
   return multipliers.valid ? out : "do not exist";
 }
 
-Table points_table(const Branch& branch, std::size_t most) {
-  Table table{{"point", branch.parameter, "x", "x'", "z"}, {}};
+Table points_table(const Problem& problem, const Branch& branch, std::size_t most) {
+  Table table{{"point", branch.parameter}, {}};
+  for (const std::string& name : state_headings(problem)) table.columns.push_back(name);
+  table.columns.emplace_back("z");
   const std::size_t count = branch.points.empty() ? 0 : branch.points.front().multipliers.values.size();
   for (std::size_t k = 1; k <= count; ++k) table.columns.push_back(fmt::format("multiplier {}", k));
   table.columns.insert(table.columns.end(), {"stable", "admissible"});
@@ -68,8 +70,9 @@ Table points_table(const Branch& branch, std::size_t most) {
   for (std::size_t row = 0; row < rows; ++row) {
     const std::size_t i = rows == size ? row : row * (size - 1) / (rows - 1);
     const BranchPoint& point = branch.points[i];
-    std::vector<std::string> cells = {std::to_string(i + 1), rounded(point.value, 10), rounded(point.state()[0], 10),
-                                      rounded(point.state()[1], 10), label(point.impacts, point.isolated_impacts, branch.period)};
+    std::vector<std::string> cells = {std::to_string(i + 1), rounded(point.value, 10)};
+    for (const double value : point.state()) cells.push_back(rounded(value, 10));
+    cells.push_back(label(point.impacts, point.isolated_impacts, branch.period));
     for (std::size_t k = 0; k < count; ++k)
       cells.push_back(k < point.multipliers.values.size() ? rounded(point.multipliers.values[k], 7) : "-");
     cells.push_back(point.stable ? "yes" : "no");
@@ -128,8 +131,8 @@ std::string special_point_text(const SpecialPoint& point, const std::string& par
                                  point.orbit.admissible == Admissibility::admissible ? "" : ", NOT ADMISSIBLE");
   if (point.status == PointStatus::bracketed)
     text += fmt::format("        between {} and {}\n", rounded(point.interval[0], 12), rounded(point.interval[1], 12));
-  text += fmt::format("        state ({}, {}), multipliers {}\n", rounded(point.orbit.state[0], 12),
-                      rounded(point.orbit.state[1], 12), multipliers_text(point.orbit.multipliers, 11));
+  text += fmt::format("        state {}, multipliers {}\n", rounded_state(point.orbit.state, 12),
+                      multipliers_text(point.orbit.multipliers, 11));
   std::string details;
   for (const auto& [name, detail] : point.details)
     details += fmt::format("{}{} {}", details.empty() ? "" : ", ", name, detail_text(detail));
@@ -143,11 +146,11 @@ std::string stability_text(const SpecialPoint& point) {
                                  : "neither stable nor unstable to first order (the return map has no derivative there)";
 }
 
-std::string branch_text(const Branch& branch, std::size_t most, const SamePoints& same) {
+std::string branch_text(const Problem& problem, const Branch& branch, std::size_t most, const SamePoints& same) {
   std::string text = fmt::format("branch {}: period {}, {}", branch.id, branch.period, counted(branch.points.size(), "point"));
   if (branch.parent) text += fmt::format(", born at {} of branch {}", branch.parent->label, branch.parent->branch);
   text += "\n";
-  if (!branch.points.empty()) text += aligned(points_table(branch, most));
+  if (!branch.points.empty()) text += aligned(points_table(problem, branch, most));
   if (branch.points.size() > most)
     text += fmt::format("  ({} of {} points shown; --all shows all)\n", std::max<std::size_t>(most, 2), branch.points.size());
   for (const SpecialPoint& point : branch.special_points) {
@@ -163,9 +166,9 @@ std::string branch_text(const Branch& branch, std::size_t most, const SamePoints
 
 std::string stable_cell(std::optional<bool> stable) { return !stable ? "" : *stable ? "yes" : "no"; }
 
-Table branches_table(const std::vector<Branch>& branches) {
-  Table table{
-      {"branch", "parent", "label", "period", "impacts", branches.empty() ? "value" : branches.front().parameter, "x", "v"}, {}};
+Table branches_table(const Problem& problem, const std::vector<Branch>& branches) {
+  Table table{{"branch", "parent", "label", "period", "impacts", branches.empty() ? "value" : branches.front().parameter}, {}};
+  for (const std::string& name : state_columns(problem)) table.columns.push_back(name);
   std::size_t count = 0;
   for (const Branch& branch : branches)
     for (const BranchPoint& point : branch.points) count = std::max(count, point.multipliers.values.size());
@@ -179,9 +182,8 @@ Table branches_table(const std::vector<Branch>& branches) {
                                     name,
                                     std::to_string(branch.period),
                                     std::to_string(impacts),
-                                    exact(value),
-                                    exact(state[0]),
-                                    exact(state[1])};
+                                    exact(value)};
+    for (const double component : state) row.push_back(exact(component));
     for (std::size_t k = 0; k < count; ++k) {
       const bool there = multipliers.valid && k < multipliers.values.size();
       row.push_back(there ? exact(multipliers.values[k].real()) : "");

@@ -2,6 +2,7 @@
 // What is said of branches and special points: as JSON (graze.branch/1, graze.point/1), as text, as table rows.
 #pragma once
 
+#include <graze/apps/problem/problem.hpp>
 #include <graze/apps/results/same_points.hpp>
 #include <graze/apps/text/json.hpp>
 #include <graze/apps/text/table.hpp>
@@ -28,9 +29,9 @@ std::string stable_cell(std::optional<bool> stable);
 
 /// A branch: a table of its points (thinned out to `most` rows), its special points, and why it stopped. Of special points that
 /// an earlier branch has, too, it is said which they are.
-std::string branch_text(const Branch& branch, std::size_t most, const SamePoints& same);
+std::string branch_text(const Problem& problem, const Branch& branch, std::size_t most, const SamePoints& same);
 
 /// One row per point of each branch, special points in their places with their labels.
-Table branches_table(const std::vector<Branch>& branches);
+Table branches_table(const Problem& problem, const std::vector<Branch>& branches);
 
 }  // namespace graze::apps

@@ -12,8 +12,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
-#include <tuple>
 
 namespace graze::apps {
 
@@ -21,7 +21,7 @@ namespace {
 
 constexpr int default_settle = 1000;  // forcing periods
 
-std::string shown(const Vector& state) { return fmt::format("({}, {})", rounded(state[0], 9), rounded(state[1], 9)); }
+std::string shown(const Vector& state) { return rounded_state(state, 9); }
 
 std::string periods(int n) { return counted(static_cast<std::size_t>(n), "forcing period"); }
 
@@ -32,6 +32,18 @@ void take(FoundOrbits& found, std::vector<PeriodicOrbit> orbits, const char* ori
   found.orbits = std::move(orbits);
   found.origin = origin;
   if (any) found.status = Status::done;
+}
+
+/// What to do where numbers of such sizes cannot be computed with.
+std::string extreme_parameter(const Problem& problem) {
+  Eigen::Index farthest = -1;
+  const auto orders = [&](Eigen::Index k) { return std::abs(std::log(std::abs(problem.parameters[k]))); };
+  for (Eigen::Index k = 0; k < problem.parameters.size(); ++k)
+    if (problem.parameters[k] != 0.0 && (farthest < 0 || orders(k) > orders(farthest))) farthest = k;
+  if (farthest < 0) return "give other parameters";
+  return fmt::format("of the parameters, {} = {} is farthest from 1 in size: give it, or the units of length and time, another size",
+                     problem.system.parameters[static_cast<std::size_t>(farthest)].name,
+                     rounded(problem.parameters[farthest], 9));
 }
 
 /// The orbit that the settled motion repeats, if it does.
@@ -94,6 +106,10 @@ Problem open_problem(const StartOptions& options, const Console& console) {
   return problem;
 }
 
+Vector start_state(const Problem& problem, const StartOptions& options) {
+  return start_state(problem, options.start ? std::optional(state_of(problem, *options.start)) : std::nullopt);
+}
+
 int settle_of(const Problem& problem, const StartOptions& options) {
   return options.settle ? *options.settle : problem.settle.value_or(default_settle);
 }
@@ -105,7 +121,7 @@ int period_of(const Problem& problem, const OrbitOptions& options) {
 Json options_json(const Problem& problem, const StartOptions& options) {
   return {{"problem", options.file},
           {"set", options.settings},
-          {"start", to_json(start_state(problem, options.start))},
+          {"start", to_json(start_state(problem, options))},
           {"settle", settle_of(problem, options)}};
 }
 
@@ -130,7 +146,7 @@ Settled settle_down(const Problem& problem, const StartOptions& options, const C
     return interrupted();
   };
   settling.flow.cancelled = interrupted;
-  return settle(problem.system, problem.parameters, start_state(problem, options.start), settling);
+  return settle(problem.system, problem.parameters, start_state(problem, options), settling);
 }
 
 FoundOrbits search_for_orbits(const Problem& problem, const OrbitOptions& options, const Console& console) {
@@ -147,10 +163,18 @@ FoundOrbits search_for_orbits(const Problem& problem, const OrbitOptions& option
     });
   };
   // The box first, and by runs that can be interrupted: where the forcing is slow, each of them takes its time.
-  std::tie(search.lower, search.upper) = search_box(problem.system, problem.parameters, {.cancelled = interrupted});
+  const SearchBox box = search_box(problem.system, problem.parameters, {.cancelled = interrupted});
+  search.lower = box.lower;
+  search.upper = box.upper;
+  search.max_steps = box.max_steps;
   if (interrupted()) {
     found.status = Status::interrupted;
     found.message = fmt::format("{} before the first start of the search for orbits of period {}", interruption(), period);
+    return found;
+  }
+  if (box.ended != Termination::time) {
+    found.message = fmt::format("no motion from rest or beside it can be carried over one forcing period: {}; {}",
+                                termination_text(box.ended), extreme_parameter(problem));
     return found;
   }
   SearchResult result = search_orbits(problem.system, problem.parameters, period, search);
@@ -168,8 +192,53 @@ FoundOrbits search_for_orbits(const Problem& problem, const OrbitOptions& option
   return found;
 }
 
+namespace {
+
+/// The orbit of an autonomous system that the motion settles on, closed after `period` returns.
+FoundOrbits find_autonomous(const Problem& problem, const OrbitOptions& options, const Console& console) {
+  if (options.search)
+    throw std::invalid_argument(fmt::format("--search is for forced systems; {} is autonomous: give a state near its orbit by --start",
+                                            problem.system.name));
+  constexpr int default_returns = 200;
+  const int period = period_of(problem, options);
+  SettleOptions settling;
+  settling.periods = options.start.settle ? *options.start.settle : problem.settle.value_or(default_returns);
+  settling.cancelled = interrupted;
+  settling.flow.cancelled = interrupted;
+  const Progress progress(console.err, console.quiet, "settling");
+  const SettledReturns settled = settle_on_returns(problem.system, problem.parameters, start_state(problem, options.start),
+                                                   counted_events(problem), period, settling);
+  FoundOrbits found;
+  if (settled.termination == Termination::interrupted) {
+    found.status = Status::interrupted;
+    found.message = fmt::format("{} after {}", interruption(), counted(static_cast<std::size_t>(settled.returns), "return"));
+    return found;
+  }
+  if (settled.termination != Termination::time) {
+    found.message = fmt::format("the motion does not return: after {} it ends at {} or takes too long for the next; events with a "
+                                "count are returns, or those that begin a contact",
+                                counted(static_cast<std::size_t>(settled.returns), "return"), shown(settled.state));
+    return found;
+  }
+  ShootingOptions shooting;
+  shooting.finite_differences = true;
+  PeriodicOrbit orbit =
+      shoot(problem.system, problem.parameters, std::vector<Vector>{settled.state}, 1, shooting, settled.duration);
+  constexpr double least = 1e-3;  // Newton's method has fallen onto a single state, which is an orbit of no duration
+  if (!orbit.converged() || orbit.duration < least * settled.duration) {
+    found.message = fmt::format("no orbit of {} was found from {} ({})", counted(static_cast<std::size_t>(period), "return"),
+                                shown(settled.state), newton_status_text(orbit.newton.status));
+    return found;
+  }
+  take(found, {std::move(orbit)}, "settled");
+  return found;
+}
+
+}  // namespace
+
 FoundOrbits find_orbits(const Problem& problem, const OrbitOptions& options, const Console& console) {
-  start_state(problem, options.start.start);  // what is wrong with it is said before anything is computed
+  if (!is_forced(problem.system)) return find_autonomous(problem, options, console);
+  start_state(problem, options.start);  // what is wrong with it is said before anything is computed
   if (options.search) return search_for_orbits(problem, options, console);
   FoundOrbits found;
   const int period = period_of(problem, options);
@@ -205,7 +274,8 @@ FoundOrbits find_orbits(const Problem& problem, const OrbitOptions& options, con
   searched.settled_on = std::move(attained);
   searched.remark = reached;
   if (searched.status == Status::failed && fallback) take(searched, {*fallback}, "settled");
-  if (searched.status == Status::failed) searched.message += "; " + reached;
+  const bool said = searched.message.find(termination_text(settled.termination)) != std::string::npos;
+  if (searched.status == Status::failed && !said) searched.message += "; " + reached;
   return searched;
 }
 

@@ -24,7 +24,7 @@ namespace graze::apps {
 struct StartOptions {
   std::string file;
   std::vector<std::string> settings;
-  std::optional<Vector> start;
+  std::optional<StateText> start;
   std::optional<int> settle;
 };
 
@@ -44,6 +44,9 @@ void add_orbit_options(CLI::App& app, OrbitOptions& options);
 
 /// The problem with its settings applied; notes on defaults and on the conversion of units go to the console.
 Problem open_problem(const StartOptions& options, const Console& console);
+
+/// --start, else the file's state, else rest. @throws std::invalid_argument, see start_state.
+Vector start_state(const Problem& problem, const StartOptions& options);
 
 int settle_of(const Problem& problem, const StartOptions& options);
 int period_of(const Problem& problem, const OrbitOptions& options);

@@ -3,12 +3,19 @@
 
 namespace graze::apps {
 
-Json motion_json(const Motion& motion, const ContactList& list) {
+std::vector<std::string> motion_columns(const Problem& problem) {
+  std::vector<std::string> columns = state_columns(problem);
+  columns.insert(columns.begin(), "tau");
+  return columns;
+}
+
+Json motion_json(const Problem& problem, const Motion& motion, const ContactList& list) {
   Json out;
   out["periods"] = motion.periods;
   out["end"] = termination_text(motion.termination);
-  out["columns"] = {"tau", "x", "v"};
-  out["samples"] = motion.samples;
+  out["columns"] = motion_columns(problem);
+  out["samples"] = Json::array();
+  for (const Vector& row : motion.samples) out["samples"].push_back(to_json(row));
   out["stroboscopic"] = Json::array();
   for (const Vector& state : motion.strobe) out["stroboscopic"].push_back(to_json(state));
   out["events"] = events_json(motion.events, list);

@@ -167,18 +167,20 @@ Json orbit_json(const PeriodicOrbit& orbit) {
   return out;
 }
 
-std::string orbit_text(const PeriodicOrbit& orbit, const std::string& stability) {
+std::string orbit_text(const Problem& problem, const PeriodicOrbit& orbit, const std::string& stability) {
   const bool admissible = orbit.admissible == Admissibility::admissible;
   const FloquetMultipliers& multipliers = orbit.multipliers;
-  std::string text = fmt::format("orbit {}: {} impact{} in {} forcing period{}, {}, {}\n", z_label(orbit), orbit.impacts,
-                                 orbit.impacts == 1 ? "" : "s", orbit.period, orbit.period == 1 ? "" : "s",
+  const bool forced = is_forced(problem.system);
+  std::string text = fmt::format("orbit {}: {} impact{} in {} {}{}, {}, {}\n", z_label(orbit), orbit.impacts,
+                                 orbit.impacts == 1 ? "" : "s", orbit.period, forced ? "forcing period" : "turn",
+                                 orbit.period == 1 ? "" : "s",
                                  !stability.empty() ? stability
                                  : orbit.neutral()  ? "neutral (nothing dissipates)"
                                  : orbit.stable()   ? "stable"
                                                     : "unstable",
                                  admissible ? "admissible" : "NOT ADMISSIBLE (it passes through the barrier)");
-  text +=
-      fmt::format("  state at forcing phase 0   x = {}   x' = {}\n", rounded(orbit.state[0], 15), rounded(orbit.state[1], 15));
+  text += fmt::format("  state at {}   {}\n", forced ? "forcing phase 0" : "the start      ",
+                      state_text(problem, orbit.state, 15));
   text += fmt::format("  duration                   {}\n", rounded(orbit.duration, 15));
   if (orbit.rests) text += "  " + rest_text(orbit.multipliers.exponents) + "\n";
 
@@ -209,8 +211,9 @@ std::string orbit_text(const PeriodicOrbit& orbit, const std::string& stability)
   return text;
 }
 
-Table orbits_table(const std::vector<PeriodicOrbit>& orbits, bool for_people) {
-  Table table{{"orbit", "period", "impacts", "x", for_people ? "x'" : "v"}, {}};
+Table orbits_table(const Problem& problem, const std::vector<PeriodicOrbit>& orbits, bool for_people) {
+  Table table{{"orbit", "period", "impacts"}, {}};
+  for (const std::string& name : for_people ? state_headings(problem) : state_columns(problem)) table.columns.push_back(name);
   const std::size_t count = orbits.empty() ? 0 : static_cast<std::size_t>(orbits.front().state.size());
   for (std::size_t k = 1; k <= count; ++k) {
     if (for_people) {

@@ -3,6 +3,7 @@
 // orbits.
 #pragma once
 
+#include <graze/apps/problem/problem.hpp>
 #include <graze/apps/text/json_text.hpp>
 #include <graze/apps/text/table.hpp>
 
@@ -46,9 +47,9 @@ Json checks_json(const OrbitChecks& checks);
 Json orbit_json(const PeriodicOrbit& orbit);
 
 /// All that `graze orbit` prints of one orbit. `stability`: in words; empty: what its multipliers say.
-std::string orbit_text(const PeriodicOrbit& orbit, const std::string& stability = {});
+std::string orbit_text(const Problem& problem, const PeriodicOrbit& orbit, const std::string& stability = {});
 
 /// One row per orbit: state, z, multipliers, stable, admissible.
-Table orbits_table(const std::vector<PeriodicOrbit>& orbits, bool for_people);
+Table orbits_table(const Problem& problem, const std::vector<PeriodicOrbit>& orbits, bool for_people);
 
 }  // namespace graze::apps

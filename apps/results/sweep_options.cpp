@@ -67,12 +67,12 @@ namespace {
 
 /// Rest, where no start is given, lies in front of the barrier at every value that a sweep begins with.
 Vector sweep_start(const Problem& problem, const StartOptions& start, const SweepRange& range) {
-  Vector state = start_state(problem, start.start);
+  Vector state = start_state(problem, start);
   if (start.start || problem.start) return state;
   for (const SweepDirection direction : range.directions) {
     Problem first = problem;
     set_parameter(first, range.parameter, direction == SweepDirection::up ? range.from : range.to);
-    state[0] = std::min(state[0], parameter(first, "r"));
+    state = state.cwiseMin(rest_state(first, first.parameters));
   }
   return state;
 }

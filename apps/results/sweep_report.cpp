@@ -62,7 +62,9 @@ std::vector<SweepRow> rows_from(const Json& rows) {
 
 Table sweep_overview(const std::vector<SweepRow>& rows, const std::string& parameter) {
   Table table{{"direction", parameter + " from", "to", "attractor", "values", "largest exponent from", "to"}, {}};
-  const auto numbers = [](const Attractor& x) { return std::tie(x.type, x.period, x.impacts, x.isolated_impacts, x.rests); };
+  const auto numbers = [](const Attractor& x) {
+    return std::tie(x.type, x.termination, x.period, x.impacts, x.isolated_impacts, x.rests);
+  };
   const auto alike = [&numbers](const Attractor& a, const Attractor& b) {  // most of them by their numbers
     return numbers(a) == numbers(b) || attractor_name(a) == attractor_name(b);
   };
@@ -83,17 +85,24 @@ Table sweep_overview(const std::vector<SweepRow>& rows, const std::string& param
   return table;
 }
 
-void samples_csv(const std::vector<SweepRow>& rows, const std::string& parameter, int threads, const TextSink& sink) {
-  sink(csv(Table{{parameter, "direction", "attractor", "period", "impacts", "exponent1", "exponent2", "x", "v"}, {}}));
+void samples_csv(const Problem& problem, const std::vector<SweepRow>& rows, const std::string& parameter, int threads,
+                 const TextSink& sink) {
+  Table head{{parameter, "direction", "attractor", "period", "impacts"}, {}};
+  for (std::size_t i = 1; i <= problem.system.states; ++i) head.columns.push_back(fmt::format("exponent{}", i));
+  for (const std::string& name : state_columns(problem)) head.columns.push_back(name);
+  sink(csv(head));
   hand_on_items(threads, rows.size(), sink, [&](std::size_t k, std::string& lines) {
     const SweepRow& row = rows[k];
     const Attractor& attractor = row.attractor;
     std::string begin =
         fmt::format("{},{},{},", row.value, sweep_direction_name(row.direction), attractor_type_name(attractor.type));
     begin += attractor.period > 0 ? fmt::format("{},{}", attractor.period, attractor.impacts) : ",";
-    for (std::size_t i = 0; i < 2; ++i) begin += "," + (i < attractor.exponents.size() ? exact(attractor.exponents[i]) : "");
-    for (const Vector& state : row.states)
-      fmt::format_to(std::back_inserter(lines), FMT_COMPILE("{},{},{}\n"), begin, state[0], state[1]);
+    for (std::size_t i = 0; i < problem.system.states; ++i) begin += "," + (i < attractor.exponents.size() ? exact(attractor.exponents[i]) : "");
+    for (const Vector& state : row.states) {
+      lines += begin;
+      for (const double value : state) fmt::format_to(std::back_inserter(lines), FMT_COMPILE(",{}"), value);
+      lines += '\n';
+    }
   });
 }
 

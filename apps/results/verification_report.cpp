@@ -82,7 +82,7 @@ std::string cell(double value, int digits = 8) { return std::isfinite(value) ? r
 
 std::string hard_text(const HardLimit& hard) {
   if (hard.stop != HardLimitStop::done) return fmt::format("hard limit: {}\n", hard_limit_stop_text(hard.stop));
-  std::string text = fmt::format("hard limit: orbit at ({}, {}){}\n", rounded(hard.limit.state[0]), rounded(hard.limit.state[1]),
+  std::string text = fmt::format("hard limit: orbit at {}{}\n", rounded_state(hard.limit.state),
                                  std::isfinite(hard.newton_restitution)
                                      ? fmt::format(", that of Newton's law with k_r = {}", rounded(hard.newton_restitution))
                                      : std::string());
@@ -159,8 +159,8 @@ Json largest_json(const std::vector<Largest>& largest, const std::vector<Verific
 std::string verification_text(const Verification& verification) {
   const VerifiedOrbit& verified = verification.verified;
   const PeriodicOrbit& orbit = verified.orbit;
-  std::string text = fmt::format("orbit {} at ({}, {}), {}\n", z_label(orbit), rounded(orbit.state[0]), rounded(orbit.state[1]),
-                                 orbit.stable() ? "stable" : "unstable");
+  std::string text =
+      fmt::format("orbit {} at {}, {}\n", z_label(orbit), rounded_state(orbit.state), orbit.stable() ? "stable" : "unstable");
   Table values{{"multiplier", "saltation, product form", "finite differences", "general integrator (GSL)"}, {}};
   for (std::size_t i = 0; i < orbit.multipliers.values.size(); ++i) {
     const auto entry = [i](const FloquetMultipliers& list) { return i < list.values.size() ? rounded(list.values[i], 15) : "-"; };

@@ -92,6 +92,12 @@ std::string exact(double value) { return fmt::format("{}", value); }
 
 std::string rounded(double value, int digits) { return fmt::format("{:.{}g}", value, digits); }
 
+std::string rounded_state(const Vector& state, int digits) {
+  std::vector<std::string> values;
+  for (const double value : state) values.push_back(rounded(value, digits));
+  return fmt::format("({})", fmt::join(values, ", "));
+}
+
 std::string counted(std::size_t count, std::string_view noun) {
   return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }

@@ -36,6 +36,9 @@ std::string exact(double value);
 /// Rounded to so many significant digits, for people.
 std::string rounded(double value, int digits = 12);
 
+/// "(1.5, 0.2)".
+std::string rounded_state(const Vector& state, int digits = 12);
+
 /// "1 orbit", "2 orbits".
 std::string counted(std::size_t count, std::string_view noun);
 

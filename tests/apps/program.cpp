@@ -285,7 +285,7 @@ TEST_CASE("Ctrl-C keeps what was computed and exits with 130") {
   }
   // A forcing period of thousands of the oscillator's own: interrupted within it, in the transient and in the search.
   for (const char* slow : {" --settle 1000", " --search"}) {
-    const Outcome outcome = spawn("orbit " + problem("beam-newton") + " --set eta=1e-4" + slow, SIGTERM, 0.4);
+    const Outcome outcome = spawn("orbit " + problem("beam-newton") + " --set eta=1e-3" + slow, SIGTERM, 0.4);
     CHECK(outcome.code == 130);
     CHECK_THAT(outcome.err, Contains("interrupted"));
   }

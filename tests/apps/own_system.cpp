@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Systems written as text in a problem file: through every command, and against closed forms.
+#include "graze_program.hpp"
+
+#include <graze/apps/problem/shipped.hpp>
+#include <graze/apps/text/json.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+using namespace graze;
+using namespace graze::apps;
+using namespace graze::support;
+using Catch::Matchers::Contains;
+using std::numbers::pi;
+
+namespace {
+
+std::string model(const std::string& name) { return GRAZE_DATA_DIR "/models/" + name + ".toml"; }
+
+Json result(const std::string& command, const std::string& file, std::vector<std::string> more = {}) {
+  std::vector<std::string> all = {command, file};
+  all.insert(all.end(), more.begin(), more.end());
+  all.insert(all.end(), {"--quiet", "--json", "-"});
+  return json_of(call(all));
+}
+
+/// A Duffing oscillator before one stop, with a line to replace.
+std::string duffing(const std::string& replaced = {}, const std::string& by = {}) {
+  std::string text = R"([system]
+states  = ["x", "v"]
+forcing = "eta"
+[parameters]
+b   = { value = 0.05, min = 0 }
+eta = { value = 0.8, above = 0 }
+A   = 0.9
+xi  = "A*eta^2"
+r   = 0.6
+[definitions]
+spring = "x + 0.5*x^3"
+[modes.free]
+equations = """
+  x' = v
+  v' = xi*cos(eta*t) - 2*b*v - spring
+"""
+[[events]]
+name  = "stop"
+kind  = "impact"
+when  = "x - r"
+reset = "v = -0.8*v"
+)";
+  const std::size_t at = replaced.empty() ? std::string::npos : text.find(replaced);
+  if (!replaced.empty()) REQUIRE(at != std::string::npos);
+  return at == std::string::npos ? text : text.replace(at, replaced.size(), by);
+}
+
+}  // namespace
+
+TEST_CASE("a ball on a table, as text: its orbit and its period doubling in closed form") {
+  // cos phi = pi g (1 - e) / (A w^2 (1 + e)); the flight begins with pi g / w; at the doubling sin phi = 2 (1 + e^2) / (1 + e)^2 too.
+  const double e = 0.8, A = 0.4;
+  const Json orbit = result("orbit", model("ball-on-table"))["orbit"];
+  REQUIRE(orbit["impacts"] == 1);
+  const double cosine = pi * (1.0 - e) / (A * (1.0 + e));
+  CHECK(std::cos(orbit["events"][0]["tau"].get<double>()) == Approx(cosine).epsilon(1e-11));
+  CHECK(orbit["events"][0]["speed"].get<double>() == Approx(pi + A * cosine).epsilon(1e-11));
+  const Json point =
+      result("locate", model("ball-on-table"), {"--type", "PD", "--param", "A", "--near", "1.07"})["special_point"];
+  const double doubling = std::hypot(pi * (1.0 - e) / (1.0 + e), 2.0 * (1.0 + e * e) / ((1.0 + e) * (1.0 + e)));
+  CHECK(std::abs(point["value"].get<double>() - doubling) < 1e-11);
+  CHECK(point["multipliers"][1][0].get<double>() == Approx(-e * e).epsilon(1e-8));
+}
+
+TEST_CASE("a rimless wheel, as text: an autonomous orbit in closed form") {
+  const Json json = result("orbit", model("rimless-wheel"));
+  const double alpha = pi / 8.0, gamma = 0.08, c = std::cos(2.0 * alpha);
+  const Json& orbit = json["orbit"];
+  REQUIRE(orbit["events"].size() == 1);
+  CHECK(orbit["events"][0]["speed"].get<double>() ==
+        Approx(std::sqrt(4.0 * std::sin(gamma) * std::sin(alpha) / (1.0 - c * c))).epsilon(1e-11));
+  std::vector<double> multipliers = {orbit["multipliers"][0][0], orbit["multipliers"][1][0]};
+  std::sort(multipliers.begin(), multipliers.end());
+  CHECK(multipliers[0] == Approx(c * c).epsilon(1e-9));
+  CHECK(multipliers[1] == Approx(1.0).epsilon(1e-9));
+  const Json branch = result("continue", model("rimless-wheel"), {"--param", "gamma", "--to", "0.2"})["branches"][0];
+  CHECK(branch["stop"]["reason"] == "reached_bound");
+}
+
+TEST_CASE("a built-in oscillator as text gives the digits of the built-in one") {
+  const TemporaryFolder folder;
+  const std::string file = folder.write("hertz.toml", R"([system]
+states  = ["x", "v"]
+forcing = "eta"
+[parameters]
+b = 0.05
+beta = 0
+xi = 1
+eta = { value = 0.95, above = 0 }
+r = 2
+k_H = { value = 100, above = 0 }
+b_H = 0.1
+[definitions]
+load = "xi*cos(eta*t) - 2*b*v - x - beta*x^3"
+[modes.free]
+equations = """
+x' = v
+v' = load
+"""
+[modes.contact]
+equations = """
+x' = v
+v' = load - k_H*(x - r)^(3/2)*(1 + b_H*v)
+"""
+[[events]]
+name = "enter"
+kind = "enter"
+from = "free"
+to = "contact"
+when = "x - r"
+[[events]]
+name = "leave"
+kind = "leave"
+from = "contact"
+to = "free"
+when = "r - x"
+)");
+  const Json text = result("continue", file, {"--to", "0.9"}), built_in = result("continue", problem("hertz-damped"), {"--to", "0.9"});
+  REQUIRE(text["branches"].size() == built_in["branches"].size());
+  const auto doubling = [](const Json& json) {
+    for (const Json& point : json["branches"][0]["special_points"])
+      if (point["type"] == "PD") return point["value"].get<double>();
+    return std::nan("");
+  };
+  CHECK(std::abs(doubling(text) - 0.919542643087348) < 1e-13);
+  CHECK(std::abs(doubling(text) - doubling(built_in)) < 1e-15);
+  CHECK(text["branches"][0]["points"] == built_in["branches"][0]["points"]);
+}
+
+TEST_CASE("a tied parameter is followed along its path") {
+  const TemporaryFolder folder;
+  const std::string file = folder.write("tied.toml", duffing());
+  const Json branch = result("continue", file, {"--from", "0.8", "--to", "0.83"})["branches"][0];
+  const Json orbit = result("orbit", file, {"--set", "eta=0.83"});
+  CHECK(orbit["tied"]["xi"].get<double>() == Approx(0.9 * 0.83 * 0.83).epsilon(1e-15));
+  const Json& end = branch["points"].back();
+  REQUIRE(end["value"] == 0.83);
+  for (const int i : {0, 1})
+    CHECK(end["state"][i].get<double>() == Approx(orbit["orbit"]["state"][i].get<double>()).epsilon(1e-9));
+  CHECK_THAT(call({"orbit", file, "--set", "xi=1"}).err, Contains("xi is an expression of other parameters"));
+}
+
+TEST_CASE("a system of four states goes through every command") {
+  const std::string file = model("two-mass-chain");
+  const TemporaryFolder folder;
+  const std::vector<std::vector<std::string>> commands = {
+      {"orbit"},
+      {"continue", "--to", "0.92"},
+      {"lyapunov", "--periods", "2000"},
+      {"sweep", "--from", "0.9", "--to", "0.92", "--step", "0.01"},
+      {"attractors", "--random", "12", "--plane", "x2,v2", "--start", "x1=0.1"},
+      {"map", "--param", "omega:0.9:0.92:2", "--param", "A:0.25:0.3:2"},
+      {"verify"},
+      {"trajectory", "--periods", "2"},
+      {"poincare", "--points", "12"}};
+  for (const std::vector<std::string>& command : commands) {
+    INFO(command.front());
+    std::vector<std::string> all = {command.front(), file};
+    all.insert(all.end(), command.begin() + 1, command.end());
+    all.insert(all.end(), {"--quiet", "--out", folder.file(command.front())});
+    const Outcome outcome = call(all);
+    CHECK(outcome.err == "");
+    CHECK(outcome.code == 0);
+    if (command.front() == "map") continue;
+    const Json json = Json::parse(read_file(folder.file(command.front() + "/" + command.front() + ".json")));
+    CHECK(json["states"] == Json{"x1", "x2", "v1", "v2"});
+    CHECK(json["model"]["system"] == "two-mass-chain");
+    CHECK(json["tied"].contains("F"));
+  }
+  // The result holds the text of the file: it is all that a picture needs.
+  const Outcome drawn =
+      call({"plot", folder.file("orbit/orbit.json"), "-o", folder.file("orbit.svg"), "--quiet"});
+  CHECK(drawn.code == 0);
+}
+
+TEST_CASE("every shipped model has an orbit or an attractor, and its derivatives hold") {
+  for (const std::string& name : shipped_models()) {
+    INFO(name);
+    const Json json = result("orbit", model(name));
+    CHECK(json["status"] == "done");
+    CHECK(json["orbit"]["admissible"] == true);
+    const Json& difference = json["orbit"]["checks"]["finite_difference"];
+    if (difference.is_number()) CHECK(difference.get<double>() < 1e-6);
+    CHECK(json["orbit"]["checks"]["residual"].get<double>() < 1e-12);
+  }
+}
+
+TEST_CASE("states are given by name or by position") {
+  const TemporaryFolder folder;
+  const std::string file = folder.write("duffing.toml", duffing());
+  const auto start = [&](const std::string& text) {
+    return result("trajectory", file, {"--settle", "0", "--periods", "1", "--start", text})["options"]["start"];
+  };
+  CHECK(start("0.1,-0.2") == Json{0.1, -0.2});
+  CHECK(start("v=-0.2") == Json{0.0, -0.2});
+  CHECK(start("v=-0.2,x=1/4") == Json{0.25, -0.2});
+  CHECK_THAT(call({"orbit", file, "--start", "v1=2"}).err, Contains("there is no state \"v1\"") && Contains("x, v"));
+  CHECK_THAT(call({"orbit", file, "--start", "1,2,3"}).err, Contains("--start 1,2,3: must be two numbers x,v, or some of them by name"));
+  CHECK_THAT(call({"orbit", file, "--start", "x=1,2"}).err, Contains("two numbers x,v") && Contains("by name"));
+  CHECK_THAT(call({"orbit", file, "--start", "x=0.7"}).err, Contains("lies inside the barrier"));
+}
+
+TEST_CASE("a mistake in a system is one sentence with its place") {
+  const TemporaryFolder folder;
+  const auto error = [&](const std::string& replaced, const std::string& by) {
+    const std::string file = folder.write("wrong.toml", duffing(replaced, by));
+    const Outcome outcome = call({"orbit", file, "--quiet"});
+    CHECK(outcome.code == 2);
+    CHECK(outcome.out == "");
+    return outcome.err;
+  };
+  CHECK_THAT(error("2*b*v", "2*bb*v"), Contains("wrong.toml:15:") && Contains("unknown name 'bb'") && Contains("^"));
+  CHECK_THAT(error("  x' = v\n", ""), Contains("the state x has no equation"));
+  CHECK_THAT(error("\"x - r\"", "\"eta - r\""), Contains("wrong.toml:20:"));
+  CHECK_THAT(error("reset = \"v = -0.8*v\"", "reset = \"w = -0.8*v\""), Contains("w") && Contains("wrong.toml:21:"));
+  CHECK_THAT(error("spring = \"x + 0.5*x^3\"", "spring = \"x + spring\""), Contains("spring"));
+  CHECK_THAT(error("kind  = \"impact\"", "kind  = \"imapct\""), Contains("imapct"));
+  CHECK_THAT(error("forcing = \"eta\"", "forcing = \"etaa\""), Contains("etaa"));
+  CHECK_THAT(error("A   = 0.9", "A   = []"), Contains("wrong.toml:7:") && Contains("must be a number"));
+  CHECK_THAT(error("A   = 0.9", "A   = { value = 0.9, minimum = 0 }"), Contains("has no minimum"));
+  CHECK_THAT(error("[modes.free]", "[modus.free]"), Contains("has no modus"));
+  CHECK_THAT(error("name  = \"stop\"\n", ""), Contains("lacks name"));
+  CHECK_THAT(error("states  = [\"x\", \"v\"]", "states  = \"x\""), Contains("states must be a list"));
+  CHECK_THAT(error("xi*cos(eta*t)", "xi*cos(eta*t"), Contains("wrong.toml:"));
+  CHECK_THAT(error("spring = \"x + 0.5*x^3\"", "spring = \"x + x^(3/2)\""), Contains("wrong.toml:"));
+  CHECK_THAT(error("xi  = \"A*eta^2\"", "xi  = \"A*xi\""), Contains("xi"));
+  CHECK_THAT(error("reset = \"v = -0.8*v\"", "reset = \"x = x + 1\""), Contains("wrong.toml:"));
+}
+
+TEST_CASE("graze models NAME prints the file of a model") {
+  const Outcome outcome = call({"models", "duffing-two-stops"});
+  CHECK(outcome.code == 0);
+  CHECK(outcome.out == read_file(model("duffing-two-stops")));
+  CHECK_THAT(call({"models", "duffing-two-stop"}).err, Contains("did you mean \"duffing-two-stops\"?"));
+}
