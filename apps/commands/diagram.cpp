@@ -296,6 +296,7 @@ int run(const Options& given, const Console& console) {
   earlier.result = folder.earlier();
   const Problem problem = open_problem(options.start, console);
   options.parameter = parameter_name(problem, options.parameter);
+  forcing_period(problem.system, problem.parameters);  // an autonomous system is refused now
   check_options(options, problem);
   if (!options.resume.empty()) check_earlier(earlier, options, problem);
   Json described = options_json(problem, options.start);

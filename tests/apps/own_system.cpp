@@ -87,6 +87,12 @@ TEST_CASE("a rimless wheel, as text: an autonomous orbit in closed form") {
   CHECK(multipliers[1] == Approx(1.0).epsilon(1e-9));
   const Json branch = result("continue", model("rimless-wheel"), {"--param", "gamma", "--to", "0.2"})["branches"][0];
   CHECK(branch["stop"]["reason"] == "reached_bound");
+  for (const char* command : {"sweep", "diagram"}) {
+    const Outcome refused =
+        call({command, model("rimless-wheel"), "--param", "gamma", "--from", "0.1", "--to", "0.2", "--step", "0.1"});
+    CHECK(refused.code == 2);
+    CHECK_THAT(refused.err, Contains("rimless-wheel is autonomous; it has no forcing period"));
+  }
 }
 
 TEST_CASE("a built-in oscillator as text gives the digits of the built-in one") {
