@@ -373,23 +373,6 @@ std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const Br
                                problem.scale(), problem.equations().options());
     signature.measure_by(by_events->u);
     const Curve curve = follow_signature(signature, *by_events, branch);
-    // An impact that gives nothing back goes over into one that sticks: only the states know both.
-    if (curve.stop == TraceStop::min_step && !grazing_ && !branch.points.empty() && !curve.points.empty() &&
-        is_plastic(system_, signature.equations().parameters())) {
-      const BranchPoint& end = branch.points.back();
-      OrbitProblem there = problem.with_section(end.section_phase);
-      if (there.nodes() == static_cast<int>(end.nodes.size())) {
-        BranchStart from;
-        from.u = there.pack(end.nodes, end.duration, end.value);
-        const Vector& tangent = curve.points.back().tangent;
-        const double way = tangent.size() > 0 ? std::copysign(1.0, tangent[tangent.size() - 1]) : 1.0;
-        problem = std::move(there);
-        from.orientation = way * problem.parameter_direction();
-        problem.measure_by(from.u);
-        const Curve on = follow_states(problem, from, branch);
-        return finish(problem, on, branch, false);
-      }
-    }
     if (!branch.points.empty() || start.sequence) return finish(signature, curve, branch, start.on_grazing);
   }
   problem.measure_by(start.u);
