@@ -7,6 +7,7 @@
 #include <graze/apps/console/progress.hpp>
 #include <graze/apps/output/output_folder.hpp>
 #include <graze/apps/output/result.hpp>
+#include <graze/apps/pictures/range.hpp>
 #include <graze/apps/problem/axis.hpp>
 #include <graze/apps/problem/flow_choice.hpp>
 #include <graze/apps/problem/motion.hpp>
@@ -137,15 +138,12 @@ std::array<Axis, 2> axes_of_motion(const Plane& plane, const Problem& problem) {
   const Motion motion = run_motion(problem.system, problem.parameters, plane.others, {.periods = periods});
   std::array<Axis, 2> axes;
   for (const std::size_t i : {0, 1}) {
-    double low = HUGE_VAL, high = -HUGE_VAL;
-    const auto take = [&](double value) {
-      low = std::min(low, value);
-      high = std::max(high, value);
-    };
-    for (const Vector& state : motion.strobe) take(state[plane.state[i]]);
-    for (const EventRecord& event : motion.events) take(event.x_minus[plane.state[i]]), take(event.x_plus[plane.state[i]]);
-    const double reach = std::max({high - low, std::abs(low), std::abs(high), 1e-6});
-    axes[i] = {low - 0.5 * reach, high + 0.5 * reach};
+    Range range;
+    for (const Vector& state : motion.strobe) range.take(state[plane.state[i]]);
+    for (const EventRecord& event : motion.events)
+      for (const Vector* side : {&event.x_minus, &event.x_plus}) range.take((*side)[plane.state[i]]);
+    const double reach = std::max({range.high - range.low, std::abs(range.low), std::abs(range.high), 1e-6});
+    axes[i] = {range.low - 0.5 * reach, range.high + 0.5 * reach};
   }
   return axes;
 }
@@ -268,8 +266,7 @@ Json found_json(const CoexistingAttractor& found, std::size_t id) {
   json["count"] = found.count;
   json["fraction"] = found.fraction;
   json["fraction_error"] = found.fraction_error;
-  json["states"] = Json::array();
-  for (const Vector& state : found.states) json["states"].push_back(to_json(state));
+  json["states"] = to_json(found.states);
   return json;
 }
 

@@ -67,10 +67,7 @@ int run(const Options& options, const Console& console) {
   set_status(result.json, status, message);
   result.json.update(section_json(problem, section));
   result.table.columns = result.json["columns"].get<std::vector<std::string>>();
-  for (const Vector& point : section.points) {
-    std::vector<std::string>& cells = result.table.rows.emplace_back();
-    for (const double value : point) cells.push_back(exact(value));
-  }
+  for (const Vector& point : section.points) result.table.rows.push_back(exact_cells(point));
   result.text =
       fmt::format("{}\n{} of the {} section in {}\n{}", describe(problem), counted(section.points.size(), "point"),
                   options.section, counted(static_cast<std::size_t>(section.periods), "forcing period"), aligned(result.table));

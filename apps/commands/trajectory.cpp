@@ -82,10 +82,7 @@ int run(const Options& options, const Console& console) {
   set_status(result.json, status, message);
   result.json.update(motion_json(problem, motion, list));
   result.table.columns = motion_columns(problem);
-  for (const Vector& row : motion.samples) {
-    std::vector<std::string>& cells = result.table.rows.emplace_back();
-    for (const double value : row) cells.push_back(exact(value));
-  }
+  for (const Vector& row : motion.samples) result.table.rows.push_back(exact_cells(row));
   result.text = describe(problem) + "\n" + motion_text(motion, list);
   if (status != Status::done) console.err << "graze trajectory: " << message << "\n";
   return deliver(result, options.output, "trajectory", exit_code(status), console);

@@ -36,24 +36,31 @@ int colour_index(const Json& code, std::size_t attractors) {
   return id > 0 ? id - 1 : id == 0 ? static_cast<int>(attractors) : -1;
 }
 
-/// Which two states stand along the axes.
-std::pair<std::size_t, std::size_t> plane_of(const Json& result) {
-  if (!result.at("basins").contains("plane")) return {0, 1};
-  const Json& plane = result["basins"]["plane"];
-  const auto index = [&](const Json& name) {
-    const Json& states = result.at("states");
-    return static_cast<std::size_t>(std::find(states.begin(), states.end(), name) - states.begin());
-  };
-  return {index(plane.at(0)), index(plane.at(1))};
+/// The two states that stand along the axes: names under which the starts are listed, and their numbers.
+struct BasinPlane {
+  std::array<std::string, 2> name = {"x", "v"};
+  std::array<std::size_t, 2> state = {0, 1};
+};
+
+BasinPlane plane_of(const Json& result) {
+  BasinPlane plane;
+  const Json& basins = result.at("basins");
+  if (!basins.contains("plane")) return plane;
+  const Json& states = result.at("states");
+  for (const std::size_t i : {0, 1}) {
+    plane.name[i] = basins["plane"].at(i);
+    plane.state[i] = static_cast<std::size_t>(std::find(states.begin(), states.end(), plane.name[i]) - states.begin());
+  }
+  return plane;
 }
 
 Picture draw_basins(const Json& result) {
   Picture picture;
   picture.title = "Basins of attraction";
   picture.subtitle = model_title(result);
-  const auto [across, up] = plane_of(result);
-  picture.x_label = state_label(result, across, true);
-  picture.y_label = state_label(result, up, true);
+  const BasinPlane plane = plane_of(result);
+  picture.x_label = state_label(result, plane.state[0], true);
+  picture.y_label = state_label(result, plane.state[1], true);
   picture.grid = false;
   const Json& attractors = result.at("attractors");
   const Json& basins = result.at("basins");
@@ -61,21 +68,20 @@ Picture draw_basins(const Json& result) {
   Range x, v;
   std::vector<std::array<double, 2>> starts;
   std::vector<int> colour;
-  const std::string x_name = basins.contains("plane") ? basins["plane"].at(0) : "x";
-  const std::string v_name = basins.contains("plane") ? basins["plane"].at(1) : "v";
-  const bool grid = basins.contains(x_name);
-  const bool cells = grid && basins[x_name].size() > 1 && basins.at(v_name).size() > 1;
+  const bool grid = basins.contains(plane.name[0]);
+  const bool cells = grid && basins[plane.name[0]].size() > 1 && basins.at(plane.name[1]).size() > 1;
   for (std::size_t i = 0; i < attractors.size(); ++i) colours.push_back(tint(colour_of(i), cells ? 0.6 : 0.35));
   colours.emplace_back(lost_colour);
   if (grid)
-    for (std::size_t j = 0; j < basins.at(v_name).size(); ++j)
-      for (std::size_t i = 0; i < basins[x_name].size(); ++i) {
-        starts.push_back({basins[x_name][i].get<double>(), basins[v_name][j].get<double>()});
+    for (std::size_t j = 0; j < basins.at(plane.name[1]).size(); ++j)
+      for (std::size_t i = 0; i < basins[plane.name[0]].size(); ++i) {
+        starts.push_back({basins[plane.name[0]][i].get<double>(), basins[plane.name[1]][j].get<double>()});
         colour.push_back(colour_index(basins.at("attractor").at(j).at(i), attractors.size()));
       }
   else
     for (std::size_t k = 0; k < basins.at("starts").size(); ++k) {
-      starts.push_back({basins["starts"][k].at(across).get<double>(), basins["starts"][k].at(up).get<double>()});
+      const Json& start = basins["starts"][k];
+      starts.push_back({start.at(plane.state[0]).get<double>(), start.at(plane.state[1]).get<double>()});
       colour.push_back(colour_index(basins.at("attractor").at(k), attractors.size()));
     }
   for (const auto& start : starts) {
@@ -83,9 +89,10 @@ Picture draw_basins(const Json& result) {
     v.take(start[1]);
   }
   if (cells) {
-    take_cells(x, basins[x_name]);
-    take_cells(v, basins[v_name]);
-    picture.cells = Cells{basins[x_name].get<std::vector<double>>(), basins[v_name].get<std::vector<double>>(), colours, colour};
+    take_cells(x, basins[plane.name[0]]);
+    take_cells(v, basins[plane.name[1]]);
+    picture.cells = Cells{basins[plane.name[0]].get<std::vector<double>>(), basins[plane.name[1]].get<std::vector<double>>(), colours,
+                          colour};
   } else {
     add_start_dots(picture, starts, colour, colours);
   }
@@ -99,9 +106,9 @@ Picture draw_basins(const Json& result) {
     curve.stroke = periodic ? Stroke::marks : Stroke::dots;
     curve.size = periodic ? 1.4 : 0.5;
     for (const Json& state : found.at("states")) {
-      curve.points.push_back({state.at(0), state.at(1), 0.0});
-      x.take(state.at(0));
-      v.take(state.at(1));
+      curve.points.push_back({state.at(plane.state[0]), state.at(plane.state[1]), 0.0});
+      x.take(state.at(plane.state[0]));
+      v.take(state.at(plane.state[1]));
     }
     if (periodic) {
       Curve rim = curve;

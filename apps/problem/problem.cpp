@@ -128,12 +128,10 @@ Vector start_state(const Problem& problem, const std::optional<Vector>& given) {
   try {
     initial_mode(problem.system, 0.0, wanted, problem.parameters);
   } catch (const std::invalid_argument& error) {
-    std::vector<std::string> values;
-    for (const double value : wanted) values.push_back(exact(value));
-    const std::string source = given           ? fmt::format("--start {}", fmt::join(values, ","))
+    const std::string source = given           ? fmt::format("--start {}", fmt::join(exact_cells(wanted), ","))
                                : problem.start ? problem.file + ": [start] state"
                                                : problem.file + " gives no [start] state, and rest";
-    const std::string allowed = !wanted.allFinite()    ? fmt::format("; give {} that are", values.size() == 2 ? "two" : "numbers")
+    const std::string allowed = !wanted.allFinite()    ? fmt::format("; give {} that are", wanted.size() == 2 ? "two" : "numbers")
                                 : problem.written ? "; give another by --start"
                                                   : fmt::format(", x <= r = {}", exact(parameter(problem, "r")));
     throw std::invalid_argument(fmt::format("{}: {}{}", source, error.what(), allowed));
@@ -151,10 +149,8 @@ Vector state_of(const Problem& problem, const StateText& given, const std::strin
   const std::vector<std::string> names = state_columns(problem);
   if (given.names.empty()) {
     if (static_cast<std::size_t>(given.values.size()) == names.size()) return given.values;
-    std::vector<std::string> values;
-    for (const double value : given.values) values.push_back(exact(value));
     throw std::invalid_argument(fmt::format("{} {}: must be {} numbers {}, or some of them by name, {}=0.5", option,
-                                            fmt::join(values, ","), names.size() == 2 ? "two" : fmt::format("{}", names.size()),
+                                            fmt::join(exact_cells(given.values), ","), names.size() == 2 ? "two" : fmt::format("{}", names.size()),
                                             fmt::join(names, ","), names.front()));
   }
   Vector state = problem.start ? *problem.start : Vector::Zero(static_cast<Eigen::Index>(names.size()));
@@ -320,13 +316,6 @@ Problem parse_system(const toml::table& root, std::string_view text, const std::
   problem.system = written->system;
   problem.start = written->start;
   problem.written = std::move(written);
-  if (const auto frequency = problem.system.forcing_frequency) {
-    ParameterInfo& info = problem.system.parameters[*frequency];
-    if (info.lower < 0.0 || (info.lower == 0.0 && !info.lower_open)) {
-      info.lower = 0.0;
-      info.lower_open = true;
-    }
-  }
   problem.parameters = default_parameters(problem.system.parameters);
   TomlSection start(file, root, "start");
   problem.settle = start.count("settle", 0);

@@ -54,8 +54,7 @@ Json section_json(const Problem& problem, const Section& section) {
   out["section"] = section_name(section.kind);
   out["periods"] = section.periods;
   out["columns"] = section_columns(problem, section.kind);
-  out["points"] = Json::array();
-  for (const Vector& point : section.points) out["points"].push_back(to_json(point));
+  out["points"] = to_json(section.points);
   return out;
 }
 

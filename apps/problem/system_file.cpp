@@ -27,13 +27,9 @@ class Reader {
     out_.name = system.contains("name") ? string_of(system, "name", "[system]").text
                                         : std::filesystem::path(source_.file).stem().string();
     const bool mechanical = root.contains("mechanics");
-    if (mechanical) {
-      if (system.contains("states"))
-        refuse(place(system.get("states")->source()), "with [mechanics] the states are its coordinates and velocities; leave states out");
-      read_mechanics(table_of(root, "mechanics", "[mechanics]"));
-    } else {
+    if (mechanical) read_mechanics(table_of(root, "mechanics", "[mechanics]"));
+    if (!mechanical || system.contains("states"))
       for (const toml::node& state : array_of(system, "states", "[system]")) out_.states.push_back(string_of(state, "states"));
-    }
     if (system.contains("forcing")) out_.forcing = string_of(system, "forcing", "[system]");
     if (system.contains("period")) out_.period = value_of(*system.get("period"), "period");
     if (root.contains("parameters")) read_parameters(table_of(root, "parameters", "[parameters]"));
@@ -97,11 +93,16 @@ class Reader {
     return as_table(*node, what);
   }
 
-  const toml::array& array_of(const toml::table& parent, const char* key, const std::string& what) const {
+  const toml::node& need(const toml::table& parent, const char* key, const std::string& what) const {
     const toml::node* node = parent.get(key);
     if (!node) refuse(place(parent.source()), fmt::format("{} lacks {}", what, key));
-    if (!node->is_array()) refuse(place(node->source()), fmt::format("{} must be a list", key));
-    return *node->as_array();
+    return *node;
+  }
+
+  const toml::array& array_of(const toml::table& parent, const char* key, const std::string& what) const {
+    const toml::node& node = need(parent, key, what);
+    if (!node.is_array()) refuse(place(node.source()), fmt::format("{} must be a list", key));
+    return *node.as_array();
   }
 
   Text string_of(const toml::node& node, std::string_view what) const {
@@ -110,9 +111,7 @@ class Reader {
   }
 
   Text string_of(const toml::table& parent, const char* key, const std::string& what) const {
-    const toml::node* node = parent.get(key);
-    if (!node) refuse(place(parent.source()), fmt::format("{} lacks {}", what, key));
-    return string_of(*node, key);
+    return string_of(need(parent, key, what), key);
   }
 
   /// A number as it stands in the file, or a text.
@@ -134,8 +133,7 @@ class Reader {
       const std::string where = fmt::format("the parameter {}", key.str());
       if (const toml::table* given = node.as_table()) {
         check_keys(*given, where, {"value", "min", "max", "above", "below", "unit", "meaning"});
-        if (!given->contains("value")) refuse(place(node.source()), where + " has no value");
-        parameter.value = value_of(*given->get("value"), "value");
+        parameter.value = required_value(*given, "value", where);
         parameter.min = optional_value(*given, "min");
         parameter.max = optional_value(*given, "max");
         parameter.above = optional_value(*given, "above");
@@ -174,8 +172,7 @@ class Reader {
   }
 
   Text required_value(const toml::table& table, const char* key, const std::string& where) const {
-    if (!table.contains(key)) refuse(place(table.source()), fmt::format("{} lacks {}", where, key));
-    return value_of(*table.get(key), key);
+    return value_of(need(table, key, where), key);
   }
 
   void read_event(const toml::table& table, const std::string& where) {
@@ -207,8 +204,6 @@ class Reader {
     if (table.contains("stiffness")) mechanics.stiffness = matrix(table, "stiffness", where);
     if (table.contains("force"))
       for (const toml::node& entry : array_of(table, "force", where)) mechanics.force.push_back(value_of(entry, "force"));
-    for (const std::vector<Text>* names : {&mechanics.coordinates, &mechanics.velocities})
-      state_names_.insert(state_names_.end(), names->begin(), names->end());
     out_.mechanics = std::move(mechanics);
   }
 
@@ -227,8 +222,7 @@ class Reader {
     StopText stop;
     stop.name = string_of(table, "name", where);
     stop.gap = string_of(table, "gap", where);
-    if (!table.contains("law")) refuse(place(table.source()), fmt::format("{} lacks law", where));
-    const toml::table& law = as_table(*table.get("law"), "law");
+    const toml::table& law = as_table(need(table, "law", where), "law");
     check_keys(law, "law", {"newton", "hertz", "linear", "force", "adhesion"});
     for (const auto& [key, node] : law) {
       if (key.str() == "adhesion") {
@@ -256,7 +250,7 @@ class Reader {
     friction.speed = string_of(table, "speed", where);
     friction.normal = required_value(table, "normal", where);
     friction.law = required_value(table, "law", where);
-    if (table.contains("sticking")) friction.sticking = value_of(*table.get("sticking"), "sticking");
+    friction.sticking = optional_value(table, "sticking");
     out_.friction.push_back(std::move(friction));
   }
 
@@ -271,7 +265,7 @@ class Reader {
     const toml::node* state = table.get("state");
     if (!state) return;
     if (const toml::array* list = state->as_array()) {
-      const std::vector<Text>& names = out_.mechanics ? state_names_ : out_.states;
+      const std::vector<Text> names = out_.state_texts();
       if (list->size() != names.size())
         refuse(place(state->source()), fmt::format("state has {} entries; the system has {} states", list->size(), names.size()));
       for (std::size_t i = 0; i < list->size(); ++i) out_.start.push_back({names[i], value_of(*list->get(i), "a state")});
@@ -319,7 +313,6 @@ class Reader {
   }
 
   Source source_;
-  std::vector<Text> state_names_;  // of mechanics
   SystemText out_;
 };
 

@@ -15,16 +15,14 @@ namespace {
 /// Adds "states", those at forcing phase 0 after each period, where there is more than one.
 void add_states(Json& out, const std::vector<Vector>& states) {
   if (states.size() < 2) return;
-  out["states"] = Json::array();
-  for (const Vector& state : states) out["states"].push_back(to_json(state));
+  out["states"] = to_json(states);
 }
 
 /// Adds "nodes" and their "section_phase" (over 2 pi), where they are not the states at forcing phase 0.
 void add_nodes(Json& out, const std::vector<Vector>& nodes, double section_phase) {
   if (section_phase == 0.0) return;
   out["section_phase"] = section_phase;
-  out["nodes"] = Json::array();
-  for (const Vector& node : nodes) out["nodes"].push_back(to_json(node));
+  out["nodes"] = to_json(nodes);
 }
 
 Json point_json(const BranchPoint& point) {

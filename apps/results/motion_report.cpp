@@ -14,10 +14,8 @@ Json motion_json(const Problem& problem, const Motion& motion, const ContactList
   out["periods"] = motion.periods;
   out["end"] = termination_text(motion.termination);
   out["columns"] = motion_columns(problem);
-  out["samples"] = Json::array();
-  for (const Vector& row : motion.samples) out["samples"].push_back(to_json(row));
-  out["stroboscopic"] = Json::array();
-  for (const Vector& state : motion.strobe) out["stroboscopic"].push_back(to_json(state));
+  out["samples"] = to_json(motion.samples);
+  out["stroboscopic"] = to_json(motion.strobe);
   out["events"] = events_json(motion.events, list);
   out["contacts"] = contacts_json(list.contacts);
   return out;

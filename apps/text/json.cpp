@@ -34,6 +34,12 @@ Vector vector_from(const Json& json) {
   return out;
 }
 
+Json to_json(const std::vector<Vector>& vectors) {
+  Json out = Json::array();
+  for (const Vector& vector : vectors) out.push_back(to_json(vector));
+  return out;
+}
+
 Json to_json(const std::vector<std::complex<double>>& values) {
   Json out = Json::array();
   for (const std::complex<double>& value : values) out.push_back({value.real(), value.imag()});

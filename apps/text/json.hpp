@@ -19,6 +19,7 @@ using Json = nlohmann::ordered_json;
 
 Json to_json(const Vector& vector);
 Vector vector_from(const Json& json);  ///< the inverse
+Json to_json(const std::vector<Vector>& vectors);
 Json to_json(const std::vector<std::complex<double>>& values);
 
 /// A member of a result that is a list of objects, too long to be kept as JSON, too: the result has null in its place.

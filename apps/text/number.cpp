@@ -92,6 +92,12 @@ std::string exact(double value) { return fmt::format("{}", value); }
 
 std::string rounded(double value, int digits) { return fmt::format("{:.{}g}", value, digits); }
 
+std::vector<std::string> exact_cells(const Vector& values) {
+  std::vector<std::string> cells;
+  for (const double value : values) cells.push_back(exact(value));
+  return cells;
+}
+
 std::string rounded_state(const Vector& state, int digits) {
   std::vector<std::string> values;
   for (const double value : state) values.push_back(rounded(value, digits));

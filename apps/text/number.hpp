@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace graze::apps {
 
@@ -35,6 +36,9 @@ std::string exact(double value);
 
 /// Rounded to so many significant digits, for people.
 std::string rounded(double value, int digits = 12);
+
+/// exact() of each number.
+std::vector<std::string> exact_cells(const Vector& values);
 
 /// "(1.5, 0.2)".
 std::string rounded_state(const Vector& state, int digits = 12);

@@ -156,14 +156,14 @@ Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& 
   // Where a chatter becomes incomplete infinitely many impacts come apart, each with a grazing of its own.
   const bool sticks = point.isolated_impacts < point.impacts;
   const bool switches = sticks != (branch.points.back().isolated_impacts < branch.points.back().impacts);
-  const bool plastic = is_plastic(system_, problem.equations().parameters());
+  const bool plastic = switches && is_plastic(system_, problem.equations().parameters());
   if (hard_contacts_ && switches && !plastic) {
     chatter_ends_ = after.arclength - before.arclength <= 1e-7;
     return chatter_ends_ ? Verdict::stop : Verdict::reject;
   }
   // One grazing at a time: a step across several is halved, down to where they cannot be told apart. Contacts that touch together
   // (an orbit symmetric between two barriers) are one.
-  const int change = plastic && switches && point.impacts == branch.points.back().impacts
+  const int change = plastic && point.impacts == branch.points.back().impacts
                          ? 0
                          : std::abs(point.isolated_impacts - branch.points.back().isolated_impacts);
   // Orbits on both sides of a hard grazing are different families, even where the corrector finds its way across: never step over

@@ -53,8 +53,9 @@ struct FamilyChoice {
   /// Orbits with more impacts in a forcing period, complete chatters not counted, are not followed: at low frequencies there are
   /// hundreds of families, each with one impact more than the last.
   int most_impacts = 32;
-  /// What doubles on a branch narrower than this part of the range cannot be seen beside it. Orbits with more than so many impacts
-  /// are then listed at their period doubling and not followed: the cost of one grows with the square of their number.
+  /// A branch narrower than this part of the range hides the branches born on it. A doubled orbit with more than
+  /// most_impacts_unseen impacts is then listed at its period doubling and not followed: its cost grows with the square of the
+  /// number of impacts.
   double narrowest = 1e-3;
   int most_impacts_unseen = 64;
 };

@@ -21,8 +21,9 @@ inline double with_trend(double error, double drift) {
   return std::abs(drift) > 2.0 * trend_significance * error ? std::hypot(error, 0.5 * drift) : error;
 }
 
-/// Whether the growth of the tangent (its logarithm, over so many periods) is that of chaos. Where volumes shrink that is left
-/// to its mean. Where they do not, order has tangents, too, that grow for ever: in proportion to time, by shear.
+/// Whether a tangent has grown as in chaos; `log_growth` and `log_volume` are taken over `periods`. If volumes shrink, the mean
+/// growth decides, and this is true. If they do not, ordered motions have growing tangents, too: shear makes them grow in
+/// proportion to time.
 inline bool grows_beyond_shear(double log_growth, double log_volume, std::int64_t periods) {
   constexpr double shrinks = 1.0;       // of ln(volume): below, the contraction does not yet show
   constexpr double largest_shear = 1e4;  // of a forcing period
@@ -35,8 +36,8 @@ inline bool has_new_errors(const LyapunovOptions& options, bool lost, const Batc
   return options.change == 0.0 && options.standard_error > 0.0 && (lost || first.ended_batch());
 }
 
-/// Whether LyapunovOptions' bounds are met after so many periods; `is_chaos` as grows_beyond_shear has it. `exponent(i)` is
-/// -infinity of a direction that is lost, whose `error(i)` is 0.
+/// Whether the bounds of LyapunovOptions are met after `periods`; `is_chaos` is the answer of grows_beyond_shear. In a lost
+/// direction `exponent(i)` is -infinity and `error(i)` is 0.
 template <class Exponent, class Error>
 bool precise_enough(const LyapunovOptions& options, std::int64_t periods, bool is_chaos, std::size_t directions,
                     const Exponent& exponent, const Error& error) {

@@ -97,9 +97,9 @@ class MapWork {
     const std::lock_guard lock(mutex_);
     given_.notify_all();
   }};
-  std::deque<std::shared_ptr<RowTask>> row_tasks_;   ///< that can go on
-  std::deque<std::shared_ptr<RowTask>> unlikely_;  ///< that can, too, but probably in vain
-  std::size_t begun_ = 0;                         ///< points that are not ended
+  std::deque<std::shared_ptr<RowTask>> row_tasks_;  ///< ready to run
+  std::deque<std::shared_ptr<RowTask>> unlikely_;   ///< ready, but their results will probably be rolled back
+  std::size_t begun_ = 0;                           ///< points that are not ended
   std::size_t open_ = 0;                          ///< row_tasks that are not finished,
   std::size_t pieces_ = 0;                        ///< and pieces
   bool closed_ = false;

@@ -12,11 +12,17 @@
 
 namespace graze::equations {
 
-Expression rate_along(Graph& graph, Expression e, const std::vector<Expression>& field) {
+Expression rate_along(Graph& graph, Expression e, const std::function<Expression(std::size_t state)>& field) {
   Expression sum = graph.derivative(e, graph.time());
-  for (const std::size_t i : dependence(graph, e).states)
-    sum = graph.add(sum, graph.multiply(graph.derivative(e, graph.state(i)), field[i]));
+  for (const std::size_t i : dependence(graph, e).states) {
+    const Expression slope = graph.derivative(e, graph.state(i));
+    if (!graph.is_constant(slope, 0.0)) sum = graph.add(sum, graph.multiply(slope, field(i)));
+  }
   return sum;
+}
+
+Expression rate_along(Graph& graph, Expression e, const std::vector<Expression>& field) {
+  return rate_along(graph, e, [&](std::size_t i) { return field[i]; });
 }
 
 std::optional<Solution> solve_constraint(const Reading& reading, Expression e, const std::function<bool(std::size_t)>& allowed) {

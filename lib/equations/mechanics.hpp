@@ -37,7 +37,8 @@ struct Reading {
   const std::optional<Vector>& start;
 };
 
-/// The rate of e along a field.
+/// The rate of e along a field, of which only the entries are asked for that e depends on.
+Expression rate_along(Graph& graph, Expression e, const std::function<Expression(std::size_t state)>& field);
 Expression rate_along(Graph& graph, Expression e, const std::vector<Expression>& field);
 
 /// A state that e = 0 gives as a function of the others, because e is linear in it with a coefficient that does not move.

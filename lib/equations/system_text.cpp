@@ -138,7 +138,7 @@ class Builder {
   }
 
   void read_states() {
-    state_texts_ = text_.states;
+    state_texts_ = text_.state_texts();
     if (!text_.mechanics) {
       if (!text_.stops.empty()) refuse(text_.stops[0].name.place, "a stop needs mechanics, with coordinates and a mass matrix");
       if (!text_.friction.empty())
@@ -157,8 +157,6 @@ class Builder {
       refuse(
           mechanics.velocities.empty() ? mechanics.place : mechanics.velocities[0].place,
           fmt::format("there are {} coordinates and {} velocities", mechanics.coordinates.size(), mechanics.velocities.size()));
-    state_texts_ = mechanics.coordinates;
-    state_texts_.insert(state_texts_.end(), mechanics.velocities.begin(), mechanics.velocities.end());
   }
 
   void read_names() {
@@ -171,12 +169,11 @@ class Builder {
     distinct(text_.modes, "a mode", [](const ModeText& mode) -> const Text& { return mode.name; });
     distinct(text_.events, "an event", [](const EventText& event) -> const Text& { return event.name; });
     for (std::size_t i = 0; i < state_texts_.size(); ++i) {
-      out_.states.push_back(state_texts_[i].text);
+      symbols_.states.push_back(state_texts_[i].text);
       names_.emplace(state_texts_[i].text, graph_.state(i));
     }
-    symbols_.states = out_.states;
     out_.system.states = state_texts_.size();
-    out_.system.state_names = out_.states;
+    out_.system.state_names = symbols_.states;
     for (const Table& table : text_.tables) tables_.emplace(table.name, graph_.add_table(table));
   }
 
@@ -219,6 +216,20 @@ class Builder {
 
   /// The value at the default parameters.
   double value_of(Expression e) const { return values(graph_, {&e, 1}, 0.0, Vector::Zero(states()), defaults_)[0]; }
+
+  /// Of an expression of parameters only.
+  std::function<double(const Vector& p)> function_of_parameters(Expression e) {
+    return [value = scalar_function(graph_, e)](const Vector& p) { return value(0.0, {}, p); };
+  }
+  std::function<void(const Vector& p, Vector& out)> gradient_of_parameters(Expression e) {
+    return [gradient = gradient_in_parameters(graph_, e)](const Vector& p, Vector& out) {
+      if (gradient) {
+        gradient(0.0, {}, p, out);
+      } else {
+        out.setZero();
+      }
+    };
+  }
 
   double number(const Text& text, const std::string& where) {
     Scope none;
@@ -289,16 +300,8 @@ class Builder {
       names_.emplace(info.name, e);
       TiedParameter one;
       one.info = info;
-      const ScalarFunction value = scalar_function(graph_, e);
-      const VectorFunction gradient = gradient_in_parameters(graph_, e);
-      one.value = [value](const Vector& p) { return value(0.0, {}, p); };
-      one.dp = [gradient](const Vector& p, Vector& out) {
-        if (gradient) {
-          gradient(0.0, {}, p, out);
-        } else {
-          out.setZero();
-        }
-      };
+      one.value = function_of_parameters(e);
+      one.dp = gradient_of_parameters(e);
       out_.tied.push_back(std::move(one));
     }
   }
@@ -324,13 +327,8 @@ class Builder {
       for (const Expression part : reachable(graph, e)) {
         const Node n = graph.node(part);
         if (n.operation != Operation::rate) continue;
-        const Expression of = graph.substitute(n.a, known);
-        Expression sum = graph.derivative(of, graph.time());
-        for (const std::size_t i : dependence(graph, of).states) {
-          const Expression slope = graph.derivative(of, graph.state(i));
-          if (!graph.is_constant(slope, 0.0)) sum = graph.add(sum, graph.multiply(slope, field(i)));
-        }
-        known.emplace(part.index, sum);
+        known.emplace(part.index,
+                      rate_along(graph, graph.substitute(n.a, known), [this](std::size_t i) { return field(i); }));
       }
       return graph.substitute(e, known);
     }
@@ -339,7 +337,7 @@ class Builder {
       if (field_[i]) return *field_[i];
       if (in_progress_[i])
         builder_.refuse(mode_.equation[i],
-                        fmt::format("the rate of {} in mode {} depends on itself", builder_.out_.states[i], mode_.name));
+                        fmt::format("the rate of {} in mode {} depends on itself", builder_.symbols_.states[i], mode_.name));
       in_progress_[i] = true;
       field_[i] = resolve(mode_.field[i]);
       return *field_[i];
@@ -353,8 +351,8 @@ class Builder {
   };
 
   std::optional<std::size_t> state_number(const std::string& name) const {
-    const auto found = std::find(out_.states.begin(), out_.states.end(), name);
-    return found == out_.states.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - out_.states.begin()));
+    const auto found = std::find(symbols_.states.begin(), symbols_.states.end(), name);
+    return found == symbols_.states.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - symbols_.states.begin()));
   }
 
   void read_modes() {
@@ -371,7 +369,7 @@ class Builder {
         const auto i = state_number(one.name);
         if (!i)
           refuse(one.place, fmt::format("an equation of '{}', which is no state, in mode {}{}", one.name, mode.name,
-                                        suggestion(one.name, out_.states)));
+                                        suggestion(one.name, symbols_.states)));
         if (!one.primed) refuse(one.place, fmt::format("an equation of mode {} begins with {}' =", mode.name, one.name));
         if (equation[*i]) refuse(one.place, fmt::format("a second equation of {} in mode {}", one.name, mode.name));
         equation[*i] = std::move(one);
@@ -379,7 +377,7 @@ class Builder {
       for (std::size_t i = 0; i < equation.size(); ++i) {
         if (!equation[i])
           refuse(text.name.place.line > 0 ? text.name.place : text.equations.place,
-                 fmt::format("the state {} has no equation in mode {}", out_.states[i], mode.name));
+                 fmt::format("the state {} has no equation in mode {}", symbols_.states[i], mode.name));
         mode.field.push_back(equation[i]->value);
         mode.equation.push_back(equation[i]->equation);
       }
@@ -389,7 +387,7 @@ class Builder {
     for (const ModePiece& mode : pieces_.modes) {
       Rates rates(*this, mode);
       resolved.emplace_back();
-      for (std::size_t i = 0; i < out_.states.size(); ++i) resolved.back().push_back(rates.field(i));
+      for (std::size_t i = 0; i < symbols_.states.size(); ++i) resolved.back().push_back(rates.field(i));
     }
     for (std::size_t m = 0; m < pieces_.modes.size(); ++m) pieces_.modes[m].field = resolved[m];
   }
@@ -464,7 +462,7 @@ class Builder {
       const Expression guard =
           parse_expression(graph_, text_.source, text.when, names, fmt::format("in the guard of {}", name), &hazards_);
       std::vector<Expression> map;
-      for (std::size_t i = 0; i < out_.states.size(); ++i) map.push_back(graph_.state(i));
+      for (std::size_t i = 0; i < symbols_.states.size(); ++i) map.push_back(graph_.state(i));
       if (text.reset) {
         event.reset = text.reset->place;
         std::vector<char> seen(map.size(), 0);
@@ -474,7 +472,7 @@ class Builder {
           const auto i = state_number(one.name);
           if (!i)
             refuse(one.place, fmt::format("the reset of {} sets '{}', which is no state{}", name, one.name,
-                                          suggestion(one.name, out_.states)));
+                                          suggestion(one.name, symbols_.states)));
           if (one.primed) refuse(one.place, fmt::format("the reset of {} sets a rate; write {} = ...", name, one.name));
           if (seen[*i]++) refuse(one.place, fmt::format("the reset of {} sets {} twice", name, one.name));
           map[*i] = one.value;
@@ -534,18 +532,14 @@ class Builder {
     const auto on = dependence(graph_, period).parameters;
     if (on.size() == 1 && is_zero(graph_, graph_.subtract(graph_.multiply(period, graph_.parameter(on[0])), two_pi))) {
       out_.system.forcing_frequency = on[0];
+      ParameterInfo& frequency = out_.system.parameters[on[0]];
+      if (frequency.lower <= 0.0) {
+        frequency.lower = 0.0;
+        frequency.lower_open = true;
+      }
       return true;
     }
-    const ScalarFunction of_p = scalar_function(graph_, period);
-    const VectorFunction gradient = gradient_in_parameters(graph_, period);
-    out_.system.period = ForcingPeriod{[of_p](const Vector& p) { return of_p(0.0, {}, p); },
-                                       [gradient](const Vector& p, Vector& out) {
-                                         if (gradient) {
-                                           gradient(0.0, {}, p, out);
-                                         } else {
-                                           out.setZero();
-                                         }
-                                       }};
+    out_.system.period = ForcingPeriod{function_of_parameters(period), gradient_of_parameters(period)};
     return true;
   }
 
@@ -566,7 +560,7 @@ class Builder {
         if (dependence(graph_, mode.field[i]).time)
           refuse(mode.equation[i],
                  fmt::format("the equation of {} depends on the time, but neither a forcing frequency nor a period is given",
-                             out_.states[i]));
+                             symbols_.states[i]));
   }
 
   void check_period() const {
@@ -581,7 +575,7 @@ class Builder {
         const std::vector<double> after = values(graph_, mode.field, (1.0 + phase) * T, x, defaults_);
         for (std::size_t i = 0; i < before.size(); ++i)
           if (std::abs(after[i] - before[i]) > period_tolerance * (1.0 + std::abs(before[i])))
-            refuse(mode.equation[i], fmt::format("the equation of {} does not repeat with the period {}", out_.states[i], T));
+            refuse(mode.equation[i], fmt::format("the equation of {} does not repeat with the period {}", symbols_.states[i], T));
       }
     }
   }
@@ -769,7 +763,7 @@ class Builder {
       const auto i = state_number(one.state.text);
       if (!i)
         refuse(one.state.place,
-               fmt::format("the start gives '{}', which is no state{}", one.state.text, suggestion(one.state.text, out_.states)));
+               fmt::format("the start gives '{}', which is no state{}", one.state.text, suggestion(one.state.text, symbols_.states)));
       double& value = x[static_cast<Eigen::Index>(*i)];
       if (!std::isnan(value)) refuse(one.state.place, fmt::format("the start gives {} twice", one.state.text));
       value = value_of(parse_expression(graph_, text_.source, one.value, parameter_scope(),
@@ -779,7 +773,7 @@ class Builder {
     for (Eigen::Index i = 0; i < x.size(); ++i)
       if (std::isnan(x[i]))
         refuse(text_.start.front().state.place,
-               fmt::format("the start gives no value of {}", out_.states[static_cast<std::size_t>(i)]));
+               fmt::format("the start gives no value of {}", symbols_.states[static_cast<std::size_t>(i)]));
     out_.start = x;
   }
 
@@ -906,6 +900,13 @@ class Builder {
 };
 
 }  // namespace
+
+std::vector<Text> SystemText::state_texts() const {
+  if (!mechanics) return states;
+  std::vector<Text> all = mechanics->coordinates;
+  all.insert(all.end(), mechanics->velocities.begin(), mechanics->velocities.end());
+  return all;
+}
 
 TextSystem make_system(const SystemText& text) { return Builder(text).build(); }
 

@@ -47,7 +47,7 @@ struct EventText {
   std::optional<Text> from = {};   ///< absent: every mode
   std::optional<Text> to = {};     ///< absent: the mode it comes from
   Text when = {};                  ///< the guard: fires where it rises through zero
-  std::optional<Text> reset = {};  ///< "x = ...; v = ..."; what is not named stays
+  std::optional<Text> reset = {};  ///< "x = ...; v = ..."; the other states keep their values
   std::size_t count = 0;           ///< an orbit's n counts these where there is no forcing
 };
 
@@ -106,7 +106,7 @@ struct SystemText {
   std::string name;
   Source source;
   std::vector<Text> states = {};
-  std::optional<Text> forcing = {};  ///< the parameter that is the forcing frequency
+  std::optional<Text> forcing = {};  ///< the parameter that is the forcing frequency, whose range is made > 0
   std::optional<Text> period = {};   ///< or the period, a parameter or an expression of parameters; neither: autonomous
   std::vector<ParameterText> parameters = {};
   std::vector<Definition> definitions = {};
@@ -119,6 +119,9 @@ struct SystemText {
   std::vector<Definition> outputs = {};  ///< may name each other, in any order
   std::vector<StartText> start = {};     ///< every state, or none
   std::vector<Table> tables = {};        ///< for spline(name, u)
+
+  /// The states, or the coordinates and then the velocities.
+  std::vector<Text> state_texts() const;
 };
 
 /// A function of the motion, evaluated in a mode (rates depend on it).
@@ -147,7 +150,6 @@ struct EventExpressions {
 
 struct TextSystem {
   HybridSystem system;
-  std::vector<std::string> states;
   std::vector<TiedParameter> tied;
   std::vector<Output> outputs;
   std::optional<Vector> start;           ///< at t = 0

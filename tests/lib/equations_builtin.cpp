@@ -11,22 +11,6 @@ using namespace graze::support;
 
 namespace {
 
-/// Largest difference relative to the size of the numbers.
-double distance(const Matrix& a, const Matrix& b) {
-  return (a - b).lpNorm<Eigen::Infinity>() / (1.0 + a.lpNorm<Eigen::Infinity>());
-}
-
-Vector evaluate(const VectorFunction& f, double t, const Vector& x, const Vector& p, Eigen::Index size) {
-  Vector out = Vector::Zero(size);
-  if (f) f(t, x, p, out);
-  return out;
-}
-Matrix evaluate(const MatrixFunction& f, double t, const Vector& x, const Vector& p, Eigen::Index columns) {
-  Matrix out = Matrix::Zero(x.size(), columns);
-  if (f) f(t, x, p, out);
-  return out;
-}
-
 Vector draw(const HybridSystem& system, Random& random) {
   Vector p = default_parameters(system.parameters);
   for (double& value : p) value *= random(0.7, 1.3);

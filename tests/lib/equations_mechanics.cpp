@@ -14,19 +14,6 @@ using namespace graze::support;
 
 namespace {
 
-double distance(const Matrix& a, const Matrix& b) {
-  return (a - b).lpNorm<Eigen::Infinity>() / (1.0 + a.lpNorm<Eigen::Infinity>());
-}
-Vector evaluate(const VectorFunction& f, double t, const Vector& x, const Vector& p, Eigen::Index size) {
-  Vector out = Vector::Zero(size);
-  if (f) f(t, x, p, out);
-  return out;
-}
-Matrix evaluate(const MatrixFunction& f, double t, const Vector& x, const Vector& p, Eigen::Index columns) {
-  Matrix out = Matrix::Zero(x.size(), columns);
-  if (f) f(t, x, p, out);
-  return out;
-}
 std::size_t mode_of(const HybridSystem& system, const std::string& name) {
   for (std::size_t i = 0; i < system.modes.size(); ++i)
     if (system.modes[i].name == name) return i;
@@ -599,14 +586,6 @@ TEST_CASE("a cart with a pendulum at a curved stop has exact derivatives") {
 
 namespace {
 
-std::string mistake(const equations::SystemText& text) {
-  try {
-    equations::make_system(text);
-  } catch (const equations::EquationError& error) {
-    return error.sentence();
-  }
-  return "none";
-}
 SystemWriter two(const SystemWriter::Rows& mass) {
   SystemWriter writer;
   writer.system.name = "two";

@@ -42,15 +42,6 @@ void require_same_field(const equations::TextSystem& read,
   }
 }
 
-std::string mistake(const equations::SystemText& text) {
-  try {
-    equations::make_system(text);
-  } catch (const equations::EquationError& error) {
-    return error.sentence();
-  }
-  return "none";
-}
-
 }  // namespace
 
 TEST_CASE("deadzone: three modes, one combination refuted, all crossings continuous, motion as of the hand-written system") {

@@ -10,15 +10,6 @@ using namespace graze::support;
 
 namespace {
 
-std::string mistake(const equations::SystemText& text) {
-  try {
-    equations::make_system(text);
-  } catch (const equations::EquationError& error) {
-    return error.sentence();
-  }
-  return "none";
-}
-
 /// One state more than the mistake needs: x' = v, v' = the force.
 SystemWriter with_force(const std::string& force) {
   SystemWriter writer;

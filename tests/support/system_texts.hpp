@@ -125,16 +125,49 @@ class SystemWriter {
   }
 };
 
-/// A built-in oscillator (make_oscillator) as a person would write it.
-inline equations::SystemText oscillator_text(const OscillatorKind& kind, const ContactLaw& law) {
-  SystemWriter writer;
+/// The parameters of a built-in oscillator with their ranges.
+inline void write_parameters(SystemWriter& writer, const OscillatorKind& kind, const ContactLaw& law) {
   writer.system.name = kind.name + "-" + law.name;
-  writer.states({"x", "v"}).forcing("eta");
+  writer.forcing("eta");
   for (ParameterInfo info : oscillator_parameters()) {
     if (info.name == "beta") info.default_value = kind.beta;
     writer.parameter(info);
   }
   for (const ParameterInfo& info : law.parameters) writer.parameter(info);
+}
+
+/// The sentence of the mistake in a text; "none" if there is none.
+inline std::string mistake(const equations::SystemText& text) {
+  try {
+    equations::make_system(text);
+  } catch (const equations::EquationError& error) {
+    return error.sentence();
+  }
+  return "none";
+}
+
+/// Largest difference relative to the size of the numbers.
+inline double distance(const Matrix& a, const Matrix& b) {
+  return (a - b).lpNorm<Eigen::Infinity>() / (1.0 + a.lpNorm<Eigen::Infinity>());
+}
+
+/// The value of a function that may be empty: zero.
+inline Vector evaluate(const VectorFunction& f, double t, const Vector& x, const Vector& p, Eigen::Index size) {
+  Vector out = Vector::Zero(size);
+  if (f) f(t, x, p, out);
+  return out;
+}
+inline Matrix evaluate(const MatrixFunction& f, double t, const Vector& x, const Vector& p, Eigen::Index columns) {
+  Matrix out = Matrix::Zero(x.size(), columns);
+  if (f) f(t, x, p, out);
+  return out;
+}
+
+/// A built-in oscillator (make_oscillator) as a person would write it.
+inline equations::SystemText oscillator_text(const OscillatorKind& kind, const ContactLaw& law) {
+  SystemWriter writer;
+  writer.states({"x", "v"});
+  write_parameters(writer, kind, law);
   writer.definition("acceleration", "xi*cos(eta*t) - 2*b*v - x - beta*x*x*x");
   writer.mode("free", "x' = v\nv' = acceleration");
   if (law.name == "newton") {
@@ -151,13 +184,7 @@ inline equations::SystemText oscillator_text(const OscillatorKind& kind, const C
 /// The same as mechanics: one mass, one stop.
 inline equations::SystemText oscillator_mechanics(const OscillatorKind& kind, const ContactLaw& law) {
   SystemWriter writer;
-  writer.system.name = kind.name + "-" + law.name;
-  writer.forcing("eta");
-  for (ParameterInfo info : oscillator_parameters()) {
-    if (info.name == "beta") info.default_value = kind.beta;
-    writer.parameter(info);
-  }
-  for (const ParameterInfo& info : law.parameters) writer.parameter(info);
+  write_parameters(writer, kind, law);
   writer.mechanics({"x"}, {"v"}, {{{"1"}}, {{"2*b"}}, {{"1"}}, {"xi*cos(eta*t) - beta*x^3"}});
   std::vector<std::string> values;
   for (const ParameterInfo& info : law.parameters) values.push_back(info.name);
