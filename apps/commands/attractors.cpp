@@ -69,9 +69,8 @@ Plane plane_of(const Options& options, const Problem& problem) {
   for (const std::size_t i : {0, 1}) {
     const auto found = std::find(names.begin(), names.end(), plane.name[i]);
     if (found == names.end())
-      throw std::invalid_argument(
-          fmt::format("--plane {}: {}; give two, for example {},{}", options.plane,
-                      unknown_name("state", plane.name[i], names), names[0], names[1]));
+      throw std::invalid_argument(fmt::format("--plane {}: {}; give two, for example {},{}", options.plane,
+                                              unknown_name("state", plane.name[i], names), names[0], names[1]));
     plane.state[i] = found - names.begin();
   }
   if (plane.state[0] == plane.state[1])
@@ -172,7 +171,8 @@ std::array<Axis, 2> axes_of(const Plane& plane, const Options& options, const Pr
   std::array<Axis, 2> axes;
   if (is_default && earlier.is_null()) axes = default_axes(plane, options, problem, console);
   try {
-    if (is_default && !earlier.is_null()) axes = {axis_from(earlier, plane.name[0], axes[0]), axis_from(earlier, plane.name[1], axes[1])};
+    if (is_default && !earlier.is_null())
+      axes = {axis_from(earlier, plane.name[0], axes[0]), axis_from(earlier, plane.name[1], axes[1])};
   } catch (const nlohmann::json::exception&) {
     refuse_to_resume(options.resume, "attractors", "is damaged; compute it anew");
   }
@@ -453,7 +453,8 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_state(app, "--start", options->start.start, "the states that are not varied (default: the file's, else 0)");
   add_text(app, "--plane", options->plane, "NAME,NAME", "the two states that are varied (default: the first two)");
   add_text(app, "--x", options->x, "A:B:N",
-           "N values of the first of them, x at forcing phase 0 from A to B (default: up to the barrier and as far as attractors reach, 64)");
+           "N values of the first of them, x at forcing phase 0 from A to B (default: up to the barrier and as far as attractors "
+           "reach, 64)");
   add_text(app, "--v", options->v, "A:B:N", "the same of the second, x' (default: as wide as the motion, 64)");
   add_count(app, "--random", options->random, 1, "so many random starts in the ranges --x A:B and --v A:B instead of a grid",
             most_starts);

@@ -203,8 +203,8 @@ Status add_skeleton(Result& result, Earlier& earlier, const Options& options, co
   }
   if (earlier.branches.empty() && status == Status::done) status = Status::failed;
   result.table = branches_table(problem, earlier.branches);
-  result.text += skeleton_text(result.json["search"], result.json["seeds"].size(), earlier.branches, earlier.cut_off,
-                               options.parameter);
+  result.text +=
+      skeleton_text(result.json["search"], result.json["seeds"].size(), earlier.branches, earlier.cut_off, options.parameter);
   return status;
 }
 

@@ -213,7 +213,8 @@ int run(const Options& given, const Console& console) {
   result.json["special_point"] = point ? special_point_json(*point) : Json(nullptr);
   result.text = describe(problem, options.parameter) + "\n\n";
   if (point) {
-    result.text += special_point_text(*point, options.parameter) + "\n" + orbit_text(problem, point->orbit, stability_text(*point));
+    result.text +=
+        special_point_text(*point, options.parameter) + "\n" + orbit_text(problem, point->orbit, stability_text(*point));
     if (!message.empty()) result.text += "\n" + message + "\n";
     result.table = orbits_table(problem, {point->orbit}, false);
     const auto stable =

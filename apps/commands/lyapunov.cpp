@@ -82,7 +82,8 @@ int run(const Options& options, const Console& console) {
     if (averaged) console.note(message);
   } else if (attractor.termination != Termination::time || attractor.time_average.stop == LyapunovStop::failed) {
     status = Status::failed;
-    const Termination ended = attractor.termination != Termination::time ? attractor.termination : attractor.time_average.termination;
+    const Termination ended =
+        attractor.termination != Termination::time ? attractor.termination : attractor.time_average.termination;
     const bool grows = ended == Termination::escape || ended == Termination::resonance;
     message = fmt::format("{}{}", grows ? "" : "the motion could not be carried on: ", termination_text(ended));
   } else if (attractor.type != AttractorType::periodic && attractor.time_average.stop == LyapunovStop::budget &&
@@ -111,8 +112,8 @@ int run(const Options& options, const Console& console) {
     result.table.rows.push_back({std::to_string(i + 1), exact(attractor.exponents[i]), exact(attractor.standard_errors[i]),
                                  there ? exact(mean.exponents[i]) : "", there ? exact(mean.standard_errors[i]) : ""});
   }
-  result.text =
-      describe(problem) + "\n\n" + (attractor.exponents.empty() ? message + "\n" : attractor_text(problem, attractor, options.max_period));
+  result.text = describe(problem) + "\n\n" +
+                (attractor.exponents.empty() ? message + "\n" : attractor_text(problem, attractor, options.max_period));
   if (status == Status::done && interrupted()) result.text += "\n" + message + "\n";
   if (status != Status::done) console.err << "graze lyapunov: " << message << "\n";
   return deliver(result, options.output, "lyapunov", exit_code(status), console);

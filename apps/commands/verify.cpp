@@ -66,7 +66,9 @@ Vector hertz_parameters(const Problem& problem) {
 }
 
 void check_hard_limit(const Problem& problem, const Options& options) {
-  if (problem.written) throw std::invalid_argument("--hard-limit is for the built-in oscillators; a system written as text has no stiffness that it knows");
+  if (problem.written)
+    throw std::invalid_argument(
+        "--hard-limit is for the built-in oscillators; a system written as text has no stiffness that it knows");
   if (problem.contact == "newton") {
     if (options.parameter == "k_r" || parameter(problem, "k_r") != 1.0)
       throw std::invalid_argument(

@@ -21,7 +21,8 @@ double stint_length() { return usual_length; }
 
 void set_stint_length(double seconds) { usual_length = seconds; }
 
-CheckpointTimer::CheckpointTimer(std::optional<double> length, End end, Clock clock) : length_(length), end_(end), clock_(std::move(clock)) {}
+CheckpointTimer::CheckpointTimer(std::optional<double> length, End end, Clock clock)
+    : length_(length), end_(end), clock_(std::move(clock)) {}
 
 void CheckpointTimer::begin(std::size_t done) {
   if (!length_) return;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// CheckpointTimer: what takes long is looked at now and then, so that what there is can be written while it goes on: kill -9 and a power
-// cut cost what came since. What can only be looked at when it has stopped is stopped at the end of each stint, as Ctrl-C would
-// stop it, and gone on with. Stopping and writing cost something too; stints are long against that.
+// CheckpointTimer: what takes long is looked at now and then, so that what there is can be written while it goes on: kill -9 and
+// a power cut cost what came since. What can only be looked at when it has stopped is stopped at the end of each stint, as Ctrl-C
+// would stop it, and gone on with. Stopping and writing cost something too; stints are long against that.
 #pragma once
 
 #include <atomic>

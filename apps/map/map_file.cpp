@@ -307,7 +307,8 @@ void write_band(const std::vector<Handle>& datasets, const Band& band, BandData&
 std::string component_meaning(const Problem& problem) {
   std::string meaning;
   const std::vector<std::string> names = state_headings(problem);
-  for (std::size_t i = 0; i < names.size(); ++i) meaning += fmt::format("{}{} for {}", i == 0 ? "of the state: " : ", ", i, names[i]);
+  for (std::size_t i = 0; i < names.size(); ++i)
+    meaning += fmt::format("{}{} for {}", i == 0 ? "of the state: " : ", ", i, names[i]);
   return meaning;
 }
 

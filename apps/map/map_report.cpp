@@ -186,7 +186,8 @@ MapRows rows_from_json(const MapPlan& plan, const Json& result) {
 
 void map_csv(const MapPlan& plan, const MapRows& rows, int threads, const TextSink& sink) {
   const ParameterGrid& grid = plan.grid;
-  Table head{{"layer", grid.rows.parameter, grid.columns.parameter, "type", "period", "impacts", "lambda_1", "standard_error"}, {}};
+  Table head{{"layer", grid.rows.parameter, grid.columns.parameter, "type", "period", "impacts", "lambda_1", "standard_error"},
+             {}};
   for (const std::string& name : state_columns(plan.problem)) head.columns.push_back(name);
   sink(csv(head));
   std::vector<std::string> columns;

@@ -91,8 +91,8 @@ Picture draw_basins(const Json& result) {
   if (cells) {
     take_cells(x, basins[plane.name[0]]);
     take_cells(v, basins[plane.name[1]]);
-    picture.cells = Cells{basins[plane.name[0]].get<std::vector<double>>(), basins[plane.name[1]].get<std::vector<double>>(), colours,
-                          colour};
+    picture.cells = Cells{basins[plane.name[0]].get<std::vector<double>>(), basins[plane.name[1]].get<std::vector<double>>(),
+                          colours, colour};
   } else {
     add_start_dots(picture, starts, colour, colours);
   }

@@ -13,9 +13,9 @@ namespace graze::apps {
 
 struct Motion {
   std::vector<Vector> samples;      ///< tau and the states at equal steps; tau = 0 at the start
-  std::vector<EventRecord> events;             ///< with t counted from the start
-  std::vector<Vector> strobe;                  ///< states at forcing phase 0: the start, and after each period
-  int periods = 0;                             ///< completed
+  std::vector<EventRecord> events;  ///< with t counted from the start
+  std::vector<Vector> strobe;       ///< states at forcing phase 0: the start, and after each period
+  int periods = 0;                  ///< completed
   Termination termination = Termination::failed;
 };
 

@@ -25,8 +25,8 @@ Eigen::Index index_of(const Problem& problem, std::string_view name) {
     if (problem.written) {
       for (const equations::TiedParameter& tied : problem.written->tied)
         if (tied.info.name == name)
-          throw std::invalid_argument(
-              fmt::format("{} is an expression of other parameters in {}; set those, or give it a value there", name, problem.file));
+          throw std::invalid_argument(fmt::format(
+              "{} is an expression of other parameters in {}; set those, or give it a value there", name, problem.file));
       throw;
     }
     throw std::invalid_argument(error.what() + owner_of(name, problem.contact));
@@ -71,8 +71,8 @@ std::string parameter_name(const Problem& problem, const std::string& given) {
   if (const auto frequency = problem.system.forcing_frequency) return problem.system.parameters[*frequency].name;
   std::vector<std::string> names;
   for (const ParameterInfo& info : problem.system.parameters) names.push_back(info.name);
-  throw std::invalid_argument(fmt::format("{} names no parameter as its forcing frequency; give --param NAME, one of {}", problem.file,
-                                          fmt::join(names, ", ")));
+  throw std::invalid_argument(fmt::format("{} names no parameter as its forcing frequency; give --param NAME, one of {}",
+                                          problem.file, fmt::join(names, ", ")));
 }
 
 void check_parameter_name(const Problem& problem, std::string_view name) {
@@ -131,9 +131,9 @@ Vector start_state(const Problem& problem, const std::optional<Vector>& given) {
     const std::string source = given           ? fmt::format("--start {}", fmt::join(exact_cells(wanted), ","))
                                : problem.start ? problem.file + ": [start] state"
                                                : problem.file + " gives no [start] state, and rest";
-    const std::string allowed = !wanted.allFinite()    ? fmt::format("; give {} that are", wanted.size() == 2 ? "two" : "numbers")
-                                : problem.written ? "; give another by --start"
-                                                  : fmt::format(", x <= r = {}", exact(parameter(problem, "r")));
+    const std::string allowed = !wanted.allFinite() ? fmt::format("; give {} that are", wanted.size() == 2 ? "two" : "numbers")
+                                : problem.written   ? "; give another by --start"
+                                                    : fmt::format(", x <= r = {}", exact(parameter(problem, "r")));
     throw std::invalid_argument(fmt::format("{}: {}{}", source, error.what(), allowed));
   }
   return wanted;
@@ -149,9 +149,9 @@ Vector state_of(const Problem& problem, const StateText& given, const std::strin
   const std::vector<std::string> names = state_columns(problem);
   if (given.names.empty()) {
     if (static_cast<std::size_t>(given.values.size()) == names.size()) return given.values;
-    throw std::invalid_argument(fmt::format("{} {}: must be {} numbers {}, or some of them by name, {}=0.5", option,
-                                            fmt::join(exact_cells(given.values), ","), names.size() == 2 ? "two" : fmt::format("{}", names.size()),
-                                            fmt::join(names, ","), names.front()));
+    throw std::invalid_argument(fmt::format(
+        "{} {}: must be {} numbers {}, or some of them by name, {}=0.5", option, fmt::join(exact_cells(given.values), ","),
+        names.size() == 2 ? "two" : fmt::format("{}", names.size()), fmt::join(names, ","), names.front()));
   }
   Vector state = problem.start ? *problem.start : Vector::Zero(static_cast<Eigen::Index>(names.size()));
   for (std::size_t i = 0; i < given.names.size(); ++i) {
@@ -191,8 +191,8 @@ std::string state_text(const Problem& problem, const Vector& state, int digits) 
 }
 
 std::string describe(const Problem& problem, std::string_view except) {
-  std::string text = problem.written ? problem.system.name
-                                     : fmt::format("{} oscillator, {} contact", problem.oscillator, problem.contact);
+  std::string text =
+      problem.written ? problem.system.name : fmt::format("{} oscillator, {} contact", problem.oscillator, problem.contact);
   char separator = ':';
   for (std::size_t i = 0; i < problem.system.parameters.size(); ++i) {
     const std::string& name = problem.system.parameters[i].name;
@@ -311,8 +311,7 @@ Problem parse_system(const toml::table& root, std::string_view text, const std::
   Problem problem;
   problem.file = file;
   problem.text = text;
-  auto written = std::make_shared<equations::TextSystem>(
-      equations::make_system(read_system(root, {file, std::string(text)})));
+  auto written = std::make_shared<equations::TextSystem>(equations::make_system(read_system(root, {file, std::string(text)})));
   problem.system = written->system;
   problem.start = written->start;
   problem.written = std::move(written);

@@ -41,8 +41,8 @@ inline constexpr double slowest_forcing = 1e-4;
 
 struct Problem {
   std::string file;
-  std::string oscillator, contact;                        ///< of a built-in system
-  std::string text;                                       ///< of a file with a system of its own, whole
+  std::string oscillator, contact;                       ///< of a built-in system
+  std::string text;                                      ///< of a file with a system of its own, whole
   std::shared_ptr<const equations::TextSystem> written;  ///< and what it says; null: built-in
   HybridSystem system;
   Vector parameters;

@@ -31,8 +31,7 @@ std::vector<std::string> shipped_models() {
 
 std::string shipped_model(const std::string& name) {
   const std::vector<std::string> names = shipped_models();
-  if (std::find(names.begin(), names.end(), name) == names.end())
-    throw std::invalid_argument(unknown_name("model", name, names));
+  if (std::find(names.begin(), names.end(), name) == names.end()) throw std::invalid_argument(unknown_name("model", name, names));
   std::ifstream stream(shipped("models") / (name + ".toml"), std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), {}};
 }

@@ -77,8 +77,8 @@ class Reader {
     for (const auto& [key, node] : table) {
       const std::string name(key.str());
       if (std::find(allowed.begin(), allowed.end(), name) != allowed.end()) continue;
-      refuse(place(key.source()), fmt::format("{} has no {}{}; allowed are {}", where, name, suggestion(name, allowed),
-                                              fmt::join(allowed, ", ")));
+      refuse(place(key.source()),
+             fmt::format("{} has no {}{}; allowed are {}", where, name, suggestion(name, allowed), fmt::join(allowed, ", ")));
     }
   }
 
@@ -197,8 +197,10 @@ class Reader {
     check_keys(table, where, {"coordinates", "velocities", "mass", "damping", "stiffness", "force"});
     MechanicsText mechanics;
     mechanics.place = place(table.source());
-    for (const toml::node& name : array_of(table, "coordinates", where)) mechanics.coordinates.push_back(string_of(name, "coordinates"));
-    for (const toml::node& name : array_of(table, "velocities", where)) mechanics.velocities.push_back(string_of(name, "velocities"));
+    for (const toml::node& name : array_of(table, "coordinates", where))
+      mechanics.coordinates.push_back(string_of(name, "coordinates"));
+    for (const toml::node& name : array_of(table, "velocities", where))
+      mechanics.velocities.push_back(string_of(name, "velocities"));
     mechanics.mass = matrix(table, "mass", where);
     if (table.contains("damping")) mechanics.damping = matrix(table, "damping", where);
     if (table.contains("stiffness")) mechanics.stiffness = matrix(table, "stiffness", where);
@@ -256,8 +258,8 @@ class Reader {
 
   void read_surface(const toml::table& table, const std::string& where) {
     check_keys(table, where, {"function", "below", "above", "sliding"});
-    out_.surfaces.push_back({string_of(table, "function", where), string_of(table, "below", where), string_of(table, "above", where),
-                             optional_string(table, "sliding", where)});
+    out_.surfaces.push_back({string_of(table, "function", where), string_of(table, "below", where),
+                             string_of(table, "above", where), optional_string(table, "sliding", where)});
   }
 
   void read_start(const toml::table& table) {

@@ -93,8 +93,8 @@ SpecialPoint special_point_from(const Json& json, const HybridSystem& system, co
 
 BranchStop stop_from(const std::string& name) {
   constexpr std::array all = {BranchStop::reached_bound, BranchStop::parameter_range, BranchStop::point_limit,
-                              BranchStop::grazing,       BranchStop::step_too_small,  BranchStop::chatter,         BranchStop::returned,
-                              BranchStop::start_failed,  BranchStop::interrupted};
+                              BranchStop::grazing,       BranchStop::step_too_small,  BranchStop::chatter,
+                              BranchStop::returned,      BranchStop::start_failed,    BranchStop::interrupted};
   for (const BranchStop stop : all)
     if (branch_stop_name(stop) == name) return stop;
   throw std::invalid_argument(fmt::format("a branch stopped for the reason \"{}\", which is not known", name));

@@ -41,9 +41,9 @@ std::string extreme_parameter(const Problem& problem) {
   for (Eigen::Index k = 0; k < problem.parameters.size(); ++k)
     if (problem.parameters[k] != 0.0 && (farthest < 0 || orders(k) > orders(farthest))) farthest = k;
   if (farthest < 0) return "give other parameters";
-  return fmt::format("of the parameters, {} = {} is farthest from 1 in size: give it, or the units of length and time, another size",
-                     problem.system.parameters[static_cast<std::size_t>(farthest)].name,
-                     rounded(problem.parameters[farthest], 9));
+  return fmt::format(
+      "of the parameters, {} = {} is farthest from 1 in size: give it, or the units of length and time, another size",
+      problem.system.parameters[static_cast<std::size_t>(farthest)].name, rounded(problem.parameters[farthest], 9));
 }
 
 /// The orbit that the settled motion repeats, if it does.
@@ -197,8 +197,8 @@ namespace {
 /// The orbit of an autonomous system that the motion settles on, closed after `period` returns.
 FoundOrbits find_autonomous(const Problem& problem, const OrbitOptions& options, const Console& console) {
   if (options.search)
-    throw std::invalid_argument(fmt::format("--search is for forced systems; {} is autonomous: give a state near its orbit by --start",
-                                            problem.system.name));
+    throw std::invalid_argument(fmt::format(
+        "--search is for forced systems; {} is autonomous: give a state near its orbit by --start", problem.system.name));
   constexpr int default_returns = 200;
   const int period = period_of(problem, options);
   SettleOptions settling;
@@ -215,9 +215,10 @@ FoundOrbits find_autonomous(const Problem& problem, const OrbitOptions& options,
     return found;
   }
   if (settled.termination != Termination::time) {
-    found.message = fmt::format("the motion does not return: after {} it ends at {} or takes too long for the next; events with a "
-                                "count are returns, or those that begin a contact",
-                                counted(static_cast<std::size_t>(settled.returns), "return"), shown(settled.state));
+    found.message =
+        fmt::format("the motion does not return: after {} it ends at {} or takes too long for the next; events with a "
+                    "count are returns, or those that begin a contact",
+                    counted(static_cast<std::size_t>(settled.returns), "return"), shown(settled.state));
     return found;
   }
   ShootingOptions shooting;

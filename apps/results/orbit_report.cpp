@@ -171,16 +171,16 @@ std::string orbit_text(const Problem& problem, const PeriodicOrbit& orbit, const
   const bool admissible = orbit.admissible == Admissibility::admissible;
   const FloquetMultipliers& multipliers = orbit.multipliers;
   const bool forced = is_forced(problem.system);
-  std::string text = fmt::format("orbit {}: {} impact{} in {} {}{}, {}, {}\n", z_label(orbit), orbit.impacts,
-                                 orbit.impacts == 1 ? "" : "s", orbit.period, forced ? "forcing period" : "turn",
-                                 orbit.period == 1 ? "" : "s",
-                                 !stability.empty() ? stability
-                                 : orbit.neutral()  ? "neutral (nothing dissipates)"
-                                 : orbit.stable()   ? "stable"
-                                                    : "unstable",
-                                 admissible ? "admissible" : "NOT ADMISSIBLE (it passes through the barrier)");
-  text += fmt::format("  state at {}   {}\n", forced ? "forcing phase 0" : "the start      ",
-                      state_text(problem, orbit.state, 15));
+  std::string text =
+      fmt::format("orbit {}: {} impact{} in {} {}{}, {}, {}\n", z_label(orbit), orbit.impacts, orbit.impacts == 1 ? "" : "s",
+                  orbit.period, forced ? "forcing period" : "turn", orbit.period == 1 ? "" : "s",
+                  !stability.empty() ? stability
+                  : orbit.neutral()  ? "neutral (nothing dissipates)"
+                  : orbit.stable()   ? "stable"
+                                     : "unstable",
+                  admissible ? "admissible" : "NOT ADMISSIBLE (it passes through the barrier)");
+  text +=
+      fmt::format("  state at {}   {}\n", forced ? "forcing phase 0" : "the start      ", state_text(problem, orbit.state, 15));
   text += fmt::format("  duration                   {}\n", rounded(orbit.duration, 15));
   if (orbit.rests) text += "  " + rest_text(orbit.multipliers.exponents) + "\n";
 

@@ -286,8 +286,8 @@ std::string skeleton_text(const Json& search, std::size_t seeds, const std::vect
   std::string count = curves == 1 ? "1 branch" : fmt::format("{} branches", curves);
   if (curves < branches.size()) count += fmt::format(" ({} of them in two halves, from a seed inside)", branches.size() - curves);
   std::string text = fmt::format("{}, {}\n", counted(seeds, "seed"), count) + fineness_text(search, parameter) + "\n" +
-                     aligned(curves_overview(branches, parameter)) +
-                     "\n" + aligned(special_points_overview(branches, parameter)) + cascades_text(cascades(branches), parameter);
+                     aligned(curves_overview(branches, parameter)) + "\n" +
+                     aligned(special_points_overview(branches, parameter)) + cascades_text(cascades(branches), parameter);
   if (cut_off.empty()) return text;
   text += fmt::format("\nnot followed ({}):\n", cut_off.size());
   // One line for all ways from seeds of a reason, which have no names, and for all that an interruption left over.

@@ -97,7 +97,8 @@ void samples_csv(const Problem& problem, const std::vector<SweepRow>& rows, cons
     std::string begin =
         fmt::format("{},{},{},", row.value, sweep_direction_name(row.direction), attractor_type_name(attractor.type));
     begin += attractor.period > 0 ? fmt::format("{},{}", attractor.period, attractor.impacts) : ",";
-    for (std::size_t i = 0; i < problem.system.states; ++i) begin += "," + (i < attractor.exponents.size() ? exact(attractor.exponents[i]) : "");
+    for (std::size_t i = 0; i < problem.system.states; ++i)
+      begin += "," + (i < attractor.exponents.size() ? exact(attractor.exponents[i]) : "");
     for (const Vector& state : row.states) {
       lines += begin;
       for (const double value : state) fmt::format_to(std::back_inserter(lines), FMT_COMPILE(",{}"), value);

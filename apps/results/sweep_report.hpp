@@ -26,7 +26,8 @@ std::vector<SweepRow> rows_from(const Json& rows);
 Table sweep_overview(const std::vector<SweepRow>& rows, const std::string& parameter);
 
 /// As CSV: one line per stroboscopic state; made on so many threads.
-void samples_csv(const Problem& problem, const std::vector<SweepRow>& rows, const std::string& parameter, int threads, const TextSink& sink);
+void samples_csv(const Problem& problem, const std::vector<SweepRow>& rows, const std::string& parameter, int threads,
+                 const TextSink& sink);
 
 /// Neighbouring values of one direction at which the attractor is chaotic, and the largest exponent there.
 struct ChaoticWindow {

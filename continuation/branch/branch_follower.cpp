@@ -15,9 +15,9 @@ namespace graze {
 
 namespace {
 
-/// Multipliers that cannot be told from those of the bifurcation all along a step pass it in rounding alone: where a doubled branch
-/// begins, and along orbits of a conservative resonance, which all have the same. Two that coincide are known to the root of
-/// rounding only.
+/// Multipliers that cannot be told from those of the bifurcation all along a step pass it in rounding alone: where a doubled
+/// branch begins, and along orbits of a conservative resonance, which all have the same. Two that coincide are known to the root
+/// of rounding only.
 bool in_rounding(const TestFunction& test, const TestPoint& a, const TestPoint& b) {
   constexpr double rounding = 1e-8, root = 1e-5;
   const double farthest = std::max(test.distance(a.branch), test.distance(b.branch));
@@ -349,12 +349,13 @@ std::optional<BranchStart> BranchFollower::to_signature(OrbitProblem& problem, c
 
 Curve BranchFollower::follow_signature(SignatureProblem& problem, const BranchStart& start, Branch& branch) {
   if (start.on_grazing) beginning_ = start.u;
-  return trace(problem.zero_problem(), start.u, start.orientation, options_.trace,
-               [&](const CurvePoint& before, CurvePoint& after) {
-                 if (branch.points.empty() && !start.on_grazing) begin(problem, before.u, branch);
-                 return monitor_signature(problem, before, after, branch);
-               },
-               [&](const CurvePoint& first) { return images_of(problem, first); });
+  return trace(
+      problem.zero_problem(), start.u, start.orientation, options_.trace,
+      [&](const CurvePoint& before, CurvePoint& after) {
+        if (branch.points.empty() && !start.on_grazing) begin(problem, before.u, branch);
+        return monitor_signature(problem, before, after, branch);
+      },
+      [&](const CurvePoint& first) { return images_of(problem, first); });
 }
 
 std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const BranchStart& start, Branch& branch) {
@@ -426,8 +427,9 @@ std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const C
          fmt::format("the doubled orbit has returned to its parent near {} = {:.12g}", branch.parameter, end.value));
   } else if (chatter_ends_) {
     const bool sticks = end.isolated_impacts < end.impacts;
-    stop(BranchStop::chatter, fmt::format("at {} = {:.12g} the chatter {} complete, and the mass {}", branch.parameter, end.value,
-                                          sticks ? "is no longer" : "becomes", sticks ? "does not stick beyond" : "sticks beyond"));
+    stop(BranchStop::chatter,
+         fmt::format("at {} = {:.12g} the chatter {} complete, and the mass {}", branch.parameter, end.value,
+                     sticks ? "is no longer" : "becomes", sticks ? "does not stick beyond" : "sticks beyond"));
   } else if (why == TraceStop::monitor) {
     stop(BranchStop::reached_bound, fmt::format("the end of the range, {} = {:.12g}, was reached", branch.parameter, end.value));
   } else if (why == TraceStop::closed) {

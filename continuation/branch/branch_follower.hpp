@@ -8,9 +8,9 @@
 #pragma once
 
 #include <graze/continuation/branch/branch_switching.hpp>
+#include <graze/continuation/branch/continuation_options.hpp>
 #include <graze/continuation/conditions/grazing.hpp>
 #include <graze/continuation/conditions/test_function.hpp>
-#include <graze/continuation/branch/continuation_options.hpp>
 #include <graze/continuation/problems/signature_problem.hpp>
 
 namespace graze {

@@ -95,7 +95,8 @@ void add_contact(const HybridSystem& system, std::size_t event, const Touch& tou
   if (record.kind != EventKind::enter && record.kind != EventKind::leave) return;
   const std::size_t mode = system.events[event].from;
   const auto back = std::find_if(system.events.begin(), system.events.end(), [&](const Event& other) {
-    return other.from == record.mode_plus && other.to == mode && (other.kind == EventKind::leave || other.kind == EventKind::enter);
+    return other.from == record.mode_plus && other.to == mode &&
+           (other.kind == EventKind::leave || other.kind == EventKind::enter);
   });
   if (back == system.events.end()) return;
   record.event = static_cast<std::size_t>(back - system.events.begin());

@@ -157,8 +157,8 @@ std::optional<Touching> with_touch(SignatureProblem& problem, const Vector& u, c
   const SignatureEquations& equations = problem.equations();
   EventNodes nodes = problem.unpack(u);
   const auto place = static_cast<Eigen::Index>(nodes.insert(met.event, met.t, met.x_minus));
-  Touching out{SignatureProblem(equations.system(), equations.parameters(), equations.period(), nodes.sequence, parameter,
-                                1.0, problem.flow_options()),
+  Touching out{SignatureProblem(equations.system(), equations.parameters(), equations.period(), nodes.sequence, parameter, 1.0,
+                                problem.flow_options()),
                {},
                {},
                static_cast<int>(place)};

@@ -88,7 +88,8 @@ LocatedPoint locate_multiplier(BranchProblem& problem, const Vector& start, cons
     right[unknowns - 1] = -bordered.g.real();
     if (condition.theta_free) {
       // K is linear in sigma: dg/dtheta = -w^H (dK/dsigma) (i sigma) v.
-      const Complex g_theta = -bordered.w.dot((problem.cyclic(located.u, 1.0) - problem.cyclic(located.u, 0.0)) * (Complex(0.0, 1.0) * sigma * bordered.v));
+      const Complex g_theta = -bordered.w.dot((problem.cyclic(located.u, 1.0) - problem.cyclic(located.u, 0.0)) *
+                                              (Complex(0.0, 1.0) * sigma * bordered.v));
       A.row(unknowns).head(unknowns) = g_u.imag().transpose();
       A(unknowns - 1, unknowns) = g_theta.real();
       A(unknowns, unknowns) = g_theta.imag();
@@ -104,7 +105,8 @@ LocatedPoint locate_multiplier(BranchProblem& problem, const Vector& start, cons
     Vector noise = Vector::Zero(size);
     noise[unknowns - 1] = 1.0;
     const Vector sensitivity = lu.solve_adjoint(noise);
-    located.precision = rounding * (scale * sensitivity.head(unknowns - 1).lpNorm<1>() + K_scale * sensitivity.tail(extra).lpNorm<1>());
+    located.precision =
+        rounding * (scale * sensitivity.head(unknowns - 1).lpNorm<1>() + K_scale * sensitivity.tail(extra).lpNorm<1>());
     const double step_size = step.head(unknowns).lpNorm<Eigen::Infinity>() / scale;
     if (size_now < 1e-11 && (step_size < 1e-14 || step_size >= 0.5 * last_step)) {
       located.newton.status = NewtonStatus::converged;

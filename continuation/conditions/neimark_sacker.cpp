@@ -57,7 +57,9 @@ TestFunction neimark_sacker_test() {
     }
     return locate_multiplier(problem, u, {.theta = theta, .theta_free = true});
   };
-  test.describe = [](BranchProblem&, const LocatedPoint& located, SpecialPoint& point) { point.details["angle"] = located.theta; };
+  test.describe = [](BranchProblem&, const LocatedPoint& located, SpecialPoint& point) {
+    point.details["angle"] = located.theta;
+  };
   return test;
 }
 

@@ -37,9 +37,8 @@ bool is_stable(const Branch& branch) {
 
 /// Of the values that its points take.
 double width(const Branch& branch) {
-  const auto [least, most] =
-      std::minmax_element(branch.points.begin(), branch.points.end(),
-                          [](const BranchPoint& a, const BranchPoint& b) { return a.value < b.value; });
+  const auto [least, most] = std::minmax_element(branch.points.begin(), branch.points.end(),
+                                                 [](const BranchPoint& a, const BranchPoint& b) { return a.value < b.value; });
   return branch.points.empty() ? 0.0 : most->value - least->value;
 }
 
@@ -142,9 +141,8 @@ class Graph {
     const int impacts = seed ? task.orbit.isolated_impacts : parent->points.front().isolated_impacts;
     if (impacts > choice_.most_impacts * (seed ? task.orbit.period : parent->period))
       return because(fmt::format("more than {} impacts in a forcing period", choice_.most_impacts));
-    if (seed && std::any_of(series_.begin(), series_.end(), [&](const ChatterSeries& series) {
-          return series.explains(task.orbit, value_of(task.orbit));
-        }))
+    if (seed && std::any_of(series_.begin(), series_.end(),
+                            [&](const ChatterSeries& series) { return series.explains(task.orbit, value_of(task.orbit)); }))
       return because("of a series towards complete chatter");
     if (task.origin == Origin::doubled && 2 * impacts > choice_.most_impacts_unseen &&
         width(*parent) < choice_.narrowest * (high_ - low_)) {
@@ -223,10 +221,11 @@ class Graph {
     const SpecialPoint& end = branch.special_points.back();
     const double before = found.value - (found.value - end.value) / found.ratio;  // the last grazing but one
     series_.push_back({branch.period, branch.points.back().impacts, before, found.value});
-    cut_off({Origin::beyond_grazing, {}, 1, index, branch.special_points.size() - 1},
-            fmt::format("a series towards complete chatter, one impact more at each grazing, their distances in the ratio {:.3g}, "
-                        "which accumulates at {} = {:.9g}: it is not followed impact by impact",
-                        found.ratio, options_.parameter, found.value));
+    cut_off(
+        {Origin::beyond_grazing, {}, 1, index, branch.special_points.size() - 1},
+        fmt::format("a series towards complete chatter, one impact more at each grazing, their distances in the ratio {:.3g}, "
+                    "which accumulates at {} = {:.9g}: it is not followed impact by impact",
+                    found.ratio, options_.parameter, found.value));
     // As far beyond the accumulation as the last family lies before it.
     const double beyond = std::clamp(2.0 * found.value - before, low_, high_);
     Vector p = branch.parameters;
@@ -237,8 +236,7 @@ class Graph {
     settling.lyapunov.cancelled = options_.cancelled;
     if (!mode_at(system_, 0.0, end.orbit.state, p)) return;
     const Attractor attractor = approach_attractor(system_, p, end.orbit.state, settling);
-    if (attractor.orbit && attractor.orbit->isolated_impacts < attractor.orbit->impacts)
-      add_seed({*attractor.orbit}, generation);
+    if (attractor.orbit && attractor.orbit->isolated_impacts < attractor.orbit->impacts) add_seed({*attractor.orbit}, generation);
   }
 
   /// The partner born on the grazing at the end of this branch, or null.
@@ -276,7 +274,8 @@ class Graph {
         if (point.type != PointType::PD || 2 * point.orbit.impacts != end.impacts) continue;
         double distance = std::numeric_limits<double>::infinity();
         for (const Vector& state : point.orbit.states)
-          distance = std::min(distance, (state - end.state()).lpNorm<Eigen::Infinity>() / (1.0 + state.lpNorm<Eigen::Infinity>()));
+          distance =
+              std::min(distance, (state - end.state()).lpNorm<Eigen::Infinity>() / (1.0 + state.lpNorm<Eigen::Infinity>()));
         distance = std::max(distance, std::abs(point.value - end.value) / (high_ - low_));
         if (!(distance < nearest)) continue;
         nearest = distance;

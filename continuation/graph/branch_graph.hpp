@@ -28,7 +28,8 @@ struct BranchSeed {
 inline constexpr const char* was_interrupted = "it was interrupted";
 
 /// A special point at which more orbits begin that were not followed. (That families of several times the period at a grazing end
-/// at max_period and max_multiple holds for all of them and is not listed.) Or, with branch 0, all that were left out for a reason.
+/// at max_period and max_multiple holds for all of them and is not listed.) Or, with branch 0, all that were left out for a
+/// reason.
 struct CutOff {
   int branch = 0;
   std::string label;
@@ -44,11 +45,11 @@ struct BranchGraph {
 
 /// What is followed and kept.
 struct FamilyChoice {
-  /// False: kept are the branches that are stable somewhere, their parents (and theirs), what is born where a stable stretch ends,
-  /// and the family on the other side of a grazing that ends one. And not all that may lead to more of them is followed:
+  /// False: kept are the branches that are stable somewhere, their parents (and theirs), what is born where a stable stretch
+  /// ends, and the family on the other side of a grazing that ends one. And not all that may lead to more of them is followed:
   bool all = true;
-  /// Branches that lie beyond unstable orbits are followed until so many branches in a row were stable nowhere. (In the six shipped
-  /// problems the longest run that leads to a stable branch has 37.)
+  /// Branches that lie beyond unstable orbits are followed until so many branches in a row were stable nowhere. (In the six
+  /// shipped problems the longest run that leads to a stable branch has 37.)
   int patience = 64;
   /// Orbits with more impacts in a forcing period, complete chatters not counted, are not followed: at low frequencies there are
   /// hundreds of families, each with one impact more than the last.

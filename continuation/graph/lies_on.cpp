@@ -49,8 +49,7 @@ std::optional<OrbitShape> corrected(const HybridSystem& system, const Vector& p,
   Vector u = problem.pack(states, duration, value);
   if (guess.autonomous) problem.equations().set_phase_reference(states.front());
   if (!correct(problem.zero_problem(), problem.parameter_direction(), u, patient).converged()) return std::nullopt;
-  for (std::size_t k = 0; k < out.nodes.size(); ++k)
-    out.nodes[k].state = problem.equations().node(u, static_cast<int>(k));
+  for (std::size_t k = 0; k < out.nodes.size(); ++k) out.nodes[k].state = problem.equations().node(u, static_cast<int>(k));
   return out;
 }
 
@@ -72,8 +71,8 @@ bool lies_on(const HybridSystem& system, const Branch& branch, const std::vector
     const BranchPoint &a = branch.points[i], &b = branch.points[i + 1];
     if (a.value == b.value || value < std::min(a.value, b.value) || value > std::max(a.value, b.value)) continue;
     const double s = (value - a.value) / (b.value - a.value);
-    const double duration = is_forced(system) ? branch.period * forcing_period(system, at(value))
-                                                     : a.duration + s * (b.duration - a.duration);
+    const double duration =
+        is_forced(system) ? branch.period * forcing_period(system, at(value)) : a.duration + s * (b.duration - a.duration);
     if (!here) here = shape_of(system, at(value), states, duration);
     const OrbitShape first = shape(a);
     const std::optional<AlignedShape> second = aligned(shape(b), first);

@@ -20,8 +20,8 @@ namespace {
 constexpr std::size_t ways = 3;         // to settle: see attractors()
 constexpr std::size_t block_size = 10;  // values of the search for stable orbits that share a box
 
-/// Events in a forcing period up to which transients are as long and values as many as the options say. Above, they shrink: at low
-/// frequencies a period holds hundreds of events, and costs (and dissipates) as much as many periods do elsewhere.
+/// Events in a forcing period up to which transients are as long and values as many as the options say. Above, they shrink: at
+/// low frequencies a period holds hundreds of events, and costs (and dissipates) as much as many periods do elsewhere.
 constexpr double usual_events = 16.0;
 constexpr int shortest_transient = 40, shortest_for_box = 16, fewest_values = 61, fewest_starts = 2;
 
@@ -222,7 +222,7 @@ class SeedFinder {
   Eigen::Index parameter_;
   double low_, high_;
   SearchFineness fineness_;
-  std::size_t blocks_ = 0;  ///< of values, for the search for stable orbits
+  std::size_t blocks_ = 0;                         ///< of values, for the search for stable orbits
   std::vector<std::vector<PeriodicOrbit>> found_;  ///< by each part: ways to settle, stable blocks, searches
   std::vector<char> done_;                         ///< by several threads, so no bits
 };
@@ -247,16 +247,14 @@ Skeleton skeleton(const HybridSystem& system, const Vector& p, const SkeletonOpt
   std::vector<BranchSeed> starts;
   for (const SkeletonSeed& seed : out.seeds) starts.push_back({seed.orbit});
   // Of orbits that were searched, short ones first: a doubled one is then met where it is born.
-  const auto searched = std::find_if(out.seeds.begin(), out.seeds.end(), [](const SkeletonSeed& seed) {
-    return seed.part >= static_cast<int>(ways);
-  });
+  const auto searched = std::find_if(out.seeds.begin(), out.seeds.end(),
+                                     [](const SkeletonSeed& seed) { return seed.part >= static_cast<int>(ways); });
   std::stable_sort(starts.begin() + (searched - out.seeds.begin()), starts.end(),
                    [](const BranchSeed& a, const BranchSeed& b) { return a.orbit.period < b.orbit.period; });
   // A series towards complete chatter is followed from its beginning, which explains seeds further along it.
   if (!options.families.all)
-    std::stable_partition(starts.begin(), starts.end(), [](const BranchSeed& seed) {
-      return seed.orbit.isolated_impacts <= few_impacts * seed.orbit.period;
-    });
+    std::stable_partition(starts.begin(), starts.end(),
+                          [](const BranchSeed& seed) { return seed.orbit.isolated_impacts <= few_impacts * seed.orbit.period; });
   ContinuationOptions following = options.continuation;
   following.follow_parents = true;
   following.switch_generations = std::max(following.switch_generations, 64);  // the period is the limit

@@ -28,8 +28,8 @@ struct SkeletonOptions {
   int stable_values = 121;
   StableSearchOptions stable_search = {};
   FamilyChoice families = {};  ///< unstable orbits are searched if it is all
-  int searched_values = 7;  ///< values, ends included, at which unstable orbits are searched
-  int searched_period = 4;  ///< of period 1 up to this one
+  int searched_values = 7;     ///< values, ends included, at which unstable orbits are searched
+  int searched_period = 4;     ///< of period 1 up to this one
   SearchOptions search = {};
   /// See ContinuationOptions::max_multiple; 0: as far as max_period goes (none where that is not set).
   int max_multiple = 0;

@@ -52,8 +52,8 @@ std::optional<Vector> OrbitProblem::to_section(OrbitProblem& other, const Vector
 }
 
 OrbitProblem OrbitProblem::with_nodes(int times) const {
-  OrbitProblem finer(system(),  p_,     period(),           times * nodes(),
-                     parameter_, scale_, equations_.options(), equations_.section_phase());
+  OrbitProblem finer(system(), p_, period(), times * nodes(), parameter_, scale_, equations_.options(),
+                     equations_.section_phase());
   finer.size_ = size_;
   return finer;
 }

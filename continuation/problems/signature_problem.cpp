@@ -188,8 +188,10 @@ Eigen::VectorXcd SignatureProblem::cyclic_derivative(const Vector& u, std::compl
   const auto form = [&](const Vector& at, int k) -> std::complex<double> {
     if (!equations_.evaluate(at, k, true, block)) return std::numeric_limits<double>::quiet_NaN();
     const std::complex<double> link = k + 1 < m ? 1.0 : sigma;
-    const Eigen::VectorXcd rows = block.own * v.segment(k * size, size) + link * (block.next * v.segment((k + 1) % m * size, size));
-    return w.segment(k * size, n).dot(rows) + std::conj(w[k * size + n]) * (block.own_gap.transpose() * v.segment(k * size, size))[0];
+    const Eigen::VectorXcd rows =
+        block.own * v.segment(k * size, size) + link * (block.next * v.segment((k + 1) % m * size, size));
+    return w.segment(k * size, n).dot(rows) +
+           std::conj(w[k * size + n]) * (block.own_gap.transpose() * v.segment(k * size, size))[0];
   };
   for (Eigen::Index i = 0; i < unknowns(); ++i) {
     const double h = difference_step * (1.0 + std::abs(u[i]));
@@ -313,7 +315,8 @@ BranchPoint SignatureProblem::branch_point(const Vector& u, double arclength) {
   point.impacts = point.isolated_impacts = impacts(system, point.signature);
   point.shape.period = n;
   for (int k = 0; k < m; ++k)
-    point.shape.nodes.push_back({equations_.sequence()[static_cast<std::size_t>(k)], equations_.time(u, k) / T, equations_.state(u, k)});
+    point.shape.nodes.push_back(
+        {equations_.sequence()[static_cast<std::size_t>(k)], equations_.time(u, k) / T, equations_.state(u, k)});
   Vector residual;
   if (equations_.evaluate(u, residual, nullptr))
     point.checks.residual = residual.lpNorm<Eigen::Infinity>() / (1.0 + u.lpNorm<Eigen::Infinity>());

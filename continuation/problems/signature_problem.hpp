@@ -20,7 +20,7 @@ struct EventNodes {
   std::size_t insert(std::size_t event, double t, const Vector& x);  ///< in its place in time, which is returned
   /// To those of one turn, of an orbit run through so often: by their number, for an impact at phase 0 may stand at either end.
   void shorten(int turns);
-  void repeat(int turns, double duration);                           ///< that many times, each as long
+  void repeat(int turns, double duration);  ///< that many times, each as long
 };
 
 /// Of an orbit, from phase 0 on; nullopt where it has no events, or where it sticks (accumulation points are no nodes).

@@ -28,8 +28,8 @@ std::string reason(const ZeroProblem& problem, NewtonStatus status) {
 
 /// True if the step of this length from `last` to `next` passes through `first` the way the curve went on from there, and `next`
 /// then becomes that point. Being near it is not enough: another turn of the curve may be.
-bool returns_to(const CurvePoint& first, const ZeroProblem& problem, const Vector& weights, const CurvePoint& last, CurvePoint& next,
-                double length, const TraceOptions& options) {
+bool returns_to(const CurvePoint& first, const ZeroProblem& problem, const Vector& weights, const CurvePoint& last,
+                CurvePoint& next, double length, const TraceOptions& options) {
   // Near it is no further than two steps in any unknown. Most points of a long curve are further away in the last one, and most
   // images of an orbit in one of the first.
   const Eigen::Index end = first.u.size() - 1;

@@ -163,7 +163,7 @@ void average(const HybridSystem& system, const Vector& p, Attractor& attractor, 
 
 /// Of the motion that was averaged from `begin` on: null where it cannot linger.
 std::optional<LaminarPhase> lingering(const HybridSystem& system, const Vector& p, const Vector& begin, int round,
-                                   const Attractor& attractor, const AttractorOptions& options) {
+                                      const Attractor& attractor, const AttractorOptions& options) {
   const double T = forcing_period(system, p);
   if (attractor.type == AttractorType::periodic || attractor.time_average.stop == LyapunovStop::interrupted ||
       attractor.time_average.termination != Termination::time || !may_linger(attractor, round, T))

@@ -46,10 +46,10 @@ struct AttractorOptions {
 
 struct Attractor {
   AttractorType type = AttractorType::undecided;
-  int period = 0, impacts = 0;                    ///< n and p of a periodic one
-  int isolated_impacts = 0;                       ///< as in PeriodicOrbit
-  bool rests = false;                             ///< likewise
-  bool conservative = false;                      ///< Liouville's sum is zero along the motion; then it is of this kind:
+  int period = 0, impacts = 0;  ///< n and p of a periodic one
+  int isolated_impacts = 0;     ///< as in PeriodicOrbit
+  bool rests = false;           ///< likewise
+  bool conservative = false;    ///< Liouville's sum is zero along the motion; then it is of this kind:
   ConservativeMotion motion = ConservativeMotion::unknown;
   Vector state;                                   ///< on it, at forcing phase 0
   std::vector<std::complex<double>> multipliers;  ///< of a periodic one

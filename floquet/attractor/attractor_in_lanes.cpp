@@ -20,13 +20,13 @@ struct Stop {
 };
 
 MotionTask<SettlingLook> look(TaskSlot& lane, const HybridSystem& system, const Vector& p, const Vector& state, int most,
-                            const AttractorOptions& options, RefusedOrbits* refused = nullptr) {
+                              const AttractorOptions& options, RefusedOrbits* refused = nullptr) {
   return look_for_orbit_in_lanes(lane, system, p, state, most, nearness_of(options), options.lyapunov.flow, refused);
 }
 
 /// approach_attractor.
 MotionTask<Attractor> approach(TaskSlot& lane, const HybridSystem& system, const Vector& p, const Vector& start,
-                             const AttractorOptions& options) {
+                               const AttractorOptions& options) {
   const Stop stop{options};
   Transient approach(system, p, start, options);
   do {
@@ -41,7 +41,7 @@ MotionTask<Attractor> approach(TaskSlot& lane, const HybridSystem& system, const
 
 /// Of a motion that is not known to be periodic. Says whether it has to be followed on, from where it is then.
 MotionTask<bool> average(TaskSlot& lane, const HybridSystem& system, const Vector& p, int round, const AttractorOptions& options,
-                       Attractor& attractor) {
+                         Attractor& attractor) {
   const Stop stop{options};
   const Vector begin = attractor.state;
   LyapunovOptions averaging = options.lyapunov;
@@ -88,15 +88,15 @@ bool lanes_do(const HybridSystem& system, const Vector& p, const AttractorOption
 }
 
 MotionTask<> find_to(TaskSlot& lane, const HybridSystem& system, const AverageStart& start, const AttractorOptions& options,
-                   Attractor& attractor) {
+                     Attractor& attractor) {
   attractor = co_await approach_attractor_in_lanes(lane, system, start.p, start.state, options);
   co_await average_on_attractor_in_lanes(lane, system, start.p, attractor, options);
 }
 
 }  // namespace
 
-MotionTask<Attractor> approach_attractor_in_lanes(TaskSlot& lane, const HybridSystem& system, const Vector& p, const Vector& start,
-                                                const AttractorOptions& options) {
+MotionTask<Attractor> approach_attractor_in_lanes(TaskSlot& lane, const HybridSystem& system, const Vector& p,
+                                                  const Vector& start, const AttractorOptions& options) {
   if (!lanes_do(system, p, options)) {
     Attractor alone = approach_attractor(system, p, start, options);
     co_return alone;
@@ -107,7 +107,7 @@ MotionTask<Attractor> approach_attractor_in_lanes(TaskSlot& lane, const HybridSy
 }
 
 MotionTask<> average_on_attractor_in_lanes(TaskSlot& lane, const HybridSystem& system, const Vector& p, Attractor& attractor,
-                                         const AttractorOptions& options) {
+                                           const AttractorOptions& options) {
   if (!lanes_do(system, p, options)) {
     average_on_attractor(system, p, attractor, options);
     co_return;

@@ -12,9 +12,9 @@ class TaskSlot;
 /// approach_attractor and average_on_attractor there, where the lanes know the oscillator, AttractorOptions::recurrence > 0 and
 /// periods_on_orbit = 0; else by themselves. What comes out does not depend on the others. Orbits come as from
 /// look_for_orbit_in_lanes.
-MotionTask<Attractor> approach_attractor_in_lanes(TaskSlot& lane, const HybridSystem& system, const Vector& p, const Vector& start,
-                                                const AttractorOptions& options);
+MotionTask<Attractor> approach_attractor_in_lanes(TaskSlot& lane, const HybridSystem& system, const Vector& p,
+                                                  const Vector& start, const AttractorOptions& options);
 MotionTask<> average_on_attractor_in_lanes(TaskSlot& lane, const HybridSystem& system, const Vector& p, Attractor& attractor,
-                                         const AttractorOptions& options);
+                                           const AttractorOptions& options);
 
 }  // namespace graze

@@ -340,7 +340,7 @@ void check_box(const HybridSystem& system, const Vector& lower, const Vector& up
 constexpr double settling_recurrence = 1e-4;
 
 MotionTask<> settle_to(TaskSlot& lane, const HybridSystem& system, const MotionFrom& start, const AttractorOptions& settling,
-                     std::shared_ptr<const PeriodicOrbit>& reached) {
+                       std::shared_ptr<const PeriodicOrbit>& reached) {
   if (!mode_at(system, 0.0, start.state, start.p)) co_return;
   const Attractor attractor = co_await approach_attractor_in_lanes(lane, system, start.p, start.state, settling);
   reached = attractor.orbit;

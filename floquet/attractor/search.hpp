@@ -54,7 +54,8 @@ std::vector<PeriodicOrbit> settled_orbits(const HybridSystem& system, const std:
 
 struct StableSearchOptions {
   Vector lower = {}, upper = {};  ///< the box; empty: what holds search_box at the first and at the last value
-  int starts = 128;  ///< at each value. An orbit whose basin has the share s of the box is missed with probability (1 - s)^starts.
+  int starts =
+      128;  ///< at each value. An orbit whose basin has the share s of the box is missed with probability (1 - s)^starts.
   int box_periods = 300;  ///< of search_box
   unsigned seed = 1;
   SettlingOptions settling = {};

@@ -18,9 +18,9 @@ struct SettleOptions {
 
 struct Settled {
   Termination termination = Termination::failed;  ///< resonance: it grows, and for longer than the transient was
-  Vector state;              ///< at forcing phase 0
-  int suspected_period = 0;  ///< 0: none found up to max_period
-  int periods = 0;           ///< forcing periods carried out
+  Vector state;                                   ///< at forcing phase 0
+  int suspected_period = 0;                       ///< 0: none found up to max_period
+  int periods = 0;                                ///< forcing periods carried out
 };
 
 /// Simulates from `start` at forcing phase 0. @throws std::invalid_argument for an inadmissible start or an autonomous system.

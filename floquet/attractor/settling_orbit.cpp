@@ -233,7 +233,7 @@ PeriodicOrbit plain_orbit(const HybridSystem& system, const Vector& p, const Lan
 }  // namespace
 
 MotionTask<std::optional<PeriodicOrbit>> orbit_approached_in_lanes(TaskSlot& lane, const HybridSystem& system, const Vector& p,
-                                                                 const LaneOrbit& orbit, const Vector& state) {
+                                                                   const LaneOrbit& orbit, const Vector& state) {
   if (verdict(orbit, state) != Verdict::yes) co_return std::nullopt;
   NearOrbit motion(orbit, state, std::abs(orbit.multipliers.front()), orbit.states.size());
   co_await carry_watched(lane, motion, never);
@@ -265,7 +265,8 @@ MotionTask<LaneOrbit> shoot_next_to_doubling(TaskSlot& lane, const std::vector<S
 }  // namespace
 
 MotionTask<SettlingLook> look_for_orbit_in_lanes(TaskSlot& lane, const HybridSystem& system, const Vector& p, const Vector& state,
-                                               int max_period, double nearness, const FlowOptions& flow, RefusedOrbits* refused) {
+                                                 int max_period, double nearness, const FlowOptions& flow,
+                                                 RefusedOrbits* refused) {
   SettlingLook out;
   if (may_rest(system, p, state)) {
     Propagator propagator(system, p, {}, flow);

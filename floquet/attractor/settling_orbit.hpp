@@ -50,13 +50,13 @@ struct SettlingLook {
 /// (lane_orbits.hpp), it comes without events, signature, monodromy matrix and checks. `refused`: orbits that the motion was seen
 /// to pass by; those that it passes by now are added.
 MotionTask<SettlingLook> look_for_orbit_in_lanes(TaskSlot& lane, const HybridSystem& system, const Vector& p, const Vector& state,
-                                               int max_period, double nearness, const FlowOptions& flow = {},
-                                               RefusedOrbits* refused = nullptr);
+                                                 int max_period, double nearness, const FlowOptions& flow = {},
+                                                 RefusedOrbits* refused = nullptr);
 
 /// An orbit found in lanes (few_halvings), if the motion at `state`, near it, comes closer to it, and it is stable and not
 /// delicate; at the parameters of the place. It comes as from look_for_orbit_in_lanes.
 MotionTask<std::optional<PeriodicOrbit>> orbit_approached_in_lanes(TaskSlot& lane, const HybridSystem& system, const Vector& p,
-                                                                 const LaneOrbit& orbit, const Vector& state);
+                                                                   const LaneOrbit& orbit, const Vector& state);
 
 /// Those of some states, of the same parameters, from which a motion may be settling on a stable orbit: its tangent does not grow
 /// for long. (In chaos it does; to find that out for all is less work than settling_orbit has with a few.) Carried in lanes.

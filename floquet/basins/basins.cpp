@@ -315,8 +315,7 @@ class Search {
         constexpr double alike = 0.9;
         // Where nothing dissipates each motion is its own: they are told apart by what they are.
         const Attractor &other = out_.attractors[i].attractor, &its = found.attractor;
-        const bool alike_in_kind =
-            its.conservative && other.conservative && its.motion == other.motion && its.type == other.type;
+        const bool alike_in_kind = its.conservative && other.conservative && its.motion == other.motion && its.type == other.type;
         const bool alike_in_cells = known_[i].type != AttractorType::periodic && known_[i].cells.share(states) > alike &&
                                     known.cells.share(out_.attractors[i].states) > alike;
         const bool same = alike_in_kind || alike_in_cells;

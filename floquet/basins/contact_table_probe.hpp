@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// ContactTableProbe: goes ahead of many motions of one oscillator and one set of parameters: finds out how soon the first of them settle and
-// how fast they meet the barrier, and keeps a table of contacts of those speeds for all, where one pays.
+// ContactTableProbe: goes ahead of many motions of one oscillator and one set of parameters: finds out how soon the first of them
+// settle and how fast they meet the barrier, and keeps a table of contacts of those speeds for all, where one pays.
 #pragma once
 
 #include <graze/floquet/attractor/attractor.hpp>

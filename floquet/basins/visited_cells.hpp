@@ -2,8 +2,8 @@
 // VisitedCells: what an attractor that is not periodic covers: the cells of a grid in which its states at forcing phase 0 lie.
 // The grid is as fine (up to 128 cells across) as lets 99.9 % of the second half of the samples fall into cells of the first.
 //
-// CellResidence: a motion that stays in these cells for `window` periods on end, and visits as many of them as the attractor does in
-// that time, has reached the attractor. In dissipative systems a motion that stays so long has come near by contraction; the
+// CellResidence: a motion that stays in these cells for `window` periods on end, and visits as many of them as the attractor does
+// in that time, has reached the attractor. In dissipative systems a motion that stays so long has come near by contraction; the
 // number of cells tells it from a periodic orbit that happens to lie among them.
 #pragma once
 

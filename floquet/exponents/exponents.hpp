@@ -25,7 +25,7 @@ inline double with_trend(double error, double drift) {
 /// growth decides, and this is true. If they do not, ordered motions have growing tangents, too: shear makes them grow in
 /// proportion to time.
 inline bool grows_beyond_shear(double log_growth, double log_volume, std::int64_t periods) {
-  constexpr double shrinks = 1.0;       // of ln(volume): below, the contraction does not yet show
+  constexpr double shrinks = 1.0;        // of ln(volume): below, the contraction does not yet show
   constexpr double largest_shear = 1e4;  // of a forcing period
   return std::abs(log_volume) > shrinks || log_growth > std::log(largest_shear * static_cast<double>(periods));
 }

@@ -129,7 +129,8 @@ std::shared_ptr<MapWork::RowTask> MapWork::next(bool in_vain) {
 void MapWork::queue(const std::shared_ptr<RowTask>& row_task) {
   const MapRow::Next next = row_task->points.next();
   if (next == row_task->queued) return;
-  if (row_task->queued != MapRow::Next::none) std::erase(row_task->queued == MapRow::Next::likely ? row_tasks_ : unlikely_, row_task);
+  if (row_task->queued != MapRow::Next::none)
+    std::erase(row_task->queued == MapRow::Next::likely ? row_tasks_ : unlikely_, row_task);
   row_task->queued = next;
   if (next == MapRow::Next::none) return;
   next == MapRow::Next::likely ? row_tasks_.push_front(row_task) : unlikely_.push_back(row_task);

@@ -100,8 +100,8 @@ class MapWork {
   std::deque<std::shared_ptr<RowTask>> row_tasks_;  ///< ready to run
   std::deque<std::shared_ptr<RowTask>> unlikely_;   ///< ready, but their results will probably be rolled back
   std::size_t begun_ = 0;                           ///< points that are not ended
-  std::size_t open_ = 0;                          ///< row_tasks that are not finished,
-  std::size_t pieces_ = 0;                        ///< and pieces
+  std::size_t open_ = 0;                            ///< row_tasks that are not finished,
+  std::size_t pieces_ = 0;                          ///< and pieces
   bool closed_ = false;
   std::atomic<bool> failed_ = false;
 };

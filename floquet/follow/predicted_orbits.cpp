@@ -71,7 +71,7 @@ LaneGuess guess_of(std::size_t parameters, const States& guess) {
 
 /// Puts down the orbit, if the motion from there comes to it.
 MotionTask<> approach(TaskSlot& lane, const HybridSystem& system, std::size_t parameters, const Vector& p, const LaneOrbit& orbit,
-                    Vector from, OrbitAhead& reached) {
+                      Vector from, OrbitAhead& reached) {
   lane.take_parameters(parameters);
   std::optional<PeriodicOrbit> approached = co_await orbit_approached_in_lanes(lane, system, p, orbit, from);
   if (!approached) co_return;

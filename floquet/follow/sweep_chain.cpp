@@ -100,7 +100,7 @@ Vector SweepChain::with_its_stop(const Begin& begin, const Vector& p) const {
 }
 
 MotionTask<SweepRow> SweepChain::find(TaskSlot& lane, Begin begin, AttractorOptions finding,
-                                    std::function<void(const Vector& state)> hand_on) const {
+                                      std::function<void(const Vector& state)> hand_on) const {
   SweepRow out = row(begin.number);
   const Vector p = parameters(out.value);
   if (!begin.at_start) begin.state = with_its_stop(begin, p);

@@ -66,7 +66,7 @@ class SweepChain {
   /// known, if this one is not known to be periodic by then. Where the motion could not be carried, or `finding` broke it off, no
   /// average has come to its end.
   MotionTask<SweepRow> find(TaskSlot& lane, Begin begin, AttractorOptions finding,
-                          std::function<void(const Vector& state)> hand_on) const;
+                            std::function<void(const Vector& state)> hand_on) const;
 
  private:
   Vector with_its_stop(const Begin& begin, const Vector& p) const;

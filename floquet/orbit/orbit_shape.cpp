@@ -17,7 +17,9 @@ OrbitShape from_events(const HybridSystem& system, const std::vector<EventRecord
   OrbitShape shape;
   shape.period = period;
   shape.autonomous = !is_forced(system);
-  const auto is_stick = [](const EventRecord& event) { return event.kind == EventKind::stick || event.kind == EventKind::release; };
+  const auto is_stick = [](const EventRecord& event) {
+    return event.kind == EventKind::stick || event.kind == EventKind::release;
+  };
   shape.sticks = std::any_of(events.begin(), events.end(), is_stick);
   for (const EventRecord& event : events) {
     const bool node = shape.sticks ? event.kind == EventKind::release : !system.events[event.event].continuous;

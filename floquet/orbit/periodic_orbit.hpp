@@ -43,9 +43,9 @@ struct PeriodicOrbit {
   std::vector<Vector> nodes;   ///< shooting nodes, equally spaced in time from section_phase on
   double section_phase = 0.0;  ///< of nodes[0], forcing phase over 2 pi; also that of the monodromy matrix
   Signature signature;
-  int impacts = 0;           ///< p of z = p/n
-  int isolated_impacts = 0;  ///< of them, those that are not part of a complete chatter (whose number is a matter of definition)
-  bool rests = false;        ///< the mass is held at its stop all the time (lib/rest.hpp)
+  int impacts = 0;            ///< p of z = p/n
+  int isolated_impacts = 0;   ///< of them, those that are not part of a complete chatter (whose number is a matter of definition)
+  bool rests = false;         ///< the mass is held at its stop all the time (lib/rest.hpp)
   bool conservative = false;  ///< Liouville's sum is exactly zero along it
   NewtonReport newton;
   Admissibility admissible = Admissibility::not_checked;

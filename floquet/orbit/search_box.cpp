@@ -31,7 +31,8 @@ SearchBox search_box(const HybridSystem& system, const Vector& p, const FlowOpti
       carry(propagator, 0.0, T, x, {.sensitivity = Sensitivity::none}, transition);
       if (transition.termination != Termination::time) {
         // Beyond a barrier, and beside motions that escape, there may be others.
-        const bool others = transition.termination == Termination::inadmissible_start || transition.termination == Termination::escape;
+        const bool others =
+            transition.termination == Termination::inadmissible_start || transition.termination == Termination::escape;
         if (!carried && !others) {
           ++failures;
           box.ended = transition.termination;

@@ -40,11 +40,11 @@ class SignatureEquations {
 
   /// The equations of event k and of the flight that follows it: rows of the residual, and of the Jacobian by columns.
   struct Block {
-    Vector mismatch;       ///< phi_k(g_k(t_k, x_k)) - x_{k+1}
-    double gap = 0.0;      ///< h_k(t_k, x_k)
-    Matrix own, next;      ///< d(mismatch) by (t_k, x_k) and by (t_{k+1}, x_{k+1}), n x (n + 1)
-    Vector own_gap;        ///< d(gap) by (t_k, x_k)
-    Vector mismatch_dp;    ///< by the parameter
+    Vector mismatch;     ///< phi_k(g_k(t_k, x_k)) - x_{k+1}
+    double gap = 0.0;    ///< h_k(t_k, x_k)
+    Matrix own, next;    ///< d(mismatch) by (t_k, x_k) and by (t_{k+1}, x_{k+1}), n x (n + 1)
+    Vector own_gap;      ///< d(gap) by (t_k, x_k)
+    Vector mismatch_dp;  ///< by the parameter
     double gap_dp = 0.0;
   };
   /// False where the flow cannot be carried out, or where the next event would come before this one.

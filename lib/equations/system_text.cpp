@@ -327,8 +327,7 @@ class Builder {
       for (const Expression part : reachable(graph, e)) {
         const Node n = graph.node(part);
         if (n.operation != Operation::rate) continue;
-        known.emplace(part.index,
-                      rate_along(graph, graph.substitute(n.a, known), [this](std::size_t i) { return field(i); }));
+        known.emplace(part.index, rate_along(graph, graph.substitute(n.a, known), [this](std::size_t i) { return field(i); }));
       }
       return graph.substitute(e, known);
     }
@@ -352,7 +351,8 @@ class Builder {
 
   std::optional<std::size_t> state_number(const std::string& name) const {
     const auto found = std::find(symbols_.states.begin(), symbols_.states.end(), name);
-    return found == symbols_.states.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - symbols_.states.begin()));
+    return found == symbols_.states.end() ? std::nullopt
+                                          : std::optional(static_cast<std::size_t>(found - symbols_.states.begin()));
   }
 
   void read_modes() {
@@ -762,8 +762,8 @@ class Builder {
     for (const StartText& one : text_.start) {
       const auto i = state_number(one.state.text);
       if (!i)
-        refuse(one.state.place,
-               fmt::format("the start gives '{}', which is no state{}", one.state.text, suggestion(one.state.text, symbols_.states)));
+        refuse(one.state.place, fmt::format("the start gives '{}', which is no state{}", one.state.text,
+                                            suggestion(one.state.text, symbols_.states)));
       double& value = x[static_cast<Eigen::Index>(*i)];
       if (!std::isnan(value)) refuse(one.state.place, fmt::format("the start gives {} twice", one.state.text));
       value = value_of(parse_expression(graph_, text_.source, one.value, parameter_scope(),

@@ -25,8 +25,7 @@ struct HeldMap {
   double log_det = 0.0;  ///< -infinity if it forgets
   Vector slope = {};     ///< change of the state by a shift of the guard; empty: none
 };
-HeldMap held_map(const HybridSystem& system, const Event& holding, double t, const Vector& x, const Vector& p,
-                 double duration);
+HeldMap held_map(const HybridSystem& system, const Event& holding, double t, const Vector& x, const Vector& p, double duration);
 
 /// The state in which a mass rests for ever at the stop that `state` is near: held there at forcing phase 0, and not released
 /// within a forcing period, all other coordinates at the same place after it. Null: there is none, or the system is not forced.

@@ -10,8 +10,8 @@ namespace graze {
 
 namespace {
 
-/// Outward force on a mass at rest at the distance X > 0 from the origin, over X (which is defined where X^3 overflows), with what
-/// its first and second derivatives are at least.
+/// Outward force on a mass at rest at the distance X > 0 from the origin, over X (which is defined where X^3 overflows), with
+/// what its first and second derivatives are at least.
 struct OutwardForce {
   double over_distance = 0.0, slope = 0.0, curvature = 0.0;
 

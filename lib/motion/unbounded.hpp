@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Motions that certainly grow without bound.
 //
-// Escape from a softening spring, x'' + 2 b x' + k x + beta x^3 = A cos(w t) + c with beta < 0 and b >= 0: with s the sign of x and
-// X = |x|, the outward force on a mass at rest is at least
+// Escape from a softening spring, x'' + 2 b x' + k x + beta x^3 = A cos(w t) + c with beta < 0 and b >= 0: with s the sign of x
+// and X = |x|, the outward force on a mass at rest is at least
 //     F(X) = |beta| X^3 - k X - |A| + s c      (in a Hertz contact also - k_H d^(3/2), d the depth),
-// whatever the phase. Where F > 0 and F grows from there on (F' > 0, F'' > 0), s v >= 0 stays true: a mass that came to rest would
-// be pushed outward at once. So X grows for ever, and beyond every bound, for F stays above its value here.
+// whatever the phase. Where F > 0 and F grows from there on (F' > 0, F'' > 0), s v >= 0 stays true: a mass that came to rest
+// would be pushed outward at once. So X grows for ever, and beyond every bound, for F stays above its value here.
 //
 // Undamped resonance, x'' + w^2 x = A cos(w t): without impacts each forcing period adds pi |A| / w^2 to the amplitude, and no
 // motion without impacts is periodic.

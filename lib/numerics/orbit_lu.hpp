@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// OrbitLU: LU factors of the square matrices of an orbit's equations with their borders. Each node is linked to the next one only, so
-// that with many nodes most of the matrix is zero: then the factors are sparse, at a cost that grows with the number of nodes and
-// not with its cube.
+// OrbitLU: LU factors of the square matrices of an orbit's equations with their borders. Each node is linked to the next one
+// only, so that with many nodes most of the matrix is zero: then the factors are sparse, at a cost that grows with the number of
+// nodes and not with its cube.
 #pragma once
 
 #include <graze/lib/numerics/vector.hpp>

@@ -6,9 +6,19 @@
 
 namespace graze {
 
-/// How a run or a stretch of it ended; a run that was not carried out counts as failed. escape, resonance: the motion grows without
-/// bound (unbounded.hpp).
-enum class Termination { failed, time, event_limit, inadmissible_start, integration_failed, grazing, interrupted, escape, resonance };
+/// How a run or a stretch of it ended; a run that was not carried out counts as failed. escape, resonance: the motion grows
+/// without bound (unbounded.hpp).
+enum class Termination {
+  failed,
+  time,
+  event_limit,
+  inadmissible_start,
+  integration_failed,
+  grazing,
+  interrupted,
+  escape,
+  resonance
+};
 
 /// A sentence for each.
 std::string_view termination_text(Termination reason);

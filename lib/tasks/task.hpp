@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// MotionTask: a computation that stops where it wants forcing periods carried (TaskPool), and goes on when they are. It is written
-// as if its motion were alone: a coroutine, which another of its kind may wait for.
+// MotionTask: a computation that stops where it wants forcing periods carried (TaskPool), and goes on when they are. It is
+// written as if its motion were alone: a coroutine, which another of its kind may wait for.
 #pragma once
 
 #include <coroutine>

@@ -109,7 +109,7 @@ class TaskPool : RunSupply {
   std::vector<MotionRun*> runs_;              ///< of a turn, at its beginning
   std::optional<std::size_t> of_others_;      ///< a parameter set for motions that others share
   std::vector<MotionRun> shared_;             ///< those of them that it carries
-  const TaskSlot* longest_ = nullptr;        ///< the computation that goes first
+  const TaskSlot* longest_ = nullptr;         ///< the computation that goes first
   bool tangent_ = false;                      ///< of a turn
   std::size_t share_ = 0, left_ = 0;          ///< periods of each motion at a time; of all of them, before it ends
 };

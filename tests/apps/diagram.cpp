@@ -122,8 +122,9 @@ TEST_CASE("diagram says how fine it searched and what it left out, which --all k
   const TemporaryFolder folder;
   const Outcome said = small({"--max-period", "4", "--json", folder.file("some.json")});
   CHECK(said.code == 0);
-  CHECK_THAT(said.out, Contains("orbits up to period 4 were searched at 121 values of eta, 3.333e-05 apart, as the ends of motions "
-                                "from 128 starts each"));
+  CHECK_THAT(said.out,
+             Contains("orbits up to period 4 were searched at 121 values of eta, 3.333e-05 apart, as the ends of motions "
+                      "from 128 starts each"));
   const Json some = Json::parse(read_file(folder.file("some.json")));
   CHECK(some["options"]["all"] == false);
   CHECK(some["search"]["max_period"] == 4);
@@ -145,8 +146,8 @@ TEST_CASE("diagram says how fine it searched and what it left out, which --all k
       bool there = false;
       for (const Json& other : all["branches"])
         for (const Json& same : other["special_points"])
-          there = there || (same["type"] == point["type"] &&
-                            std::abs(same["value"].get<double>() - point["value"].get<double>()) < 1e-12);
+          there = there ||
+                  (same["type"] == point["type"] && std::abs(same["value"].get<double>() - point["value"].get<double>()) < 1e-12);
       INFO(point["label"] << " at " << point["value"]);
       CHECK(there);
     }

@@ -60,7 +60,8 @@ reset = "v = -0.8*v"
 }  // namespace
 
 TEST_CASE("a ball on a table, as text: its orbit and its period doubling in closed form") {
-  // cos phi = pi g (1 - e) / (A w^2 (1 + e)); the flight begins with pi g / w; at the doubling sin phi = 2 (1 + e^2) / (1 + e)^2 too.
+  // cos phi = pi g (1 - e) / (A w^2 (1 + e)); the flight begins with pi g / w; at the doubling sin phi = 2 (1 + e^2) / (1 + e)^2
+  // too.
   const double e = 0.8, A = 0.4;
   const Json orbit = result("orbit", model("ball-on-table"))["orbit"];
   REQUIRE(orbit["impacts"] == 1);
@@ -133,7 +134,8 @@ from = "contact"
 to = "free"
 when = "r - x"
 )");
-  const Json text = result("continue", file, {"--to", "0.9"}), built_in = result("continue", problem("hertz-damped"), {"--to", "0.9"});
+  const Json text = result("continue", file, {"--to", "0.9"}),
+             built_in = result("continue", problem("hertz-damped"), {"--to", "0.9"});
   REQUIRE(text["branches"].size() == built_in["branches"].size());
   const auto doubling = [](const Json& json) {
     for (const Json& point : json["branches"][0]["special_points"])
@@ -186,8 +188,7 @@ TEST_CASE("a system of four states goes through every command") {
     CHECK(json["tied"].contains("F"));
   }
   // The result holds the text of the file: it is all that a picture needs.
-  const Outcome drawn =
-      call({"plot", folder.file("orbit/orbit.json"), "-o", folder.file("orbit.svg"), "--quiet"});
+  const Outcome drawn = call({"plot", folder.file("orbit/orbit.json"), "-o", folder.file("orbit.svg"), "--quiet"});
   CHECK(drawn.code == 0);
 }
 
@@ -213,7 +214,8 @@ TEST_CASE("states are given by name or by position") {
   CHECK(start("v=-0.2") == Json{0.0, -0.2});
   CHECK(start("v=-0.2,x=1/4") == Json{0.25, -0.2});
   CHECK_THAT(call({"orbit", file, "--start", "v1=2"}).err, Contains("there is no state \"v1\"") && Contains("x, v"));
-  CHECK_THAT(call({"orbit", file, "--start", "1,2,3"}).err, Contains("--start 1,2,3: must be two numbers x,v, or some of them by name"));
+  CHECK_THAT(call({"orbit", file, "--start", "1,2,3"}).err,
+             Contains("--start 1,2,3: must be two numbers x,v, or some of them by name"));
   CHECK_THAT(call({"orbit", file, "--start", "x=1,2"}).err, Contains("two numbers x,v") && Contains("by name"));
   CHECK_THAT(call({"orbit", file, "--start", "x=0.7"}).err, Contains("lies inside the barrier"));
 }

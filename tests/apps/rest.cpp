@@ -17,8 +17,8 @@ using Catch::Matchers::Contains;
 namespace {
 
 std::vector<std::string> pressed(const std::string& k_r, std::vector<std::string> more) {
-  std::vector<std::string> all = {"--set", "xi=0.7",  "--set", "r=-1",  "--set",
-                                  "eta=0.8", "--set", "b=0.02", "--set", "k_r=" + k_r};
+  std::vector<std::string> all = {"--set",   "xi=0.7", "--set",  "r=-1",  "--set",
+                                  "eta=0.8", "--set",  "b=0.02", "--set", "k_r=" + k_r};
   all.insert(all.end(), more.begin(), more.end());
   return all;
 }
@@ -67,15 +67,15 @@ TEST_CASE("all commands give one answer for a mass that rests on a pressed stop"
 }
 
 TEST_CASE("a sweep over the clearance takes its default start in front of the barrier, and a mass at rest goes with its stop") {
-  const Json sweep = result("sweep", {"--set", "xi=0.7", "--set", "eta=0.8", "--set", "k_r=0.8", "--param", "r", "--from",
-                                      "-1.2", "--to", "-1", "--step", "0.1", "--direction", "both"});
+  const Json sweep = result("sweep", {"--set", "xi=0.7", "--set", "eta=0.8", "--set", "k_r=0.8", "--param", "r", "--from", "-1.2",
+                                      "--to", "-1", "--step", "0.1", "--direction", "both"});
   REQUIRE(sweep["rows"].size() == 6);
   for (const Json& row : sweep["rows"]) CHECK(row["attractor"]["rests"] == true);
 }
 
 TEST_CASE("lyapunov where nothing dissipates claims no attractor") {
-  const Json json = result("lyapunov", {"--set", "b=0", "--set", "eta=2.8", "--set", "r=-0.1",
-                                        "--start=-0.68771149,0.365807336", "--settle", "100", "--periods", "40000"});
+  const Json json = result("lyapunov", {"--set", "b=0", "--set", "eta=2.8", "--set", "r=-0.1", "--start=-0.68771149,0.365807336",
+                                        "--settle", "100", "--periods", "40000"});
   CHECK(json["attractor"]["type"] == "undecided");
   CHECK(json["attractor"]["conservative"] == true);
   CHECK(json["attractor"]["motion"] == "island");

@@ -78,9 +78,8 @@ void check_points(const Run& run, const std::vector<Branch>& branches) {
       CHECK(impacts[0] == branch.points.back().impacts);
       CHECK(text_detail(end, "kind") == (impacts[1] < impacts[0] ? "lost" : "gained"));
     }
-    const auto parent = std::find_if(branches.begin(), branches.end(), [&](const Branch& other) {
-      return branch.parent && other.id == branch.parent->branch;
-    });
+    const auto parent = std::find_if(branches.begin(), branches.end(),
+                                     [&](const Branch& other) { return branch.parent && other.id == branch.parent->branch; });
     if (parent == branches.end() || branch.period != 2 * parent->period) continue;
     for (const SpecialPoint& special : parent->special_points)
       if (special.label == branch.parent->label && special.type == PointType::PD)
@@ -234,9 +233,11 @@ TEST_CASE("folds up to their grazing are found in the coordinates of the events,
   const SpecialPoint& fold = point_at(branches, PointType::LP, 0.961013163576, 1e-11);
   CHECK(fold.precision < 1e-10);
   CHECK(text_detail(*nearest(branches, PointType::GR, 0.961012927713), "scenario") == "nonsmooth-fold");
-  const std::vector<Branch> many =
-      follow({.set = {{"b", 0.0105}, {"k_r", 0.722}, {"eta", 2.37}}, .parameter = "r", .from = -0.34070546370726627, .to = -1.0,
-              .start = Vector{{-2.1694950450973563, 0.66076558500330633}}});
+  const std::vector<Branch> many = follow({.set = {{"b", 0.0105}, {"k_r", 0.722}, {"eta", 2.37}},
+                                           .parameter = "r",
+                                           .from = -0.34070546370726627,
+                                           .to = -1.0,
+                                           .start = Vector{{-2.1694950450973563, 0.66076558500330633}}});
   int folds = 0;
   for (const Branch& branch : many) folds += branch.points.back().impacts >= 5 ? 1 : 0;
   CHECK(folds > 4);

@@ -371,9 +371,9 @@ TEST_CASE("of all families those that are stable somewhere are kept to the last 
     if (branch.stop != BranchStop::grazing || !branch.points.back().stable) continue;
     const SpecialPoint& end = branch.special_points.back();
     CHECK(std::any_of(stable.graph.branches.begin(), stable.graph.branches.end(), [&](const Branch& other) {
-      return other.id != branch.id && ((other.parent && other.parent->label == end.label) ||
-                                       (branch.parent && branch.parent->branch == other.id) ||
-                                       (other.stop == BranchStop::grazing && std::abs(other.stop_value - end.value) < 1e-9));
+      return other.id != branch.id &&
+             ((other.parent && other.parent->label == end.label) || (branch.parent && branch.parent->branch == other.id) ||
+              (other.stop == BranchStop::grazing && std::abs(other.stop_value - end.value) < 1e-9));
     }));
   }
   // It is said what was left out.

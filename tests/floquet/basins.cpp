@@ -313,7 +313,9 @@ TEST_CASE("misuse of basins is refused in one sentence") {
 
 TEST_CASE("a table of contacts is made for many starts whose motions do not settle soon") {
   const HybridSystem system = make_oscillator("linear", "hertz"), hard = make_oscillator("linear", "newton");
-  const auto has_table = [](const HybridSystem& of, const Vector& p, int n) { return ContactTableProbe(of, p, grid(n)).table() != nullptr; };
+  const auto has_table = [](const HybridSystem& of, const Vector& p, int n) {
+    return ContactTableProbe(of, p, grid(n)).table() != nullptr;
+  };
   const Vector settles = parameters(system, {{"eta", 0.95}, {"b_H", 0.1}}),
                chaos = parameters(system, {{"eta", 0.711}, {"b_H", 0.1}});
   CHECK(has_table(system, chaos, 64));

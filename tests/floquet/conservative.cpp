@@ -22,9 +22,7 @@ const HybridSystem& rigid() {
   return system;
 }
 
-Vector conservative() {
-  return parameters(rigid(), {{"k_r", 1.0}, {"b", 0.0}, {"xi", 1.0}, {"eta", 2.8}, {"r", -0.1}});
-}
+Vector conservative() { return parameters(rigid(), {{"k_r", 1.0}, {"b", 0.0}, {"xi", 1.0}, {"eta", 2.8}, {"r", -0.1}}); }
 
 }  // namespace
 

@@ -309,9 +309,8 @@ TEST_CASE("stable orbits are found from many starts, each once, at each of sever
     for (const int period : {1, 2})
       for (const PeriodicOrbit& orbit : search_orbits(system, p, period, {.patience = 500}).orbits) {
         if (!orbit.stable() || orbit.admissible != Admissibility::admissible) continue;
-        CHECK(std::any_of(found.begin(), found.end(), [&](const PeriodicOrbit& other) {
-          return other.parameters == p && same_orbit(other, orbit);
-        }));
+        CHECK(std::any_of(found.begin(), found.end(),
+                          [&](const PeriodicOrbit& other) { return other.parameters == p && same_orbit(other, orbit); }));
       }
   }
   CHECK(search_stable_orbits(system, {}).empty());

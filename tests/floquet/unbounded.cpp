@@ -24,8 +24,8 @@ TEST_CASE("undamped resonance is no transient that has not settled") {
   CHECK(settle(system, far, rest, {.periods = 100}).termination == Termination::resonance);
   CHECK(find_attractor(system, far, rest, {.transient = 100}).termination == Termination::resonance);
   // The barrier is met long before, or damping holds the amplitude.
-  for (const auto& p : {parameters(system, {{"b", 0.0}, {"eta", 1.0}, {"r", 5.0}}),
-                        parameters(system, {{"b", 1e-3}, {"eta", 1.0}, {"r", 1e9}})})
+  for (const auto& p :
+       {parameters(system, {{"b", 0.0}, {"eta", 1.0}, {"r", 5.0}}), parameters(system, {{"b", 1e-3}, {"eta", 1.0}, {"r", 1e9}})})
     CHECK(settle(system, p, rest, {.periods = 100}).termination == Termination::time);
 }
 
@@ -46,7 +46,8 @@ TEST_CASE("a search where no motion can be carried over a period ends at once") 
 
 TEST_CASE("starts in a search may take a multiple of the steps that motions from rest take") {
   const HybridSystem system = make_oscillator("linear", "hertz");
-  const Vector usual = parameters(system, {}), stiff = parameters(system, {{"k_H", 3e5}, {"r", -1.41}, {"eta", 0.065}, {"xi", 1.9}});
+  const Vector usual = parameters(system, {}),
+               stiff = parameters(system, {{"k_H", 3e5}, {"r", -1.41}, {"eta", 0.065}, {"xi", 1.9}});
   CHECK(search_box(system, usual).max_steps == 2000);
   CHECK(search_box(system, stiff).max_steps > 10000);  // pressed for most of a long period
 }

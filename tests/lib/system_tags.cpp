@@ -81,8 +81,7 @@ TEST_CASE("the energy that a contact loses is that of the mass which meets the b
   const auto mu = static_cast<Eigen::Index>(index_of(system, "mu"));
   system.events[1].effective_mass = [mu](double, const Vector&, const Vector& p) { return p[mu]; };
   const Vector p = parameters(system, {{"xi", 1.4}, {"r1", 0.6}, {"r2", 0.5}});
-  const Trajectory run =
-      simulate(system, p, 0.0, vector({0.1, 0.8, -0.2, 0.5}), {.t_end = 3.0 * forcing_period(system, p)});
+  const Trajectory run = simulate(system, p, 0.0, vector({0.1, 0.8, -0.2, 0.5}), {.t_end = 3.0 * forcing_period(system, p)});
   const std::vector<Contact> list = contacts(run.events);
   REQUIRE(list.size() == run.events.size());
   int of_second = 0;

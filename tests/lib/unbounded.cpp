@@ -65,9 +65,7 @@ TEST_CASE("a softening spring escapes through a soft stop where its force outgro
 
 TEST_CASE("undamped resonance adds pi xi over eta squared to the amplitude each period until the barrier is met") {
   const HybridSystem system = make_oscillator("linear", "newton");
-  const auto with = [&](double b, double eta) {
-    return parameters(system, {{"b", b}, {"eta", eta}, {"r", 50.0}, {"xi", -1.5}});
-  };
+  const auto with = [&](double b, double eta) { return parameters(system, {{"b", b}, {"eta", eta}, {"r", 50.0}, {"xi", -1.5}}); };
   const Vector p = with(0.0, 1.0), start = vector({0.3, -0.4});
   const double said = resonant_periods(system, p, start), each = 1.5 * std::numbers::pi;
   CHECK(said == std::floor((50.0 - 0.5) / each));
