@@ -274,8 +274,8 @@ Curve BranchFollower::follow_states(OrbitProblem& problem, const BranchStart& gi
     const int kept = std::max(1, static_cast<int>(branch.points.size()));
     trace_options.max_points = std::max(1, options_.trace.max_points - kept + 1);
     const auto on_branch = [&](const CurvePoint& before, CurvePoint& after) {
-      if (branch.points.empty()) {
-        begin(problem, before.u, branch);
+      if (branch.points.empty()) begin(problem, before.u, branch);
+      if (!first) {
         first = before;
         first_section = problem.equations().section_phase();
       }
@@ -358,6 +358,26 @@ Curve BranchFollower::follow_signature(SignatureProblem& problem, const BranchSt
       [&](const CurvePoint& first) { return images_of(problem, first); });
 }
 
+/// Where an impact that gives nothing back goes over into one that sticks, only the states know both: the start from which the
+/// branch goes on in them, with `problem` moved to the section of its last point.
+std::optional<BranchStart> BranchFollower::sticks_from_here(OrbitProblem& problem, const SignatureProblem& signature,
+                                                            const Curve& curve, const Branch& branch) const {
+  if (curve.stop != TraceStop::min_step || grazing_ || branch.points.empty() || curve.points.empty() ||
+      !is_plastic(system_, signature.equations().parameters()))
+    return std::nullopt;
+  const BranchPoint& end = branch.points.back();
+  OrbitProblem there = problem.with_section(end.section_phase);
+  if (there.nodes() != static_cast<int>(end.nodes.size())) return std::nullopt;
+  BranchStart from;
+  from.u = there.pack(end.nodes, end.duration, end.value);
+  const Vector& tangent = curve.points.back().tangent;
+  const double way = tangent.size() > 0 ? std::copysign(1.0, tangent[tangent.size() - 1]) : 1.0;
+  from.orientation = way * there.parameter_direction();
+  problem = std::move(there);
+  problem.measure_by(from.u);
+  return from;
+}
+
 std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const BranchStart& start, Branch& branch) {
   interrupted_ = returned_ = chatter_ends_ = clear_of_soft_ = false;
   fastest_ = 0.0;
@@ -374,6 +394,10 @@ std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const Br
                                problem.scale(), problem.equations().options());
     signature.measure_by(by_events->u);
     const Curve curve = follow_signature(signature, *by_events, branch);
+    if (const auto states = sticks_from_here(problem, signature, curve, branch)) {
+      const Curve on = follow_states(problem, *states, branch);
+      return finish(problem, on, branch, false);
+    }
     if (!branch.points.empty() || start.sequence) return finish(signature, curve, branch, start.on_grazing);
   }
   problem.measure_by(start.u);

@@ -294,14 +294,29 @@ class Search {
     enter(run, std::move(attractor));
   }
 
+  /// Where nothing dissipates orbits may fill a region: they are told apart by what they are.
+  static bool one_of_a_family(const Attractor& attractor) {
+    return attractor.motion == ConservativeMotion::neutral && !attractor.rests &&
+           std::all_of(attractor.multipliers.begin(), attractor.multipliers.end(),
+                       [](const std::complex<double>& mu) { return std::abs(mu - 1.0) < 1e-6; });
+  }
+
   /// The attractor of a run, which may be known by now.
   void enter(Run& run, Attractor attractor) {
     run.end = Run::End::reached;
-    if (attractor.type == AttractorType::periodic)
+    if (attractor.type == AttractorType::periodic) {
       if (const auto same = known_.orbit_at(attractor.state, attractor.period)) {
         run.attractor = *same;
         return;
       }
+      if (one_of_a_family(attractor))
+        for (std::size_t i = 0; i < out_.attractors.size(); ++i)
+          if (const Attractor& other = out_.attractors[i].attractor;
+              one_of_a_family(other) && other.period == attractor.period && other.impacts == attractor.impacts) {
+            run.attractor = i;
+            return;
+          }
+    }
     CoexistingAttractor found;
     found.attractor = std::move(attractor);
     std::vector<Vector> states;

@@ -132,9 +132,10 @@ class Iteration {
     equations.blocks.solve(equations.Phi, residual_, step_);
     double length = 0.0;
     for (const Pair& one : step_) {
-      if (!std::isfinite(one[0]) || !std::isfinite(one[1])) return end(false);
+      if (!std::isfinite(one[0]) || !std::isfinite(one[1])) return end(now_ <= options_.acceptance);
       length = std::max({length, std::abs(one[0]), std::abs(one[1])});
     }
+    if (now_ <= options_.acceptance && on_a_family(now_, length / (1.0 + size_of(nodes_)))) return end(true);
     const double longest = options_.max_step * (1.0 + size_of(nodes_));
     if (length > longest)
       for (Pair& one : step_)

@@ -35,13 +35,17 @@ NewtonReport newton(ShootingEquations& equations, Vector& u, const ShootingOptio
     equations.jacobian(jacobian);
     Vector step = jacobian.partialPivLu().solve(-residual);
     if (!step.allFinite()) {
-      report.status = NewtonStatus::singular;
+      report.status = report.residual() <= options.acceptance ? NewtonStatus::converged : NewtonStatus::singular;
       return report;
     }
     // A step far beyond the size of the motion comes from a nearly singular Jacobian and leads nowhere; its direction is kept.
     const double longest = options.max_step * (1.0 + u.lpNorm<Eigen::Infinity>()), length = step.lpNorm<Eigen::Infinity>();
     if (length > longest) step *= longest / length;
     const double before = relative(residual, u);
+    if (before <= options.acceptance && on_a_family(before, length / (1.0 + u.lpNorm<Eigen::Infinity>()))) {
+      report.status = NewtonStatus::converged;
+      return report;
+    }
     bool reduced = false;
     double factor = 1.0;
     for (int halving = 0; halving <= options.max_halvings; ++halving, factor *= 0.5) {

@@ -20,6 +20,13 @@ struct ShootingOptions {
   FlowOptions flow = {};
 };
 
+/// Whether Newton's step is so long against the residual (both relative to 1 + |x|) that the Jacobian is singular but for
+/// rounding: the orbit is one of a family, and the step leads along it.
+inline bool on_a_family(double residual, double step) {
+  constexpr double rounding = 1e-13;  // of the Jacobian's smallest singular value
+  return residual < rounding * step;
+}
+
 /// Newton from `guess` (state at phase 0, or several states at equally spaced times for multiple shooting). An autonomous
 /// system needs `duration_guess`. The result is always returned; converged() says whether it is an orbit.
 /// @throws std::invalid_argument for parameters out of range or a guess that is not admissible.

@@ -115,13 +115,14 @@ TEST_CASE("no branch is closed in the middle of its range where an impact passes
   }
 }
 
-TEST_CASE("with k_r = 0 a mass that sticks goes over into one that leaves at once (fixed)") {
+TEST_CASE("an impact that gives nothing back goes over into one that sticks, and back (fixed)") {
   // Released where cos(eta t) = r at rest, the mass is back at r just T later: at eta = 1.2646035797545 for r = 0.7, at
   // 1.4684442530694 for r = 0.4. Nothing else happens there.
   struct Case {
     double r, at, from, to;
   };
-  for (const Case& c : {Case{0.7, 1.2646035797545, 1.2, 1.5}, {0.4, 1.4684442530694, 1.4, 1.6}}) {
+  for (const Case& c : {Case{0.7, 1.2646035797545, 1.2, 1.5}, {0.7, 1.2646035797545, 1.4, 1.2}, {0.4, 1.4684442530694, 1.4, 1.6},
+                        {0.4, 1.4684442530694, 1.55, 1.4}}) {
     INFO("r = " << c.r << " from " << c.from);
     const HybridSystem system = make_oscillator("linear", "newton");
     const Vector p = parameters(system, {{"b", 0.04}, {"r", c.r}, {"k_r", 0.0}, {"eta", c.from}});

@@ -2,6 +2,7 @@
 // Order is not taken for chaos: standard errors know a trend, and where nothing dissipates islands and the chaotic sea are told
 // apart by how tangents grow.
 #include <graze/floquet/attractor/attractor.hpp>
+#include <graze/floquet/basins/basins.hpp>
 #include <graze/floquet/exponents/exponents.hpp>
 #include <graze/lib/models/oscillator.hpp>
 
@@ -90,4 +91,27 @@ TEST_CASE("islands and the chaotic sea are told apart as by an alignment index")
     CHECK(found.motion == start.motion);
     CHECK((found.type == AttractorType::chaotic) == (start.motion == ConservativeMotion::chaotic_sea));
   }
+}
+
+TEST_CASE("where the forcing period is twice the natural one every motion without impact is an orbit, and the one it is on is "
+          "found (fixed)") {
+  // x = 4/3 cos(t/2) + A cos t + B sin t: period 4 pi for every A and B, which the singular Jacobian of shooting must not move.
+  const Vector p = parameters(rigid(), {{"k_r", 0.5}, {"b", 0.0}, {"xi", 1.0}, {"eta", 0.5}, {"r", 2.0}});
+  for (const double recurrence : {0.0, 1e-4}) {
+    INFO("recurrence " << recurrence);
+    AttractorOptions options;
+    options.recurrence = recurrence;
+    options.lyapunov.max_periods = 3000;
+    for (const Vector& start : {Vector{{0.0, 0.0}}, Vector{{1.0, 0.25}}}) {
+      const Attractor found = find_attractor(rigid(), p, start, options);
+      CHECK(found.type == AttractorType::periodic);
+      CHECK(found.motion == ConservativeMotion::neutral);
+      CHECK(found.period == 1);
+      CHECK((found.state - start).norm() < 1e-10);
+    }
+  }
+  BasinOptions options;
+  const Basins basins = find_attractors(rigid(), p, Matrix{{0.0, 0.5, 1.0}, {0.0, 0.1, 0.2}}, options);
+  CHECK(basins.attractors.size() == 1);
+  CHECK(basins.lost == 0);
 }
