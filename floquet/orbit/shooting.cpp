@@ -144,7 +144,9 @@ void add_stroboscopic_states(ShootingEquations& equations, const Vector& u, Peri
     Vector state = equations.node(u, j);
     std::size_t mode = equations.stretch(j).mode0;
     if (ahead > 1e-12 * T) {
-      carry(equations.propagator(), start, start + ahead, state, {.sensitivity = Sensitivity::none}, transition);
+      // A contact that is left out would push by a speed of rounding's square root.
+      const TransitionOptions options = equations.on_stretch(j, {.sensitivity = Sensitivity::none});
+      carry(equations.propagator(), start, start + ahead, state, options, transition);
       if (transition.termination == Termination::time) state = transition.x1;
       mode = transition.mode1;
     }

@@ -45,6 +45,12 @@ class ShootingEquations {
     left_out_[j] = contact;
   }
 
+  /// The options with what is left out on stretch j.
+  TransitionOptions on_stretch(int j, TransitionOptions options) const {
+    if (const auto contact = left_out_.find(j); contact != left_out_.end()) options.left_out = contact->second;
+    return options;
+  }
+
   double duration(const Vector& u) const;
   /// Start of stretch j: forced systems, its time with whole forcing periods left out.
   double node_time(const Vector& u, int j) const;
