@@ -150,7 +150,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_text(app, "--param", options->parameter, "NAME", "continuation parameter (default: the forcing frequency)");
   add_number(app, "--from", options->from, "where it starts (default: the problem's own value)");
   add_number(app, "--to", options->to, "where it is to end", Need::required);
-  add_count(app, "--switch", options->switches, 0, "generations of period-doubled branches that are followed (default 1)");
+  add_count(app, "--switch", options->switches, 0, "generations of branches born at period doublings and branch points that are followed (default 1)");
   add_count(app, "--multiples", options->multiples, 1,
             "at grazings of a hard contact, follow families of up to N times the period too (default 1: none)");
   add_flag(app, "--both", options->both, "also follow the branch the other way, around a fold, as far as the range goes");

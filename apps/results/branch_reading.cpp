@@ -104,6 +104,7 @@ Branch branch_from(const Json& json, const Problem& problem, const std::string& 
   const std::size_t index = parameter_index(problem.system.parameters, parameter);
   Branch branch;
   branch.id = json.at("id");
+  branch.mirrored = json.value("mirrored", false);
   if (!json.at("parent").is_null())
     branch.parent = BranchParent{json["parent"].at("branch").get<int>(), json["parent"].at("label").get<std::string>()};
   branch.period = json.at("period");

@@ -110,6 +110,7 @@ Json branch_json(const Branch& branch) {
   Json out = {{"id", branch.id}, {"parent", nullptr}, {"period", branch.period}};
   reserve_members(out, 12);
   if (branch.parent) out["parent"] = {{"branch", branch.parent->branch}, {"label", branch.parent->label}};
+  if (branch.mirrored) out["mirrored"] = true;
   out["stop"] = {{"reason", branch_stop_name(branch.stop)}, {"at", branch.stop_value}, {"message", branch.message}};
   out["points"] = Json::array();
   for (const BranchPoint& point : branch.points) out["points"].push_back(point_json(point));
@@ -147,6 +148,7 @@ std::string stability_text(const SpecialPoint& point) {
 std::string branch_text(const Problem& problem, const Branch& branch, std::size_t most, const SamePoints& same) {
   std::string text = fmt::format("branch {}: period {}, {}", branch.id, branch.period, counted(branch.points.size(), "point"));
   if (branch.parent) text += fmt::format(", born at {} of branch {}", branch.parent->label, branch.parent->branch);
+  if (branch.mirrored) text += "; its mirror image, x(t) -> -x(t + T/2), is a branch too";
   text += "\n";
   if (!branch.points.empty()) text += aligned(points_table(problem, branch, most));
   if (branch.points.size() > most)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/branch/branch_switching.hpp>
 
+#include <graze/continuation/conditions/branch_point_condition.hpp>
 #include <graze/continuation/conditions/multiplier_condition.hpp>
 #include <graze/continuation/conditions/test_function.hpp>
 #include <graze/continuation/problems/signature_problem.hpp>
@@ -50,19 +51,53 @@ std::optional<SignatureEquations::Violation> violated_at_once(SignatureStart& fr
   return from.problem.violation(u);
 }
 
+/// A special point in the coordinates in which its branch is followed best: those of its events, if it has hard impacts and does
+/// not stick.
+struct OwnCoordinates {
+  std::optional<SignatureProblem> by_events;
+  Vector u;
+};
+
+OwnCoordinates own_coordinates(const SpecialPoint& point, OrbitProblem& states) {
+  const HybridSystem& system = states.system();
+  OwnCoordinates own{std::nullopt, states.pack(point.orbit.nodes, point.orbit.duration, point.value)};
+  if (!has_hard_contacts(system) || states.equations().autonomous()) return own;
+  const std::optional<EventNodes> nodes = event_nodes(states.orbit(own.u, {}));
+  if (!nodes || impacts(system, {0, nodes->sequence}) != point.orbit.impacts) return own;
+  own.by_events.emplace(system, point.orbit.parameters, states.period(), nodes->sequence, states.parameter(), states.scale(),
+                        states.equations().options());
+  own.u = own.by_events->pack(*nodes, point.value);
+  return own;
+}
+
+/// A point of the branch in these coordinates; empty where it has none in them.
+Vector in_coordinates(const OwnCoordinates& own, OrbitProblem& states, const BranchPoint& point) {
+  OrbitProblem there = states.with_section(point.section_phase);
+  if (there.nodes() != static_cast<int>(point.nodes.size())) return {};
+  const Vector u = there.pack(point.nodes, point.duration, point.value);
+  if (!own.by_events) return there.to_section(states, u).value_or(Vector{});
+  const std::optional<EventNodes> nodes = event_nodes(there.orbit(u, {}));
+  if (!nodes || nodes->sequence != own.by_events->sequence()) return {};
+  return own.by_events->pack(*nodes, point.value);
+}
+
+/// Direction from the branch's point before the special point to the one behind it, or to the special point itself.
+Vector direction_along(const OwnCoordinates& own, OrbitProblem& states, const SpecialPoint& point, const Branch& branch) {
+  const std::size_t k = point.after_point;
+  Vector before, after;
+  if (k < branch.points.size()) before = in_coordinates(own, states, branch.points[k]);
+  if (k + 1 < branch.points.size()) after = in_coordinates(own, states, branch.points[k + 1]);
+  if (before.size() == 0) before = own.u;
+  if (after.size() == 0) after = own.u;
+  return after - before;
+}
+
 }  // namespace
 
 std::optional<BranchStart> doubled_start(const SpecialPoint& pd, OrbitProblem& parent, const TraceOptions& options) {
-  const HybridSystem& system = parent.system();
-  Vector u = parent.pack(pd.orbit.nodes, pd.orbit.duration, pd.value);
-  std::optional<EventNodes> nodes;
-  if (has_hard_contacts(system) && !parent.equations().autonomous()) nodes = event_nodes(parent.orbit(u, {}));
-  std::optional<SignatureProblem> by_events;
-  if (nodes && impacts(system, {0, nodes->sequence}) == pd.orbit.impacts) {
-    by_events.emplace(system, pd.orbit.parameters, parent.period(), nodes->sequence, parent.parameter(), parent.scale(),
-                      parent.equations().options());
-    u = by_events->pack(*nodes, pd.value);
-  }
+  OwnCoordinates own = own_coordinates(pd, parent);
+  const Vector& u = own.u;
+  std::optional<SignatureProblem>& by_events = own.by_events;
   BranchProblem& problem = by_events ? static_cast<BranchProblem&>(*by_events) : parent;
   const LocatedPoint located = locate_multiplier(problem, u, {.theta = std::numbers::pi});
   if (located.v.size() == 0) return std::nullopt;
@@ -88,6 +123,41 @@ std::optional<BranchStart> doubled_start(const SpecialPoint& pd, OrbitProblem& p
     // With other impacts than twice those of its parent it lies beyond a grazing, or on another family.
     const BranchPoint first = doubled.problem->branch_point(start.u, 0.0);
     if (first.impacts != 2 * pd.orbit.impacts) continue;
+    start.states = first.states;
+    return start;
+  }
+  return std::nullopt;
+}
+
+std::optional<BranchStart> crossing_start(const SpecialPoint& bp, const Branch& branch, OrbitProblem& states, int side,
+                                          const TraceOptions& options) {
+  OwnCoordinates own = own_coordinates(bp, states);
+  BranchProblem& problem = own.by_events ? static_cast<BranchProblem&>(*own.by_events) : states;
+  const LocatedPoint located = locate_branch_point(problem, own.u);
+  const ZeroProblem zero = problem.zero_problem();
+  Vector residual;
+  Matrix jacobian;
+  if (!located.newton.converged() || !zero.evaluate(located.u, residual, &jacobian)) return std::nullopt;
+  // In lengths of the weighted norm: the kernel, and within it what is normal to the branch.
+  const Vector unit = zero.weights.cwiseSqrt();
+  const Eigen::JacobiSVD<Matrix> svd(jacobian * unit.cwiseInverse().asDiagonal(), Eigen::ComputeFullV);
+  const Matrix kernel = svd.matrixV().rightCols(2);
+  const Vector along = kernel.transpose() * unit.cwiseProduct(direction_along(own, states, bp, branch));
+  if (!(along.norm() > 0.0)) return std::nullopt;
+  Vector direction = unit.cwiseInverse().cwiseProduct(kernel * Vector{{-along[1], along[0]}} / along.norm());
+  Eigen::Index largest = 0;
+  direction.head(direction.size() - 1).cwiseAbs().maxCoeff(&largest);  // which side is which must not hang on rounding
+  if (direction[largest] * side < 0.0) direction = -direction;
+  for (const double push : {2e-4, 5e-5, 1e-5, 2e-6, 1e-3}) {
+    BranchStart start;
+    start.u = located.u + push * direction;
+    start.step = push;
+    if (!correct(zero, direction, start.u, options).converged()) continue;
+    start.orientation = start.u - located.u;
+    if (!(weighted_norm(zero.weights, start.orientation) < 1.5 * push) || !problem.is_motion(start.u)) continue;
+    start.sequence = problem.sequence();
+    const BranchPoint first = problem.branch_point(start.u, 0.0);
+    if (first.impacts != bp.orbit.impacts) continue;
     start.states = first.states;
     return start;
   }

@@ -25,6 +25,12 @@ struct BranchStart {
 /// that the period doubling lies on a grazing. `parent`: the equations of the orbit that doubles, in states.
 std::optional<BranchStart> doubled_start(const SpecialPoint& pd, OrbitProblem& parent, const TraceOptions& options);
 
+/// At a branch point: the other branch through it, on the side +1 or -1 (of a pitchfork: its two halves). The kernel of the
+/// equations' Jacobian is spanned by the tangents of both branches; the start is pushed along what is normal to that of `branch`,
+/// on which `bp` was met, and corrected there. Empty where no orbit with as many impacts is found.
+std::optional<BranchStart> crossing_start(const SpecialPoint& bp, const Branch& branch, OrbitProblem& problem, int side,
+                                          const TraceOptions& options);
+
 /// Contacts that may touch together.
 inline constexpr int most_together = 8;
 

@@ -7,13 +7,13 @@
 
 namespace graze {
 
-enum class BranchOrigin { seed, doubled, beyond_grazing, multiple };
+enum class BranchOrigin { seed, doubled, crossing, beyond_grazing, multiple };
 
 /// A branch to be followed.
 struct BranchTask {
   BranchOrigin origin = BranchOrigin::seed;
-  PeriodicOrbit orbit;  ///< seed
-  int direction = 1;
+  PeriodicOrbit orbit;                  ///< seed
+  int direction = 1;                    ///< of a seed; of a crossing, its side
   std::size_t parent = 0, special = 0;  ///< the accepted branch and its special point
   int generation = 0;
   int seed = 0;              ///< number of the seed, from 1; 0: none. Both directions from a seed have the same.

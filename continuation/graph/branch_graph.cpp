@@ -8,6 +8,7 @@
 #include <graze/continuation/graph/task_queues.hpp>
 #include <graze/continuation/problems/labels.hpp>
 #include <graze/floquet/attractor/attractor.hpp>
+#include <graze/floquet/orbit/mirror.hpp>
 
 #include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -311,6 +312,17 @@ class Graph {
     return false;
   }
 
+  /// The branch on which the mirror image of such an orbit lies, if that is another orbit.
+  std::optional<std::size_t> mirror_of(const std::vector<Vector>& states, double value) const {
+    Vector p = graph_.branches.empty() ? Vector{} : graph_.branches.front().parameters;
+    if (p.size() == 0) return std::nullopt;
+    p[static_cast<Eigen::Index>(parameter_)] = value;
+    const std::vector<Vector> image = mirror_image(system_, p, states);
+    for (std::size_t k = 0; !image.empty() && k < graph_.branches.size(); ++k)
+      if (lies_on(system_, graph_.branches[k], image, value)) return k;
+    return std::nullopt;
+  }
+
   bool is_known(const GrazingEdge& edge) const {
     return std::any_of(edges_.begin(), edges_.end(), [&](const KnownEdge& known) { return same_edge(known.edge, edge); });
   }
@@ -347,6 +359,8 @@ class Graph {
       return follow_seed(task, provisional_id);
     case Origin::doubled:
       return follow_doubled(task, provisional_id);
+    case Origin::crossing:
+      return follow_crossing(task, provisional_id);
     case Origin::beyond_grazing:
       return follow_beyond_grazing(task, provisional_id);
     case Origin::multiple:
@@ -399,6 +413,25 @@ class Graph {
     branch.stop_value = pd.value;
     branch.message = fmt::format("no doubled orbit was found beside {}", pd.label);
     out.branch = std::move(branch);
+    return out;
+  }
+
+  /// The other branch through a branch point, on one side of it.
+  Outcome follow_crossing(const Task& task, int provisional_id) const {
+    Outcome out;
+    const Branch& on = graph_.branches[task.parent];
+    const SpecialPoint& bp = on.special_points[task.special];
+    PeriodicOrbit at_bp = bp.orbit;
+    at_bp.parameters[static_cast<Eigen::Index>(parameter_)] = bp.value;
+    OrbitProblem problem = problem_at(at_bp);
+    const std::optional<BranchStart> start = crossing_start(bp, on, problem, task.direction, options_.trace);
+    if (!start) {
+      out.nothing = "no orbit of the branch that crosses there was found";
+      return out;
+    }
+    const double value = start->u[start->u.size() - 1];
+    if (value < low_ || value > high_ || is_known(start->states, value)) return out;
+    follow_from(*start, problem, new_branch(task, at_bp, at_bp.period, provisional_id), out);
     return out;
   }
 
@@ -455,6 +488,10 @@ class Graph {
       if (branch.points.size() <= 4) break;
       const BranchPoint& inside = branch.points[branch.points.size() * quarter / 4];
       if (is_known(inside.states, inside.value)) return;
+      if (const auto mirror = may_be_mirrored_ ? mirror_of(inside.states, inside.value) : std::nullopt) {
+        graph_.branches[*mirror].mirrored = true;
+        return;
+      }
     }
     branch.id = ++last_id_;
     for (SpecialPoint& point : branch.special_points) point.label = labels_.next(point.type);
@@ -466,7 +503,7 @@ class Graph {
     ends_.push_back(std::move(outcome.grazing));
     seeds_.push_back(task.seed);
     graph_.branches.push_back(std::move(branch));
-    const bool longer = task.origin == Origin::doubled || task.origin == Origin::multiple;
+    const bool longer = task.origin != Origin::seed && task.origin != Origin::beyond_grazing;
     add_tasks(task.generation + (longer ? 1 : 0), std::move(outcome.half));
   }
 
@@ -481,7 +518,7 @@ class Graph {
       generation = generations_[static_cast<std::size_t>(parent - graph_.branches.begin())];
       for (const SpecialPoint& point : parent->special_points) {
         if (point.label != branch.parent->label) continue;
-        if (point.type == PointType::PD) ++generation;
+        if (point.type == PointType::PD || point.type == PointType::BP) ++generation;
         if (point.type != PointType::GR) continue;
         if (!is_partner(branch, *parent)) ++generation;
         edges_.push_back({first_edge(point, branch), graph_.branches.size(), true});
@@ -514,7 +551,11 @@ class Graph {
       cut_off({Origin::doubled, {}, 1, index, branch.special_points.size() - 1}, branch.message);
     if (half) add_seed({*half}, generation);
     for (std::size_t s = 0; s < branch.special_points.size(); ++s) {
-      if (branch.special_points[s].type != PointType::PD || generation >= options_.switch_generations) continue;
+      const SpecialPoint& point = branch.special_points[s];
+      if (generation >= options_.switch_generations) continue;
+      if (point.type == PointType::BP && point.status == PointStatus::converged)
+        for (const int side : {1, -1}) tasks_.add({Origin::crossing, {}, side, index, s, generation});
+      if (point.type != PointType::PD) continue;
       const Task doubled{Origin::doubled, {}, 1, index, s, generation};
       if (options_.max_period > 0 && 2 * branch.period > options_.max_period) {
         cut_off(doubled, fmt::format("period {} is above the limit, {}", 2 * branch.period, options_.max_period));
@@ -548,6 +589,9 @@ class Graph {
   }
 
   const HybridSystem& system_;
+  /// One barrier has no other one opposite.
+  bool may_be_mirrored_ = is_forced(system_) && std::count_if(system_.events.begin(), system_.events.end(),
+                                                              [](const Event& event) { return begins_contact(event.kind); }) != 1;
   ContinuationOptions options_;
   FamilyChoice choice_;
   std::size_t parameter_;

@@ -2,7 +2,8 @@
 // BranchGraph: branches and how they hang together: which was born on which special point, and what was left out.
 //
 // From its seeds everything is followed that hangs together with them: doubled branches (and back from a doubled branch to the
-// one it was born on), and the orbits beyond a grazing of a hard contact. These are the orbits with one impact more or less, and
+// one it was born on), branches that cross at a branch point, and the orbits beyond a grazing of a hard contact. Of two branches
+// that are mirror images of each other (floquet/orbit/mirror.hpp) one is kept, and marked so. These are the orbits with one impact more or less, and
 // up to max_multiple the families of m times their period that are born there: with the weak impact once in m turns, or in all
 // but one of them. (Others, with the impact in some of the turns, are counted and listed as not followed.) A family of orbits is
 // kept once, whichever way it was reached: a new branch is compared with those already there, orbit by orbit and up to a shift in

@@ -8,6 +8,7 @@
 // Checked with the closed-form motion of two_sided_motion.hpp.
 #include <graze/continuation/graph/continuation.hpp>
 #include <graze/floquet/attractor/settle.hpp>
+#include <graze/floquet/orbit/mirror.hpp>
 
 #include "support/branches.hpp"
 #include "support/checks.hpp"
@@ -156,4 +157,53 @@ TEST_CASE("a special point is reported on its own branch where another branch li
     CHECK(branches[0].stop == BranchStop::reached_bound);
     CHECK(check_branch(stops(), branches[0]) == std::vector<std::string>{});
   }
+}
+
+TEST_CASE("where symmetry breaks the branch of broken symmetry is followed, and its mirror image is counted once") {
+  const Vector p = parameters(stops(), {{"eta", 0.33}});
+  const PeriodicOrbit orbit = shoot(stops(), p, settle(stops(), p, Vector::Zero(2)).state, 1);
+  REQUIRE(orbit.converged());
+  const std::vector<Branch> branches = continue_orbit(stops(), orbit, {.to = 0.36, .max_multiple = 1});
+  const auto crossings = points_of(branches[0], PointType::BP);
+  REQUIRE(crossings.size() == 1);
+  std::vector<const Branch*> broken;
+  for (const Branch& branch : branches)
+    if (branch.parent && branch.parent->label == crossings[0].label) broken.push_back(&branch);
+  REQUIRE(broken.size() == 1);
+  CHECK(broken[0]->mirrored);
+  CHECK(!branches[0].mirrored);
+  CHECK(check_branch(stops(), *broken[0]) == std::vector<std::string>{});
+  // What was met from afar above is met on it, 8e-6 and 9e-6 from where it is born.
+  REQUIRE(points_of(*broken[0], PointType::PD).size() == 1);
+  CHECK(std::abs(points_of(*broken[0], PointType::PD)[0].value - doubling) < 1e-12);
+  CHECK(std::abs(points_of(*broken[0], PointType::GR)[0].value - grazing) < 1e-12);
+  CHECK(asymmetry(points_of(*broken[0], PointType::PD)[0].orbit) > 1e-4);
+}
+
+TEST_CASE("of two rigid stops both halves of the pitchfork are attractors, and one is listed") {
+  const HybridSystem system = two_sided_oscillator(true);
+  ContinuationOptions options;
+  options.to = 0.3;
+  const Vector p = parameters(system, {{"eta", 0.8}});
+  const PeriodicOrbit orbit = shoot(system, p, settle(system, p, Vector{{0.0, 0.0}}).state, 1);
+  REQUIRE(orbit.converged());
+  std::size_t halves = 0, attracting = 0;
+  for (const Branch& branch : continue_orbit(system, orbit, options)) {
+    if (!branch.mirrored) continue;
+    ++halves;
+    for (const BranchPoint& point : branch.points) {
+      if (!point.stable || std::abs(point.multipliers.values.front()) > 0.9) continue;
+      Vector there = p;
+      there[static_cast<Eigen::Index>(parameter_index(system.parameters, "eta"))] = point.value;
+      const std::vector<Vector> image = mirror_image(system, there, point.states);
+      REQUIRE(image.size() == 1);
+      CHECK((image[0] - point.state()).norm() > 1e-5);
+      Vector beside = image[0];
+      beside[1] += 1e-6;
+      CHECK((settle(system, there, beside, {.periods = 400}).state - image[0]).norm() < 1e-9);
+      ++attracting;
+    }
+  }
+  CHECK(halves > 0);
+  CHECK(attracting > 0);
 }
