@@ -147,6 +147,22 @@ when = "r - x"
   CHECK(text["branches"][0]["points"] == built_in["branches"][0]["points"]);
 }
 
+TEST_CASE("the models of the built-in systems give the digits of the built-in ones") {
+  // The residuals and differences too: they run on the same flows, not on the general one.
+  const std::vector<std::pair<std::string, std::string>> models = {{"newton-oscillator", "newton-elastic"},
+                                                                   {"hertz-oscillator", "hertz-undamped"},
+                                                                   {"damped-hertz-oscillator", "hertz-damped"},
+                                                                   {"newton-beam", "beam-newton"},
+                                                                   {"linear-beam", "beam-linear"},
+                                                                   {"hertz-beam", "beam-hertz"}};
+  for (const auto& [text, built_in] : models) {
+    INFO(text);
+    CHECK(result("orbit", model(text))["orbit"] == result("orbit", problem(built_in))["orbit"]);
+    CHECK(result("continue", model(text), {"--to", "0.6"})["branches"] ==
+          result("continue", problem(built_in), {"--to", "0.6"})["branches"]);
+  }
+}
+
 TEST_CASE("a tied parameter is followed along its path") {
   const TemporaryFolder folder;
   const std::string file = folder.write("tied.toml", duffing());
