@@ -1,0 +1,250 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Holds what graze says of a model against an integration that shares nothing with it.
+
+The equations of mechanics.py are integrated by scipy's DOP853. Compared are the orbit, its events, its Floquet multipliers
+(by differences of the period map) and the first Lyapunov exponent of a motion over a few periods (by the growth of the distance
+of neighbours). The motion lies on a chaotic attractor and is the same in both, so the exponents agree in digits, not only in
+standard errors.
+
+usage: against_scipy.py GRAZE_PROGRAM MODEL.toml...
+"""
+import json
+import os
+import subprocess
+import sys
+
+try:
+    import numpy as np
+    from scipy.integrate import solve_ivp
+except ImportError as error:
+    debian = "/usr/bin/python3"  # if another one comes first on PATH
+    if os.path.realpath(sys.executable) != os.path.realpath(debian) and os.path.exists(debian):
+        os.execv(debian, [debian] + sys.argv)
+    sys.exit(f"{error}: install python3-numpy and python3-scipy (apps/install_packages.sh tests)")
+
+sys.dont_write_bytecode = True
+import mechanics
+
+ORBIT = 1e-9  # agreement of states, times and speeds, relative beyond 1
+MULTIPLIERS = 1e-6  # agreement of multipliers, relative beyond 1
+EXPONENT = 1e-6  # agreement of exponents: the distance to the neighbours, APART, is known to about 1e-13 / APART a period
+APART = 1e-7
+ACCURACY = {"rtol": 1e-12, "atol": 1e-13}
+CHATTERING = 1e-4  # slower impacts are not compared: their times accumulate
+
+# Where forced models are chaotic: the parameters to be set, and for how many periods they are followed there.
+CHAOS = {
+    "ball-on-table": ({"A": 1.25, "e": 0.9}, 20),
+    "beam-two-stops": ({"eta": 1.43, "xi": 0.31, "k_r": 0.84}, 12),
+    "capsule": ({"omega": 0.7}, 10),
+    "chain-hertz-stop": ({"eta": 1.53, "xi": 1.1, "r": 0.19}, 10),
+    "damped-hertz-oscillator": ({"eta": 0.72}, 20),
+    "duffing-two-stops": ({"eta": 1.18, "xi": 1.26, "k_r": 0.91}, 20),
+    "gear-backlash": ({"F": 0.3, "eta": 1.3}, 20),
+    "hertz-beam": ({}, 12),
+    "hertz-oscillator": ({"eta": 0.72}, 20),
+    "impact-pair": ({"A": 2.25}, 8),
+    "linear-beam": ({}, 20),
+    "newton-beam": ({}, 20),
+    "newton-oscillator": ({"eta": 0.711}, 20),
+    "preloaded-stop": ({"eta": 0.96, "xi": 1.44, "k": 48.61, "b": 0.01, "r": 0.57}, 20),
+    "rotor-rub": ({"eta": 0.85}, 10),
+    "two-mass-chain": ({"omega": 1.17, "A": 1.15, "r": 0.21, "k": 38.92}, 10),
+    "two-mass-impact-pair": ({"eta": 0.8}, 10),
+}
+
+
+def solve(field, begin, end, y, **more):
+    solution = solve_ivp(field, (begin, end), y, "DOP853", **ACCURACY, **more)
+    if solution.status < 0:
+        raise RuntimeError(solution.message)
+    return solution
+
+
+def rate(field, guard, t, y, small=1e-6):
+    return (guard(t + small, y + small * np.array(field(t, y))) - guard(t, y)) / small
+
+
+def polished(field, guard, t0, y0, t):
+    """An event near t, which scipy locates by interpolation in its last step: integrated up to it, with Newton's method."""
+    y = solve(field, t0, t, y0).y[:, -1]
+    for _ in range(2):
+        rising = rate(field, guard, t, y)
+        if rising <= 0.0 or t - guard(t, y) / rising <= t0:
+            break
+        t -= guard(t, y) / rising
+        y = solve(field, t0, t, y0).y[:, -1]
+    return t, list(y)
+
+
+def skipped_step(field, guards, solution):
+    """The first step within which a guard seems to rise above zero and to fall again: scipy looks at the ends only."""
+    for k in range(len(solution.t) - 1):
+        (t0, t1), (y0, y1) = solution.t[k:k + 2], solution.y[:, k:k + 2].T
+        for guard in guards:
+            g0, g1, h = guard(t0, y0), guard(t1, y1), t1 - t0
+            if not (g0 < 0.0 and g1 < 0.0):
+                continue
+            r0, r1 = rate(field, guard, t0, y0), rate(field, guard, t1, y1)
+            if r0 > 0.0 > r1:
+                s = np.linspace(0.0, 1.0, 50)
+                cubic = (g0 * (1 + 2 * s) + h * r0 * s) * (1 - s)**2 + (g1 * (3 - 2 * s) - h * r1 * (1 - s)) * s**2
+                if np.max(cubic) > 0.0:
+                    return k
+    return None
+
+
+def carry(system, y, duration):
+    """The state after the duration, and the events on the way as (kind, time, state before, state after)."""
+    t, mode, happened = 0.0, system.mode(0.0, y), []
+    y, fired = list(y), None
+    while t < duration:
+        field, events, begin = system.fields[mode], [event for event in system.events if event.mode == mode], t
+
+        def watched(guard):
+            # A guard that vanishes at the start has just been left downwards: there it counts as negative.
+            left = fired is not None and abs(guard(begin, y)) < 1e-9
+            value = lambda s, z: -1.0 if left and s == begin else guard(s, z)
+            value.terminal, value.direction = True, 1.0
+            return value
+
+        guards = [watched(event.guard) for event in events]
+        first = min(1e-4 * duration, duration - t) if fired is not None else None
+        solution = solve(field, t, duration, y, events=guards, first_step=first)
+        k = skipped_step(field, guards, solution)
+        if k is not None:
+            t0, t1 = solution.t[k:k + 2]
+            solution = solve(field, t0, t1, solution.y[:, k], events=guards, max_step=(t1 - t0) / 50)
+        t, y = solution.t[-1], list(solution.y[:, -1])
+        if solution.status == 0:
+            fired = None
+            continue
+        fired = next(event for event, times in zip(events, solution.t_events) if len(times) and times[-1] == t)
+        t, before = polished(field, fired.guard, solution.t[-2], solution.y[:, -2], t)
+        y, mode = fired.then(t, before)
+        y = list(y)
+        turned = fired.kind == "stick" and "stick" not in mode  # nothing holds it
+        happened.append(("other" if turned else fired.kind, t, before, y))
+        if len(happened) > 10000:
+            raise RuntimeError(f"more than 10000 events until {t}")
+    return np.array(y), happened
+
+
+def monodromy(system, y, duration):
+    """Derivative of the map over the duration, by differences with one step of Richardson's extrapolation."""
+    n = len(y)
+    M = np.zeros((n, n))
+    for i in range(n):
+        def shifted(h):
+            z = np.array(y)
+            z[i] += h
+            return carry(system, z, duration)[0]
+
+        if system.forward:
+            M[:, i] = (shifted(1e-6) - shifted(0.0)) / 1e-6
+        else:
+            central = lambda h: (shifted(h) - shifted(-h)) / (2 * h)
+            M[:, i] = (4 * central(1e-5) - central(2e-5)) / 3
+    return M
+
+
+def first_exponent(system, y, periods):
+    """Mean growth, a unit of time, of the distance between two neighbours, at first in the direction of the first state."""
+    y, growth = np.array(y), 0.0
+    direction = np.eye(len(y))[0]
+    for _ in range(periods):
+        ahead, y, behind = (carry(system, y + apart * direction, system.period)[0] for apart in (APART, 0.0, -APART))
+        distance = np.linalg.norm(ahead - behind)
+        direction = (ahead - behind) / distance
+        growth += np.log(distance / (2 * APART))
+    return growth / (periods * system.period)
+
+
+class Comparison:
+    def __init__(self, name):
+        self.name, self.failed = name, False
+
+    def close(self, what, found, expected, tolerance):
+        difference = float(np.max(np.abs(np.subtract(found, expected)) / np.maximum(1.0, np.abs(expected)), initial=0.0))
+        good = difference <= tolerance
+        print(f"{self.name}: {what} agree{'' if good else ' NOT'} to {difference:.1e} (asked {tolerance:g})")
+        if not good:
+            print(f"  graze {found}\n  scipy {expected}")
+            self.failed = True
+
+    def require(self, what, good):
+        if not good:
+            print(f"{self.name}: {what}")
+            self.failed = True
+
+
+def graze(program, command, file, settings=(), *more):
+    arguments = [program, command, file, "--quiet", "--json", "-", *more]
+    for name, value in dict(settings).items():
+        arguments += ["--set", f"{name}={value!r}"]
+    outcome = subprocess.run(arguments, capture_output=True, text=True)
+    if outcome.returncode != 0:
+        sys.exit(f"{' '.join(arguments)} exits with {outcome.returncode}: {outcome.stderr}")
+    return json.loads(outcome.stdout)
+
+
+def paired(found, expected):
+    """The found numbers in the order of the expected ones, each with its nearest."""
+    rest, ordered = list(found), []
+    for number in expected:
+        nearest = min(rest, key=lambda other: abs(other - number))
+        rest.remove(nearest)
+        ordered.append(nearest)
+    return np.array(ordered)
+
+
+def compare_orbit(comparison, make, result):
+    orbit = result["orbit"]
+    system = make(result["parameters"])
+    state = orbit["state"]
+    duration = orbit["duration"] if system.period is None else system.period * orbit["period"]
+    end, happened = carry(system, state, duration)
+    comparison.close("states after a period", state, end, ORBIT)
+    given = orbit["events"]
+    kinds = [event["kind"] for event in given]
+    chattering = any(event.get("speed", 1.0) < CHATTERING for event in given if event["kind"] == "impact")
+    if not chattering:
+        comparison.require(f"events are {kinds}, by scipy {[event[0] for event in happened]}",
+                           kinds == [event[0] for event in happened])
+    pairs = [pair for pair in zip(given, happened) if not (chattering and pair[0].get("speed", 1.0) < CHATTERING)]
+    comparison.close(f"times of {len(pairs)} events", [a["tau"] for a, b in pairs], [b[1] for a, b in pairs], ORBIT)
+    if not chattering:
+        comparison.close("states before them", [a["before"] for a, b in pairs], [b[2] for a, b in pairs], ORBIT)
+    expected = np.linalg.eigvals(monodromy(system, state, duration))
+    found = [complex(*number) for number in orbit["multipliers"]]
+    comparison.close(f"{len(found)} multipliers", paired(found, expected), expected, MULTIPLIERS)
+
+
+def compare_exponent(comparison, program, file, make, settings, periods):
+    attractor = graze(program, "lyapunov", file, settings, "--settle", "200", "--periods", "400")["attractor"]
+    comparison.require(f"the attractor at {settings} is {attractor['type']}, not chaotic", attractor["type"] == "chaotic")
+    result = graze(program, "lyapunov", file, settings, "--settle", "0", "--periods", str(periods),
+                   "--start", ",".join(map(repr, attractor["state"])))
+    expected = first_exponent(make(result["parameters"]), attractor["state"], periods)
+    nearest = min(result["exponents"], key=lambda number: abs((number or 0.0) - expected))  # graze sorts them
+    comparison.close(f"exponents over {periods} chaotic periods", nearest, expected, EXPONENT)
+
+
+def main():
+    program, failed = sys.argv[1], False
+    for file in sys.argv[2:]:
+        name = os.path.splitext(os.path.basename(file))[0]
+        make = getattr(mechanics, name.replace("-", "_"), None)
+        if make is None:
+            sys.exit(f"{file}: mechanics.py has no equations of it; write {name.replace('-', '_')}(p) from the mechanics")
+        comparison = Comparison(name)
+        result = graze(program, "orbit", file)
+        compare_orbit(comparison, make, result)
+        if name in CHAOS:
+            compare_exponent(comparison, program, file, make, *CHAOS[name])
+        failed = failed or comparison.failed
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
