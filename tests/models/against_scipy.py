@@ -26,10 +26,13 @@ sys.dont_write_bytecode = True
 import mechanics
 
 ORBIT = 1e-9  # agreement of states, times and speeds, relative beyond 1
+KNOWN = 1e-12  # agreement of published values that are given with so many digits
 MULTIPLIERS = 1e-6  # agreement of multipliers, relative beyond 1
 EXPONENT = 1e-6  # agreement of exponents: the distance to the neighbours, APART, is known to about 1e-13 / APART a period
 APART = 1e-7
 ACCURACY = {"rtol": 1e-12, "atol": 1e-13}
+CRITICAL = 1e-5  # the same of those that are 1 or -1 at special points; near grazings differences are known to 1e-6 only
+DIFFERENCE = 2e-5  # step of differences
 CHATTERING = 1e-4  # slower impacts are not compared: their times accumulate
 
 # Where forced models are chaotic: the parameters to be set, and for how many periods they are followed there.
@@ -52,6 +55,17 @@ CHAOS = {
     "two-mass-chain": ({"omega": 1.17, "A": 1.15, "r": 0.21, "k": 38.92}, 10),
     "two-mass-impact-pair": ({"eta": 0.8}, 10),
 }
+
+
+# Branches on which special points are compared, how many there are, and what is known of some by their labels. The fold of the
+# first one has an impact of speed 0.004: differences are taken with a smaller step there.
+BRANCHES = {
+    "coco-impact-oscillator": (["--param", "A", "--to", "0.09"], 2, {"LP1": 0.0999707536283, "GR1": 0.1}, 2e-7),
+    "coco-stick-slip": (["--param", "V", "--from", "0.5", "--to", "0.6", "--settle", "1000"], 1, {}, DIFFERENCE),
+    "coco-bang-bang-duffing": (["--to", "0.84"], 2, {}, DIFFERENCE),
+}
+
+STATES = {"coco-impact-oscillator": [0.870835157464, 1.703821136375]}  # known at phase 0
 
 
 def solve(field, begin, end, y, **more):
@@ -130,7 +144,7 @@ def carry(system, y, duration):
     return np.array(y), happened
 
 
-def monodromy(system, y, duration):
+def monodromy(system, y, duration, h=DIFFERENCE):
     """Derivative of the map over the duration, by differences with one step of Richardson's extrapolation."""
     n = len(y)
     M = np.zeros((n, n))
@@ -144,7 +158,7 @@ def monodromy(system, y, duration):
             M[:, i] = (shifted(1e-6) - shifted(0.0)) / 1e-6
         else:
             central = lambda h: (shifted(h) - shifted(-h)) / (2 * h)
-            M[:, i] = (4 * central(1e-5) - central(2e-5)) / 3
+            M[:, i] = (4 * central(h / 2) - central(h)) / 3
     return M
 
 
@@ -205,6 +219,8 @@ def compare_orbit(comparison, make, result):
     duration = orbit["duration"] if system.period is None else system.period * orbit["period"]
     end, happened = carry(system, state, duration)
     comparison.close("states after a period", state, end, ORBIT)
+    if comparison.name in STATES:
+        comparison.close("known states", state, STATES[comparison.name], KNOWN)
     given = orbit["events"]
     kinds = [event["kind"] for event in given]
     chattering = any(event.get("speed", 1.0) < CHATTERING for event in given if event["kind"] == "impact")
@@ -230,6 +246,35 @@ def compare_exponent(comparison, program, file, make, settings, periods):
     comparison.close(f"exponents over {periods} chaotic periods", nearest, expected, EXPONENT)
 
 
+def compare_special_points(comparison, program, file, make, more, count, known, step):
+    """Orbits at special points close; at LP and BP a multiplier is 1, at PD it is -1, at GR the orbit touches a guard."""
+    result = graze(program, "continue", file, {}, *more)
+    branch = result["branches"][0]
+    points = [point for point in branch["special_points"] if point["type"] in ("LP", "BP", "PD", "GR")]
+    comparison.require(f"{len(points)} special points, not {count}", len(points) == count)
+    for point in points:
+        kind, label = point["type"], point["label"]
+        comparison.require(f"{label} is {point['status']}", point["status"] == "converged")
+        system = make({**result["parameters"], result["options"]["param"]: point["value"]})
+        state, duration = point["state"], branch["period"] * system.period
+        if label in known:
+            comparison.close(f"{label} at {point['value']:.13g}, known,", point["value"], known[label], KNOWN)
+        if kind == "GR":
+            mode = system.mode(0.0, state)
+            field, guards = system.fields[mode], [event.guard for event in system.events if event.mode == mode]
+            tops = [lambda t, y, guard=guard: rate(field, guard, t, y) for guard in guards]
+            free = solve(field, 0.0, duration, state, events=tops, max_step=duration / 100)
+            heights = [guard(t, y) for guard, times, states in zip(guards, free.t_events, free.y_events)
+                       for t, y in zip(times, states)]
+            comparison.close(f"{label}: states after a period", state, free.y[:, -1], ORBIT)
+            comparison.close(f"{label}: places of the nearest approach", min(heights, key=abs), 0.0, ORBIT)
+            continue
+        comparison.close(f"{label}: states after a period", state, carry(system, state, duration)[0], ORBIT)
+        number = -1.0 if kind == "PD" else 1.0
+        multipliers = np.linalg.eigvals(monodromy(system, state, duration, step))
+        comparison.close(f"{label}: critical multipliers", number, min(multipliers, key=lambda m: abs(m - number)), CRITICAL)
+
+
 def main():
     program, failed = sys.argv[1], False
     for file in sys.argv[2:]:
@@ -242,6 +287,8 @@ def main():
         compare_orbit(comparison, make, result)
         if name in CHAOS:
             compare_exponent(comparison, program, file, make, *CHAOS[name])
+        if name in BRANCHES:
+            compare_special_points(comparison, program, file, make, *BRANCHES[name])
         failed = failed or comparison.failed
     return 1 if failed else 0
 

@@ -303,3 +303,35 @@ def rimless_wheel(p):
 
     return System({"stance": lambda t, y: (y[1], sin(y[0]))},
                   [Event("impact", "stance", lambda t, y: y[0] - (p["gamma"] + p["alpha"]), strike)], lambda t, y: "stance")
+
+
+def coco_impact_oscillator(p):
+    load = lambda t, y: (y[1], p["A"] * cos(p["w"] * t) - p["k"] * y[0] - p["c"] * y[1])
+    return System({"free": load}, [rigid_stop(p["d"], p["e"], 1)], lambda t, y: "free", 2 * pi / p["w"])
+
+
+def coco_stick_slip(p):
+    """The sliding mass is put back to rest by a constant force, and by what the spring and the field exert on the other one."""
+    def force(t, q, v):
+        field = (p["V"] * sin(p["w"] * t) / (1 - q))**2
+        return field - q - p["c"] * v
+
+    def collide(t, y):
+        return [0.5, -p["e"] * y[1], (1 + p["e"]) * y[1] / 6], "slip"
+
+    fields = {"stick": lambda t, y: (y[1], force(t, y[0], y[1]), 0.0),
+              "slip": lambda t, y: (y[1], p["n"] + 1.2 * force(t, y[0], y[1]), -p["n"] - 0.2 * force(t, y[0], y[1]))}
+    events = [Event("impact", "stick", lambda t, y: y[0] - 0.5, collide),
+              Event("stick", "slip", lambda t, y: -y[2], lambda t, y: ([y[0], y[1], 0.0], "stick"))]
+    # While the mass sticks u is no state: an orbit begins so, and differences in u must not make it slide.
+    return System(fields, events, lambda t, y: "stick", pi / p["w"])
+
+
+def coco_bang_bang_duffing(p):
+    def driven(force):
+        return lambda t, y: (y[1], force - p["la"] * y[1] - p["al"] * y[0] - p["eps"] * y[0]**3)
+
+    fields = {"push": driven(p["A"]), "pull": driven(-p["A"])}
+    events = [Event("other", "push", lambda t, y: -cos(p["om"] * t), lambda t, y: (y, "pull")),
+              Event("other", "pull", lambda t, y: cos(p["om"] * t), lambda t, y: (y, "push"))]
+    return System(fields, events, lambda t, y: "push" if cos(p["om"] * t) > 0 else "pull", 2 * pi / p["om"])
