@@ -33,7 +33,7 @@ double log_abs_det(const Matrix& matrix) {
   const double size =
       small ? std::abs(matrix(0, 0) * matrix(1, 1)) + std::abs(matrix(0, 1) * matrix(1, 0)) : matrix.rowwise().norm().prod();
   constexpr double cancelled = 1e-3;
-  return small && std::abs(det) < cancelled * size ? std::numeric_limits<double>::quiet_NaN() : std::log(std::abs(det));
+  return std::abs(det) < cancelled * size ? std::numeric_limits<double>::quiet_NaN() : std::log(std::abs(det));
 }
 
 /// One run of carry(): the state on its way, and the map composed so far.
