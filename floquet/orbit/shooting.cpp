@@ -110,17 +110,20 @@ Admissibility resimulate(ShootingEquations& equations, const Vector& u, const st
   return beyond_reach ? Admissibility::admissible : Admissibility::inadmissible;
 }
 
-/// Impacts and entries that do not belong to the series before a stick event; the events of an orbit are cyclic.
-int isolated_impacts(const std::vector<EventRecord>& events) {
-  const auto is_stick = [](const EventRecord& event) { return event.kind == EventKind::stick; };
+/// Impacts and entries that do not belong to a complete chatter, the series before its stick event; the events of an orbit are
+/// cyclic. Where friction makes a body stick, no impacts accumulate.
+int isolated_impacts(const HybridSystem& system, const std::vector<EventRecord>& events) {
+  const auto is_stick = [&](const EventRecord& event) {
+    return event.kind == EventKind::stick && system.events[event.event].accumulation;
+  };
   const auto last_stick = std::find_if(events.rbegin(), events.rend(), is_stick);
   const auto first = static_cast<std::size_t>(events.rend() - last_stick);  // just after it; 0 if there is none
   int total = 0, series = 0;
   for (std::size_t k = 0; k < events.size(); ++k) {
-    const EventKind kind = events[(first + k) % events.size()].kind;
-    if (begins_contact(kind)) {
+    const EventRecord& event = events[(first + k) % events.size()];
+    if (begins_contact(event.kind)) {
       ++series;
-    } else if (kind == EventKind::stick) {
+    } else if (is_stick(event)) {
       series = 0;
     } else {
       total += series;
@@ -207,7 +210,7 @@ PeriodicOrbit describe_orbit(ShootingEquations& equations, const Vector& u, Newt
   std::rotate(orbit.events.begin(), wrapped, orbit.events.end());
   for (const EventRecord& event : orbit.events) orbit.signature.events.push_back(event.event);
   orbit.impacts = impacts(equations.system(), orbit.signature);
-  orbit.isolated_impacts = isolated_impacts(orbit.events);
+  orbit.isolated_impacts = isolated_impacts(equations.system(), orbit.events);
   add_stroboscopic_states(equations, u, orbit);
   orbit.state = orbit.states.front();
   return orbit;

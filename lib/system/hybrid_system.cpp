@@ -71,7 +71,9 @@ std::string_view event_kind_name(EventKind kind) {
 }
 
 bool has_hard_contacts(const HybridSystem& system) {
-  return std::any_of(system.events.begin(), system.events.end(), [](const Event& event) { return !event.continuous; });
+  return std::any_of(system.events.begin(), system.events.end(), [](const Event& event) {
+    return !event.continuous && (begins_contact(event.kind) || (event.kind == EventKind::other && event.reset.map));
+  });
 }
 
 double forcing_period(const HybridSystem& system, const Vector& p) {

@@ -152,7 +152,8 @@ struct HybridSystem {
   std::optional<ForcingPeriod> period;           ///< instead of forcing_frequency
 };
 
-/// Whether the state or its field jumps at some event: orbits on the two sides of a grazing are then different families.
+/// Whether the state or its field jumps where some contact begins, or the state at an event without a kind: orbits on the two
+/// sides of a grazing are then different families. Friction that holds a body or turns with its motion is no contact.
 bool has_hard_contacts(const HybridSystem& system);
 
 /// Whether the system is forced with a period; else it is autonomous.
