@@ -57,12 +57,15 @@ CHAOS = {
 }
 
 
-# Branches on which special points are compared, how many there are, and what is known of some by their labels. The fold of the
-# first one has an impact of speed 0.004: differences are taken with a smaller step there.
+# Branches of forced models on which special points are compared, how many there are, and what is known of some by their labels. The fold of the
+# impact oscillator has an impact of speed 0.004: differences are taken with a smaller step there.
 BRANCHES = {
+    "capsule": (["--to", "0.7", "--switch", "0"], 2, {}, DIFFERENCE),
     "coco-impact-oscillator": (["--param", "A", "--to", "0.09"], 2, {"LP1": 0.0999707536283, "GR1": 0.1}, 2e-7),
     "coco-stick-slip": (["--param", "V", "--from", "0.5", "--to", "0.6", "--settle", "1000"], 1, {}, DIFFERENCE),
     "coco-bang-bang-duffing": (["--to", "0.84"], 2, {}, DIFFERENCE),
+    "newton-beam": (["--to", "0.5", "--switch", "0"], 1, {}, DIFFERENCE),
+    "two-mass-impact-pair": (["--to", "1.16", "--switch", "0"], 1, {}, DIFFERENCE),
 }
 
 STATES = {"coco-impact-oscillator": [0.870835157464, 1.703821136375]}  # known at phase 0
@@ -108,8 +111,23 @@ def skipped_step(field, guards, solution):
     return None
 
 
-def carry(system, y, duration):
-    """The state after the duration, and the events on the way as (kind, time, state before, state after)."""
+def nearest_approach(flights):
+    """Of the places where a contact turns round before it closes, or just beyond, the one nearest to closing."""
+    heights = []
+    for field, guards, begin, end, y in flights:
+        for guard in guards:
+            top = lambda t, z: rate(field, guard, t, z)
+            top.direction = -1.0
+            solution = solve(field, begin, end, y, events=[top], max_step=(end - begin) / 50)
+            heights += [guard(t, z) for t, z in zip(solution.t_events[0], solution.y_events[0])]
+    return min(heights, key=abs)
+
+
+def carry(system, y, duration, flights=None):
+    """The state after the duration, and the events on the way as (kind, time, state before, state after).
+
+    `flights` gets (field, guards of contacts, begin, end, state at the begin) of each flight from event to event.
+    """
     t, mode, happened = 0.0, system.mode(0.0, y), []
     y, fired = list(y), None
     while t < duration:
@@ -130,6 +148,9 @@ def carry(system, y, duration):
             t0, t1 = solution.t[k:k + 2]
             solution = solve(field, t0, t1, solution.y[:, k], events=guards, max_step=(t1 - t0) / 50)
         t, y = solution.t[-1], list(solution.y[:, -1])
+        if flights is not None:
+            contacts = [event.guard for event in events if event.kind in ("enter", "impact")]
+            flights.append((field, contacts, solution.t[0], t, solution.y[:, 0]))
         if solution.status == 0:
             fired = None
             continue
@@ -259,17 +280,11 @@ def compare_special_points(comparison, program, file, make, more, count, known, 
         state, duration = point["state"], branch["period"] * system.period
         if label in known:
             comparison.close(f"{label} at {point['value']:.13g}, known,", point["value"], known[label], KNOWN)
+        flights = []
+        comparison.close(f"{label}: states after a period", state, carry(system, state, duration, flights)[0], ORBIT)
         if kind == "GR":
-            mode = system.mode(0.0, state)
-            field, guards = system.fields[mode], [event.guard for event in system.events if event.mode == mode]
-            tops = [lambda t, y, guard=guard: rate(field, guard, t, y) for guard in guards]
-            free = solve(field, 0.0, duration, state, events=tops, max_step=duration / 100)
-            heights = [guard(t, y) for guard, times, states in zip(guards, free.t_events, free.y_events)
-                       for t, y in zip(times, states)]
-            comparison.close(f"{label}: states after a period", state, free.y[:, -1], ORBIT)
-            comparison.close(f"{label}: places of the nearest approach", min(heights, key=abs), 0.0, ORBIT)
+            comparison.close(f"{label}: places of the nearest approach", nearest_approach(flights), 0.0, ORBIT)
             continue
-        comparison.close(f"{label}: states after a period", state, carry(system, state, duration)[0], ORBIT)
         number = -1.0 if kind == "PD" else 1.0
         multipliers = np.linalg.eigvals(monodromy(system, state, duration, step))
         comparison.close(f"{label}: critical multipliers", number, min(multipliers, key=lambda m: abs(m - number)), CRITICAL)
