@@ -93,7 +93,7 @@ Result describe_models() {
     const std::string model = shipped_model(name);
     const std::string title = model.substr(0, model.find('\n'));
     json["models"].push_back({{"name", name}, {"title", title.substr(std::min<std::size_t>(2, title.size()))}});
-    text += fmt::format("  {:<18} {}\n", name, json["models"].back()["title"].get<std::string>());
+    text += fmt::format("  {:<25} {}\n", name, json["models"].back()["title"].get<std::string>());
   }
   result.text = std::move(text);
   result.table.rows.insert(result.table.rows.end(), physical.rows.begin(), physical.rows.end());
