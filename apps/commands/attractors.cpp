@@ -207,8 +207,10 @@ void check_starts(const Problem& problem, const Matrix& starts) {
   };
   if (std::none_of(starts.colwise().begin(), starts.colwise().end(), admissible))
     throw std::invalid_argument(
-        fmt::format("no start is admissible: all lie beyond the barrier, r = {}; give --x with values below it",
-                    exact(parameter(problem, "r"))));
+        problem.written
+            ? "no start is admissible: all lie beyond a stop; give other ranges by --x and --v, or other states by --start"
+            : fmt::format("no start is admissible: all lie beyond the barrier, r = {}; give --x with values below it",
+                          exact(parameter(problem, "r"))));
 }
 
 /// What stands for a start in "basins": the attractor's id, null beyond a barrier, 0 if the motion was lost, -1 if it was not

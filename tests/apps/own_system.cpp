@@ -288,6 +288,12 @@ TEST_CASE("a mistake in a system is one sentence with its place") {
   CHECK_THAT(error("reset = \"v = -0.8*v\"", "reset = \"x = x + 1\""), Contains("wrong.toml:"));
 }
 
+TEST_CASE("starts that all lie beyond a stop are refused in words of the system") {
+  const Outcome outcome = call({"attractors", model("two-mass-impact-pair"), "--random", "8", "--x", "2:3"});
+  CHECK(outcome.code == 2);
+  CHECK_THAT(outcome.err, Contains("no start is admissible: all lie beyond a stop; give other ranges by --x and --v"));
+}
+
 TEST_CASE("graze models NAME prints the file of a model") {
   const Outcome outcome = call({"models", "duffing-two-stops"});
   CHECK(outcome.code == 0);
