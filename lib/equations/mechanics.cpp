@@ -681,7 +681,12 @@ class Mechanics {
     if (!free) return;
     const Expression opening = rate_along(graph_, stop.rate, field_of(free->acceleration));
     // At release the contact force is zero: state and field go over continuously.
-    if (EventPiece* event = add(at, stop, " release", EventKind::release, opening, to, true)) event->continuous = true;
+    EventPiece* event = add(at, stop, " release", EventKind::release, opening, to, true);
+    if (!event) return;
+    event->continuous = true;
+    // Rounding has moved a body off a moving stop: left there it would hit the stop at once.
+    for (const Solution& one : at.solved)
+      if (dependence(graph_, one.value).time) event->map[one.state] = one.value;
   }
 
   void lose_speed(const Combination& at, std::size_t c) {
