@@ -4,7 +4,7 @@
 The equations of mechanics.py are integrated by scipy's DOP853. Compared are the orbit, its events, its Floquet multipliers
 (by differences of the period map) and the first Lyapunov exponent of a motion over a few periods (by the growth of the distance
 of neighbours). The motion lies on a chaotic attractor and is the same in both, so the exponents agree in digits, not only in
-standard errors.
+standard errors. Of some models the special points along a branch are compared too.
 
 usage: against_scipy.py GRAZE_PROGRAM MODEL.toml...
 """
@@ -25,13 +25,15 @@ except ImportError as error:
 sys.dont_write_bytecode = True
 import mechanics
 
-ORBIT = 1e-9  # agreement of states, times and speeds, relative beyond 1
-KNOWN = 1e-12  # agreement of published values that are given with so many digits
-MULTIPLIERS = 1e-6  # agreement of multipliers, relative beyond 1
-EXPONENT = 1e-6  # agreement of exponents: the distance to the neighbours, APART, is known to about 1e-13 / APART a period
-APART = 1e-7
+# Agreement that is asked for; relative beyond 1.
+ORBIT = 1e-9  # states, times and speeds
+KNOWN = 1e-12  # published values, given with so many digits
+MULTIPLIERS = 1e-6
+CRITICAL = 1e-5  # multipliers of 1 or -1 at special points: near grazings differences are known to 1e-6 only
+EXPONENT = 1e-6  # the distance of the neighbours, APART, is known to about 1e-13 / APART a period
+
 ACCURACY = {"rtol": 1e-12, "atol": 1e-13}
-CRITICAL = 1e-5  # the same of those that are 1 or -1 at special points; near grazings differences are known to 1e-6 only
+APART = 1e-7
 DIFFERENCE = 2e-5  # step of differences
 CHATTERING = 1e-4  # slower impacts are not compared: their times accumulate
 
@@ -56,11 +58,12 @@ CHAOS = {
     "two-mass-impact-pair": ({"eta": 0.8}, 10),
 }
 
-
-# Branches of forced models on which special points are compared, how many there are, and what is known of some by their labels. The fold of the
-# impact oscillator has an impact of speed 0.004: differences are taken with a smaller step there.
+# Branches of forced models whose special points are compared: how they are asked for, how many points there are, what is known
+# of some by their labels, and the step of differences. The fold of the impact oscillator has an impact of speed 0.004, and the
+# capsule grazes near its folds: there the step is smaller.
 BRANCHES = {
-    "capsule": (["--to", "0.7", "--switch", "0"], 2, {}, DIFFERENCE),
+    "beam-two-stops": (["--to", "1", "--switch", "0"], 2, {}, DIFFERENCE),
+    "capsule": (["--to", "0.5", "--switch", "0"], 8, {}, 2e-6),
     "coco-impact-oscillator": (["--param", "A", "--to", "0.09"], 2, {"LP1": 0.0999707536283, "GR1": 0.1}, 2e-7),
     "coco-stick-slip": (["--param", "V", "--from", "0.5", "--to", "0.6", "--settle", "1000"], 1, {}, DIFFERENCE),
     "coco-bang-bang-duffing": (["--to", "0.84"], 2, {}, DIFFERENCE),
@@ -68,7 +71,8 @@ BRANCHES = {
     "two-mass-impact-pair": (["--to", "1.16", "--switch", "0"], 1, {}, DIFFERENCE),
 }
 
-STATES = {"coco-impact-oscillator": [0.870835157464, 1.703821136375]}  # known at phase 0
+# Known states at phase 0.
+STATES = {"coco-impact-oscillator": [0.870835157464, 1.703821136375]}
 
 
 def solve(field, begin, end, y, **more):
