@@ -699,6 +699,7 @@ class Builder {
       add_contact(piece, event);
       out_.system.events.push_back(std::move(event));
       out_.events.push_back({piece.guard, piece.map, piece.text, piece.count});
+      if (piece.count > 0) out_.system.returns.push_back(out_.system.events.size() - 1);
     }
   }
 

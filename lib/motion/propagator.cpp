@@ -21,6 +21,9 @@ Propagator::Propagator(const HybridSystem& system, const Vector& p, std::vector<
                       system.name, system.parameters.size()));
   const auto n = static_cast<Eigen::Index>(system.states);
   for (std::size_t i = 0; i < system.events.size(); ++i) events_of_mode_[system.events[i].from].push_back(i);
+  is_return_.resize(system.events.size());
+  if (!is_forced(system))
+    for (const std::size_t event : returns_of(system)) is_return_[event] = true;
   for (Vector* v : {&f_minus_, &f_plus_, &gradient_, &f_dt_, &glance_}) v->resize(n);
   f_dx_.resize(n, n);
   set_parameters(p);
@@ -46,6 +49,26 @@ const lanes::Oscillator* Propagator::one_lane() {
 }
 
 HybridState Propagator::start(double t, const Vector& x) const { return {t, x, initial_mode(*system_, t, x, p_)}; }
+
+std::optional<HybridState> Propagator::start_period(const Vector& x) {
+  const std::optional<std::size_t> mode = mode_at(*system_, 0.0, x, p_);
+  if (!mode) return std::nullopt;
+  HybridState state{0.0, x, *mode};
+  for (const std::size_t event : events_of_mode_[state.mode]) {
+    if (!is_return_[event] || system_->events[event].reset.map || !active_at_start(state, event)) continue;
+    state.mode = system_->events[event].to;
+    break;
+  }
+  return state;
+}
+
+std::optional<Termination> Propagator::period_end(const HybridState& state) const {
+  if (!is_return_[record_.event] || record_.t <= at_once) return std::nullopt;
+  Vector f(state.x.size());
+  field(state.mode, state.t, state.x, f);
+  const bool rests = f.lpNorm<Eigen::Infinity>() <= guard_tolerance * (1.0 + state.x.lpNorm<Eigen::Infinity>());
+  return rests ? Termination::no_return : Termination::time;
+}
 
 double Propagator::guard_acceleration(const Guard& guard, std::size_t mode, double t, const Vector& x, const Vector& f) {
   // d2h/dt2 = D_x h (f_x f + f_t); curvature of the guard itself is left out (barriers are flat or at rest).

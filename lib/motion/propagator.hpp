@@ -25,6 +25,11 @@ struct HybridState {
 
 enum class StepEnd { failed, time, event };
 
+/// An autonomous motion without a return for so long (dimensionless time) does not return.
+inline constexpr double longest_return = 1e4;
+/// An event this soon after the start of a period belongs to where it starts, and does not end it.
+inline constexpr double at_once = 1e-12;
+
 class Propagator {
  public:
   /// `active`: indices of the parameters for which sensitivities are wanted. The system is copied by reference: keep it alive.
@@ -39,6 +44,13 @@ class Propagator {
 
   /// The hybrid state of `x` at time t. @throws std::invalid_argument if it is not admissible.
   HybridState start(double t, const Vector& x) const;
+
+  /// The same at time 0, where a period begins: a state right behind a return does not meet it again. Empty: not admissible.
+  std::optional<HybridState> start_period(const Vector& x);
+
+  /// How the last event, which led to `state`, ends a period of an autonomous system that began at time 0: time, or no_return
+  /// where the motion has come to rest. Empty: the period goes on.
+  std::optional<Termination> period_end(const HybridState& state) const;
 
   /// Carries `state` to t_end or through the next event, whichever comes first. `segment()` and, after an event, `record()` tell
   /// what happened. An event that is active at the start gives a segment of zero length.
@@ -85,6 +97,7 @@ class Propagator {
   FlowOptions options_;
   std::vector<Flow> flows_;
   std::vector<std::vector<std::size_t>> events_of_mode_;
+  std::vector<bool> is_return_;
   HybridState run_;
   Segment segment_;
   EventRecord record_;

@@ -31,16 +31,18 @@ std::string_view termination_text(Termination reason) {
     return "the motion grows without bound: it escapes from the softening spring (beta < 0)";
   case Termination::resonance:
     return "the motion grows without bound, by the same amount each forcing period: undamped resonance without impacts";
+  case Termination::no_return:
+    return "the motion does not return: none of the events that are returns follows";
   }
   return "it was not carried out";
 }
 
-Trajectory simulate(const HybridSystem& system, const Vector& p, double t0, const Vector& x0, const Until& until,
-                    const FlowOptions& options) {
-  if (!std::isfinite(t0) || !std::isfinite(until.t_end))
-    throw std::invalid_argument(fmt::format("a run from t = {} to {}; both must be finite numbers", t0, until.t_end));
-  Propagator propagator(system, p, {}, options);
-  HybridState state = propagator.start(t0, x0);
+namespace {
+
+enum class Within { time, period };
+
+Trajectory run(Propagator& propagator, HybridState state, const Until& until, Within within) {
+  const FlowOptions& options = propagator.options();
   Trajectory trajectory;
   for (;;) {
     if (options.cancelled && options.cancelled()) {
@@ -54,10 +56,14 @@ Trajectory simulate(const HybridSystem& system, const Vector& p, double t0, cons
       break;
     }
     if (end == StepEnd::time) {
-      trajectory.termination = Termination::time;
+      trajectory.termination = within == Within::time ? Termination::time : Termination::no_return;
       break;
     }
     trajectory.events.push_back(propagator.record());
+    if (const auto ended = within == Within::period ? propagator.period_end(state) : std::nullopt) {
+      trajectory.termination = *ended;
+      break;
+    }
     if (trajectory.events.size() >= until.max_events) {
       trajectory.termination = Termination::event_limit;
       break;
@@ -67,6 +73,23 @@ Trajectory simulate(const HybridSystem& system, const Vector& p, double t0, cons
   trajectory.x = state.x;
   trajectory.mode = state.mode;
   return trajectory;
+}
+
+}  // namespace
+
+Trajectory simulate(const HybridSystem& system, const Vector& p, double t0, const Vector& x0, const Until& until,
+                    const FlowOptions& options) {
+  if (!std::isfinite(t0) || !std::isfinite(until.t_end))
+    throw std::invalid_argument(fmt::format("a run from t = {} to {}; both must be finite numbers", t0, until.t_end));
+  Propagator propagator(system, p, {}, options);
+  return run(propagator, propagator.start(t0, x0), until, Within::time);
+}
+
+Trajectory simulate_period(const HybridSystem& system, const Vector& p, const Vector& x0, const FlowOptions& options) {
+  if (is_forced(system)) return simulate(system, p, 0.0, x0, {.t_end = forcing_period(system, p)}, options);
+  initial_mode(system, 0.0, x0, p);
+  Propagator propagator(system, p, {}, options);
+  return run(propagator, *propagator.start_period(x0), {.t_end = longest_return}, Within::period);
 }
 
 Matrix sample(const HybridSystem& system, const Vector& p, const Trajectory& trajectory, const std::vector<double>& times,

@@ -42,6 +42,9 @@ struct Until {
 Trajectory simulate(const HybridSystem& system, const Vector& p, double t0, const Vector& x0, const Until& until,
                     const FlowOptions& options = {});
 
+/// The same over one period, a forcing period from phase 0 or from right behind a return to the next (carry_period).
+Trajectory simulate_period(const HybridSystem& system, const Vector& p, const Vector& x0, const FlowOptions& options = {});
+
 /// States at increasing times within the run, by carrying on from the segments' starts. Rows (t, x), one per time;
 /// NaN for times outside the run.
 Matrix sample(const HybridSystem& system, const Vector& p, const Trajectory& trajectory, const std::vector<double>& times,

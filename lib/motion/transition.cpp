@@ -51,6 +51,7 @@ class Composer {
     out.events.clear();
     out.event_sequence.clear();
     out.log_det = out.liouville = 0.0;
+    out.return_map.resize(0, 0);
     if (!tangent_) return;
     out.Phi.setIdentity(n, n);
     out.Psi.setZero(n, parameters_);
@@ -67,6 +68,39 @@ class Composer {
     if (!mode) return fail(Termination::inadmissible_start);
     out_.mode0 = state_.mode = *mode;
     return true;
+  }
+
+  /// From right behind a return.
+  bool start_period(const Vector& x0) {
+    std::optional<HybridState> start = propagator_.start_period(x0);
+    if (!start) return fail(Termination::inadmissible_start);
+    state_ = std::move(*start);
+    out_.mode0 = state_.mode;
+    return true;
+  }
+
+  /// To right behind the next return.
+  bool run_to_return() {
+    const auto& cancelled = propagator_.options().cancelled;
+    Matrix before;  // Phi up to the event
+    for (;;) {
+      if (cancelled && cancelled()) return fail(Termination::interrupted);
+      const StepEnd end = propagator_.step(state_, longest_return, options_.sensitivity);
+      if (end == StepEnd::failed) return fail(propagator_.failure());
+      compose_segment();
+      if (end == StepEnd::time) return rest();
+      const std::optional<Termination> period = propagator_.period_end(state_);
+      const bool is_return = period.has_value();
+      if (is_return && tangent_) before = out_.Phi;
+      if (!compose_event()) return fail(Termination::grazing);
+      if (is_return) {
+        if (*period == Termination::no_return) return rest();
+        if (tangent_) compose_return(before);
+        out_.duration = state_.t;
+        return true;
+      }
+      if (out_.event_sequence.size() >= options_.max_events) return fail(Termination::event_limit);
+    }
   }
 
   /// To t_end through all events, or through `max_events` of them.
@@ -103,6 +137,11 @@ class Composer {
   }
 
  private:
+  bool rest() {
+    out_.x1 = state_.x;
+    return fail(Termination::no_return);
+  }
+
   bool fail(Termination reason) {
     out_.termination = reason;
     return false;
@@ -118,6 +157,22 @@ class Composer {
     if (!options_.keep_factors) return;
     out_.factors.push_back(segment.Phi);
     out_.factor_log_dets.push_back(segment.divergence);
+  }
+
+  /// Behind an accumulation point no guard says when it is reached: the map is taken across the field there, which has the same
+  /// multipliers.
+  void compose_return(const Matrix& before) {
+    const EventRecord& record = propagator_.record();
+    const Event& event = propagator_.system().events[record.event];
+    Vector field(state_.x.size()), gradient(state_.x.size());
+    propagator_.field(state_.mode, state_.t, state_.x, field);
+    out_.return_map = out_.Phi;
+    if (record.kind == event.kind) {
+      event.guard.dx(record.t, record.x_minus, propagator_.parameters(), gradient);
+      out_.return_map -= field * (gradient.transpose() * before) / record.normal_speed;
+    } else if (field.squaredNorm() > 0.0) {
+      out_.return_map -= field * (field.transpose() * out_.Phi) / field.squaredNorm();
+    }
   }
 
   /// Held from beginning to end: rest.hpp. A disturbance first loses what the stop takes; the rest goes on in the sticking mode.
@@ -231,6 +286,15 @@ void carry(Propagator& propagator, double t0, double t1, const Vector& x0, const
     if (!composer.coast(std::min(gap.t_resume, t1))) return;
   }
   if (composer.run(t1, all)) composer.finish(t0);
+}
+
+void carry_period(Propagator& propagator, const Vector& x0, const TransitionOptions& options, Transition& out) {
+  if (is_forced(propagator.system())) {
+    out.duration = forcing_period(propagator.system(), propagator.parameters());
+    return carry(propagator, 0.0, out.duration, x0, options, out);
+  }
+  Composer composer(propagator, options, out);
+  if (composer.start_period(x0) && composer.run_to_return()) composer.finish(0.0);
 }
 
 }  // namespace graze

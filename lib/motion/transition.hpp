@@ -3,6 +3,11 @@
 //
 //     dx1 = Phi dx0 + Psi dp   (t0, t1 fixed),    Phi = product of segment transition and saltation matrices.
 // The factors are kept one by one for the multipliers in product form.
+//
+// A period is a forcing period from phase 0. Of an autonomous system it is the motion from right behind a return (returns_of) to
+// right behind the next one, and the map from state to state is the return map:
+//     dx1 = (Phi + f1 g^T) dx0,    g = gradient of the time of return in x0 = -(h_x Phi-)^T / (dh/dt),
+// h the guard of the return, Phi- the first-order map to right before it, f1 the field right behind it.
 #pragma once
 
 #include <graze/lib/motion/propagator.hpp>
@@ -38,7 +43,14 @@ struct Transition {
   Touch touch;                              ///< if TransitionOptions::left_out
   double log_det = 0.0;    ///< sum of ln|det| of the factors, taken from the factors; NaN: lost in their rounding
   double liouville = 0.0;  ///< the same from Liouville's identity: divergence and the laws' volume changes
+  double duration = 0.0;   ///< of a period (carry_period)
+  Matrix return_map;       ///< first-order map from return to return, of an autonomous system (carry_period); else empty
 };
+
+/// First-order map of a period from state to state.
+inline const Matrix& period_map(const Transition& period) {
+  return period.return_map.size() > 0 ? period.return_map : period.Phi;
+}
 
 struct TransitionOptions {
   Sensitivity sensitivity = Sensitivity::state;
@@ -51,5 +63,8 @@ struct TransitionOptions {
 /// Carries x0 from t0 to t1. A start that is not admissible is a termination, not an exception.
 /// @throws std::invalid_argument for a state of the wrong size.
 void carry(Propagator& propagator, double t0, double t1, const Vector& x0, const TransitionOptions& options, Transition& out);
+
+/// Carries x0 over one period, a forcing period or to the next return. Termination::no_return: x1 is where the motion is then.
+void carry_period(Propagator& propagator, const Vector& x0, const TransitionOptions& options, Transition& out);
 
 }  // namespace graze

@@ -95,6 +95,17 @@ Vector forcing_period_dp(const HybridSystem& system, const Vector& p) {
   return dp;
 }
 
+std::vector<std::size_t> returns_of(const HybridSystem& system) {
+  if (!system.returns.empty()) return system.returns;
+  std::vector<std::size_t> contacts, sticking, all;
+  for (std::size_t i = 0; i < system.events.size(); ++i) {
+    if (begins_contact(system.events[i].kind)) contacts.push_back(i);
+    if (system.events[i].kind == EventKind::stick) sticking.push_back(i);
+    all.push_back(i);
+  }
+  return !contacts.empty() ? contacts : !sticking.empty() ? sticking : all;
+}
+
 std::vector<std::string> state_names(const HybridSystem& system) {
   if (!system.state_names.empty()) return system.state_names;
   if (system.states == 2) return {"x", "v"};

@@ -150,6 +150,7 @@ struct HybridSystem {
   std::optional<std::size_t> forcing_frequency;  ///< index of the parameter; nullopt: autonomous, or with a period of its own
   InitialMode initial_mode;                      ///< empty: mode 0 always
   std::optional<ForcingPeriod> period;           ///< instead of forcing_frequency
+  std::vector<std::size_t> returns;              ///< events that end a period of an autonomous system; empty: see returns_of()
 };
 
 /// Whether the state or its field jumps where some contact begins, or the state at an event without a kind: orbits on the two
@@ -164,6 +165,10 @@ double forcing_period(const HybridSystem& system, const Vector& p);
 
 /// dT/dp (number of parameters).
 Vector forcing_period_dp(const HybridSystem& system, const Vector& p);
+
+/// Events that are the returns of an autonomous system, which stand for forcing periods: HybridSystem::returns, else those that
+/// begin a contact, else those that begin to stick, else all.
+std::vector<std::size_t> returns_of(const HybridSystem& system);
 
 /// Names of the states, one each.
 std::vector<std::string> state_names(const HybridSystem& system);

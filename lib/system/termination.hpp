@@ -7,7 +7,7 @@
 namespace graze {
 
 /// How a run or a stretch of it ended; a run that was not carried out counts as failed. escape, resonance: the motion grows
-/// without bound (unbounded.hpp).
+/// without bound (unbounded.hpp). no_return: of an autonomous system, no return for longest_return (propagator.hpp).
 enum class Termination {
   failed,
   time,
@@ -17,7 +17,8 @@ enum class Termination {
   grazing,
   interrupted,
   escape,
-  resonance
+  resonance,
+  no_return
 };
 
 /// A sentence for each.
