@@ -6,6 +6,7 @@
 #include <graze/lib/numerics/parallel.hpp>
 
 #include <algorithm>
+#include <functional>
 #include <numbers>
 
 namespace graze {
@@ -48,6 +49,10 @@ void describe_orbit(Attractor& attractor, const PeriodicOrbit& orbit) {
   attractor.state = orbit.state;
   attractor.multipliers = orbit.multipliers.values;
   attractor.exponents = orbit.multipliers.exponents;
+  if (orbit.multipliers.section == Section::autonomous) {
+    attractor.duration = orbit.duration;
+    std::stable_sort(attractor.exponents.begin(), attractor.exponents.end(), std::greater<>());  // the trivial one comes last
+  }
   attractor.standard_errors.assign(attractor.exponents.size(), 0.0);
   attractor.orbit.reset();
 }
@@ -164,7 +169,7 @@ void average(const HybridSystem& system, const Vector& p, Attractor& attractor, 
 /// Of the motion that was averaged from `begin` on: null where it cannot linger.
 std::optional<LaminarPhase> lingering(const HybridSystem& system, const Vector& p, const Vector& begin, int round,
                                       const Attractor& attractor, const AttractorOptions& options) {
-  const double T = forcing_period(system, p);
+  const double T = period_time(system, p, attractor.time_average);
   if (attractor.type == AttractorType::periodic || attractor.time_average.stop == LyapunovStop::interrupted ||
       attractor.time_average.termination != Termination::time || !may_linger(attractor, round, T))
     return std::nullopt;

@@ -5,6 +5,8 @@
 // multipliers. Its exponents are then ln|mu_i| / (n T) to all digits, and the time average stands beside them. Chaotic: the first
 // exponent is positive by several standard errors, and the tangent has grown by more than shear makes it. Else undecided.
 //
+// Of an autonomous system all periods are returns (returns_of), and the states are those right behind them.
+//
 // Where nothing dissipates there are no attractors. What a motion is by itself is then told beside its type: on or next to an
 // elliptic orbit (neutral: periodic), on an island (quasi-periodic: its type is undecided), in the chaotic sea.
 #pragma once
@@ -49,6 +51,7 @@ struct Attractor {
   int period = 0, impacts = 0;  ///< n and p of a periodic one
   int isolated_impacts = 0;     ///< as in PeriodicOrbit
   bool rests = false;           ///< likewise
+  double duration = 0.0;        ///< of a periodic one of an autonomous system: the time of its n returns
   bool conservative = false;    ///< Liouville's sum is zero along the motion; then it is of this kind:
   ConservativeMotion motion = ConservativeMotion::unknown;
   Vector state;                                   ///< on it, at forcing phase 0

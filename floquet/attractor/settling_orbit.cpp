@@ -6,6 +6,7 @@
 #include <graze/floquet/exponents/tangent_growth.hpp>
 #include <graze/floquet/orbit/lane_orbits.hpp>
 #include <graze/floquet/orbit/observe.hpp>
+#include <graze/floquet/orbit/returns.hpp>
 #include <graze/floquet/orbit/stroboscopic_states.hpp>
 #include <graze/lib/motion/lane_carrier.hpp>
 #include <graze/lib/motion/rest.hpp>
@@ -74,12 +75,11 @@ bool is_on(const PeriodicOrbit& orbit, const Vector& x) {
 
 /// How much the tangent of the motions over one period from each of these states grows in all.
 double growth_along(Propagator& propagator, const std::vector<Vector>& states) {
-  const double T = forcing_period(propagator.system(), propagator.parameters());
   Matrix growth = Matrix::Identity(states.front().size(), states.front().size());
   Transition transition;
   for (const Vector& state : states) {
-    carry(propagator, 0.0, T, state, {.sensitivity = Sensitivity::state}, transition);
-    growth = transition.Phi * growth;
+    carry_period(propagator, state, {.sensitivity = Sensitivity::state}, transition);
+    growth = period_map(transition) * growth;
   }
   return spectral_radius(growth);
 }
@@ -92,6 +92,7 @@ std::optional<PeriodicOrbit> stable_orbit_of(Propagator& propagator, const std::
   const HybridSystem& system = propagator.system();
   const Vector& p = propagator.parameters();
   const auto shoot_from = [&](const std::vector<Vector>& guess) {
+    if (!is_forced(system)) return seen_at_returns(system, shoot_returns(propagator, guess, shooting), guess.front());
     return shoot(system, p, guess, static_cast<int>(guess.size()), shooting);
   };
   const auto in_front_of_barriers = [&](const std::vector<Vector>& guess) {
@@ -325,7 +326,7 @@ std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector
   const HybridSystem& system = propagator.system();
   const Vector& p = propagator.parameters();
   const FlowOptions& flow = propagator.options();
-  const double T = forcing_period(system, p), scale = 1.0 + state.lpNorm<Eigen::Infinity>();
+  const double scale = 1.0 + state.lpNorm<Eigen::Infinity>();
   std::vector<Vector> states{state};
   std::vector<int> worth;  // periods of returns not looked at yet
   RefusedOrbits refused;   // more than one return leads to them
@@ -372,10 +373,10 @@ std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector
   // long.
   bool shrinks = false;
   for (int n = 1; n <= max_period || (!worth.empty() && n <= long_enough); ++n) {
-    carry(propagator, 0.0, T, states.back(), {.sensitivity = Sensitivity::state}, transition);
+    carry_period(propagator, states.back(), {.sensitivity = Sensitivity::state}, transition);
     if (transition.termination != Termination::time) break;
     const Vector next = transition.x1;
-    growth = transition.Phi * growth;
+    growth = period_map(transition) * growth;
     distances.push_back(state_distance(next, state) / scale);
     if (n <= max_period && distances.back() < worth_trying && closer_than_divisors(distances)) {
       const double grown = spectral_radius(growth);

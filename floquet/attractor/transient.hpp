@@ -43,7 +43,7 @@ class Transient {
     initial_mode(system, 0.0, start, p);
     out_.state = start;
     out_.termination = Termination::time;
-    if (options.transient == 0) asks_ = periods_of_look(options, 0);
+    if (transient() == 0) asks_ = periods_of_look(options, 0);
   }
 
   bool open() const { return open_ && asks_ == 0; }
@@ -62,11 +62,12 @@ class Transient {
       asks_ = 1;
       return;
     }
+    if (termination == Termination::no_return) out_.state = state;
     if (termination != Termination::time) return stop(termination);
     out_.state = state;
     if (at_end() && resonant_periods(system_, p_, state) > periods_) return stop(Termination::resonance);
     asks_ = std::min(watch_.see(state), options_.max_period);
-    if (periods_ == options_.transient) asks_ = std::max(asks_, periods_of_look(options_, periods_));
+    if (periods_ == transient()) asks_ = std::max(asks_, periods_of_look(options_, periods_));
   }
 
   /// > 0: it goes on when it is told whether it is settling on an orbit of up to so many periods.
@@ -83,7 +84,9 @@ class Transient {
   Attractor result() && { return std::move(out_); }
 
  private:
-  bool at_end() const { return periods_ >= options_.transient; }
+  /// An autonomous motion starts anywhere: it has to come to its first return.
+  int transient() const { return is_forced(system_) ? options_.transient : std::max(1, options_.transient); }
+  bool at_end() const { return periods_ >= transient(); }
 
   const HybridSystem& system_;
   const Vector& p_;

@@ -117,7 +117,6 @@ TrappingRegion trapping_region(const HybridSystem& system, const Vector& p, cons
                                const FlowOptions& flow) {
   TrappingRegion region;
   Propagator propagator(system, p, {}, flow);
-  const double T = forcing_period(system, p);
   Transition transition;
   std::vector<Matrix> Phi;
   std::vector<std::vector<std::size_t>> events;
@@ -127,11 +126,11 @@ TrappingRegion trapping_region(const HybridSystem& system, const Vector& p, cons
   for (int k = 0; k < period; ++k) {
     region.centres.push_back(x);
     scale = std::max(scale, 1.0 + x.lpNorm<Eigen::Infinity>());
-    if (differentiable) carry(propagator, 0.0, T, x, {}, transition);
+    if (differentiable) carry_period(propagator, x, {}, transition);
     differentiable = differentiable && transition.termination == Termination::time;
-    if (!differentiable) carry(propagator, 0.0, T, x, {.sensitivity = Sensitivity::none}, transition);
+    if (!differentiable) carry_period(propagator, x, {.sensitivity = Sensitivity::none}, transition);
     if (transition.termination != Termination::time) return region;
-    Phi.push_back(transition.Phi);
+    Phi.push_back(period_map(transition));
     events.push_back(jumps(system, transition.event_sequence));
     x = transition.x1;
   }
@@ -151,11 +150,18 @@ TrappingRegion trapping_region(const HybridSystem& system, const Vector& p, cons
     unit_ball.push_back(upper.triangularView<Eigen::Upper>().solve(Matrix::Identity(upper.rows(), upper.cols())));
   }
   const std::vector<Vector> round = directions(state.size());
+  // On the unit ball of V_k; of an autonomous system within the surface that its returns lie on.
+  const auto on_ball = [&](std::size_t k, const Vector& u) {
+    if (is_forced(system)) return Vector(unit_ball[k] * u);
+    const Vector along = Phi[(k + Phi.size() - 1) % Phi.size()] * u;
+    const double length = norm_in(H[k], along);
+    return Vector(length > 0.0 ? along / length : along);
+  };
   const auto contracts = [&](double size) {
     for (std::size_t k = 0; k < H.size(); ++k) {
       const std::size_t next = (k + 1) % H.size();
       for (const Vector& u : round) {
-        carry(propagator, 0.0, T, region.centres[k] + size * (unit_ball[k] * u), {.sensitivity = Sensitivity::none}, transition);
+        carry_period(propagator, region.centres[k] + size * on_ball(k, u), {.sensitivity = Sensitivity::none}, transition);
         if (transition.termination != Termination::time || jumps(system, transition.event_sequence) != events[k]) return false;
         if (norm_in(H[next], transition.x1 - region.centres[next]) > enough * size) return false;
       }

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 
 namespace graze {
@@ -26,16 +27,31 @@ class Frame {
 
   /// ln of the lengths that each direction has gained since the last time; -infinity for one that is lost. `log_det`: ln|det| of
   /// what came in between, factor by factor, or not finite. Of two directions it gives the second, which next to grazing
-  /// (stretched by 1/v) is lost in the rounding of the product.
-  const std::vector<double>& orthonormalise(double log_det) {
-    if (Q_.rows() != 2) {
+  /// (stretched by 1/v) is lost in the rounding of the product. `liouville`: the same from Liouville's identity. It gives the
+  /// last direction where volumes shrink so much at once that rounding has taken it.
+  const std::vector<double>& orthonormalise(double log_det, double liouville) {
+    is_measured_ = true;
+    if (Q_.rows() == 2) {
+      orthonormalise_with<Eigen::Matrix2d>();
+      if (std::isfinite(log_det) && std::isfinite(growth_[0])) {
+        growth_[1] = log_det - growth_[0];
+        return growth_;
+      }
+    } else {
       orthonormalise_with<Matrix>();
-      return growth_;
     }
-    orthonormalise_with<Eigen::Matrix2d>();
-    if (std::isfinite(log_det) && std::isfinite(growth_[0])) growth_[1] = log_det - growth_[0];
+    const double others = std::accumulate(growth_.begin(), growth_.end() - 1, 0.0);
+    constexpr double rounding = 1e-10;  // of a factor's entries, times what is left of the smallest direction
+    const bool is_rounding = growth_.back() < growth_.front() + std::log(rounding);
+    if (is_rounding && growth_.size() > 1 && std::isfinite(liouville) && std::isfinite(others)) {
+      growth_.back() = liouville - others;
+      is_measured_ = false;
+    }
     return growth_;
   }
+
+  /// Whether the last sum of growths is that of the matrices, so that Liouville's identity can be held against it.
+  bool is_measured() const { return is_measured_; }
 
  private:
   template <class Square> void orthonormalise_with() {
@@ -50,13 +66,42 @@ class Frame {
 
   Matrix Q_;
   std::vector<double> growth_;
+  bool is_measured_ = true;
+};
+
+/// Times of the intervals of an autonomous motion, which differ: a rate is r = <g> / <t>, g the growth of a direction, and its
+/// error that of g - r t over <t>. Batch means give the variance of a mean by a quadratic form V, so that
+///     V(g - r t) = V(g) + r^2 V(t) - r (V(g + t) - V(g) - V(t)).
+class ReturnTimes {
+ public:
+  explicit ReturnTimes(std::size_t directions) : sums_(directions) {}
+
+  void add(double time) { times_.add(last_ = time); }
+  /// Of a direction, after the time of the same interval.
+  void add_growth(std::size_t direction, double growth) { sums_[direction].add(growth + last_); }
+
+  double mean() const { return times_.mean(); }
+  double total() const { return times_.total(); }
+  /// Of the mean growth in a direction less its rate times the mean time.
+  double error(std::size_t direction, const BatchMeans& growth, double rate) const {
+    const double g = square(growth.standard_error()), t = square(times_.standard_error());
+    if (!std::isfinite(g)) return g;
+    const double both = square(sums_[direction].standard_error());
+    return std::sqrt(std::max(0.0, g + rate * rate * t - rate * (both - g - t)));
+  }
+  double drift(const BatchMeans& growth, double rate) const { return growth.drift() - rate * times_.drift(); }
+
+ private:
+  static double square(double x) { return x * x; }
+
+  BatchMeans times_;
+  std::vector<BatchMeans> sums_;
+  double last_ = 0.0;
 };
 
 }  // namespace
 
-void validate(const HybridSystem& system, const LyapunovOptions& options) {
-  if (!is_forced(system))
-    throw std::invalid_argument("the exponents are averaged over forcing periods; this system is autonomous");
+void validate(const LyapunovOptions& options) {
   if (options.interval < 1)
     throw std::invalid_argument(fmt::format("interval is {}; allowed is a whole number >= 1", options.interval));
   if (options.motions < 1)
@@ -88,6 +133,10 @@ std::string_view lyapunov_stop_text(LyapunovStop reason) {
   return "";
 }
 
+double period_time(const HybridSystem& system, const Vector& p, const LyapunovSpectrum& average) {
+  return is_forced(system) ? forcing_period(system, p) : average.duration / static_cast<double>(average.periods);
+}
+
 double kaplan_yorke_dimension(const std::vector<double>& exponents) {
   double sum = 0.0;
   for (std::size_t j = 0; j < exponents.size(); ++j) {
@@ -99,24 +148,30 @@ double kaplan_yorke_dimension(const std::vector<double>& exponents) {
 
 LyapunovSpectrum lyapunov_spectrum(const HybridSystem& system, const Vector& p, const Vector& state,
                                    const LyapunovOptions& options) {
-  validate(system, options);
+  validate(options);
   if (options.motions > 1 && LaneCarrier::applies(system, p, options.flow)) return lane_spectrum(system, {p, state}, options);
   initial_mode(system, 0.0, state, p);
   LyapunovSpectrum out;
   out.state = state;
   const auto n = static_cast<Eigen::Index>(system.states);
-  const double T = forcing_period(system, p), interval_time = options.interval * T;
+  const bool forced = is_forced(system);
+  const double forced_interval = forced ? options.interval * forcing_period(system, p) : 0.0;
   Propagator propagator(system, p, {}, options.flow);
   Transition transition;
   Frame frame(n);
   std::vector<BatchMeans> means(static_cast<std::size_t>(n));
   std::vector<bool> lost(static_cast<std::size_t>(n), false);
   std::vector<double> before(static_cast<std::size_t>(n), 0.0);
+  ReturnTimes times(static_cast<std::size_t>(n));
+  const auto interval_time = [&] { return forced ? forced_interval : times.mean(); };
   const auto exponent = [&](std::size_t i) {
-    return lost[i] ? -std::numeric_limits<double>::infinity() : means[i].mean() / interval_time;
+    return lost[i] ? -std::numeric_limits<double>::infinity() : means[i].mean() / interval_time();
   };
   const auto error = [&](std::size_t i) {
-    return lost[i] ? 0.0 : with_trend(std::hypot(means[i].standard_error(), means[i].edge()), means[i].drift()) / interval_time;
+    if (lost[i]) return 0.0;
+    const double own = forced ? means[i].standard_error() : times.error(i, means[i], exponent(i));
+    const double drift = forced ? means[i].drift() : times.drift(means[i], exponent(i));
+    return with_trend(std::hypot(own, means[i].edge()), drift) / interval_time();
   };
   out.stop = LyapunovStop::budget;
   std::int64_t aligned = 0;
@@ -125,16 +180,17 @@ LyapunovSpectrum lyapunov_spectrum(const HybridSystem& system, const Vector& p, 
       out.stop = LyapunovStop::interrupted;
       break;
     }
-    double liouville = 0.0, log_det = 0.0, sum = 0.0;
+    double liouville = 0.0, log_det = 0.0, sum = 0.0, time = 0.0;
     bool carried = true;
     for (int period = 0; period < options.interval && carried; ++period) {
-      carry(propagator, 0.0, T, out.state, {.sensitivity = Sensitivity::state}, transition);
+      carry_period(propagator, out.state, {.sensitivity = Sensitivity::state}, transition);
       out.termination = transition.termination;
       carried = transition.termination == Termination::time;
       if (!carried) break;
       frame.advance(transition.Phi);
       liouville += transition.liouville;
       log_det += transition.log_det;
+      time += transition.duration;
       out.state = transition.x1;
       if (aligned < options.aligning) continue;
       for (const std::size_t event : transition.event_sequence) out.impacts += begins_contact(system.events[event].kind) ? 1 : 0;
@@ -143,25 +199,28 @@ LyapunovSpectrum lyapunov_spectrum(const HybridSystem& system, const Vector& p, 
       out.stop = LyapunovStop::failed;
       break;
     }
-    const std::vector<double>& growth = frame.orthonormalise(log_det);
+    const std::vector<double>& growth = frame.orthonormalise(log_det, liouville);
     if (aligned < options.aligning) {
       aligned += options.interval;
       continue;
     }
+    if (!forced) times.add(time);
     double largest_change = 0.0;
     for (std::size_t i = 0; i < growth.size(); ++i) {
       lost[i] = lost[i] || !std::isfinite(growth[i]);
       sum += growth[i];
       if (lost[i]) continue;
       means[i].add(growth[i]);
-      const double now = means[i].mean() / interval_time;
+      if (!forced) times.add_growth(i, growth[i]);
+      const double now = exponent(i);
       largest_change = std::max(largest_change, std::abs(now - before[i]));
       before[i] = now;
     }
     out.periods += options.interval;
+    out.duration = times.total();
     out.log_growth = means[0].total();
     out.log_volume += liouville;
-    if (std::isfinite(sum) && std::isfinite(liouville))
+    if (frame.is_measured() && std::isfinite(sum) && std::isfinite(liouville))
       out.liouville_residual = std::max(out.liouville_residual, std::abs(sum - liouville) / options.interval);
     if (options.progress) options.progress(out.periods);
     if (options.change > 0.0 && out.periods > options.interval && largest_change < options.change) {

@@ -3,12 +3,15 @@
 // matrix.
 //
 //     Phi_k Q_k = Q_{k+1} R_k   (QR, every `interval` forcing periods),   lambda_i = <ln (R_k)_ii> / (interval T)
+// Of an autonomous system a period is a return, after the time T_k: lambda_i = <ln (R_k)_ii> / <T_k>. One of its exponents is
+// zero, that along the flow, but for what its average leaves open.
+//
 // (Benettin, Galgani, Giorgilli & Strelcyn, Meccanica 15 (1980) 9; Mueller 1995 for the jumps). Standard errors are those of
 // batch means: the mean over a batch much longer than the correlation time is as good as independent of the next. By Liouville's
 // identity the exponents' sum is known for itself; what is left between the two is given.
 //
-// An exponent is -infinity where the motion forgets a direction altogether (k_r = 0, sticking). For forced systems; exponents per
-// unit of dimensionless time.
+// An exponent is -infinity where the motion forgets a direction altogether (k_r = 0, sticking). Exponents per unit of
+// dimensionless time.
 #pragma once
 
 #include <graze/lib/lanes/contact_table.hpp>
@@ -55,8 +58,8 @@ struct LyapunovOptions {
   std::function<void(std::int64_t periods)> progress = {};
 };
 
-/// @throws std::invalid_argument for an autonomous system, or options out of range.
-void validate(const HybridSystem& system, const LyapunovOptions& options);
+/// @throws std::invalid_argument for options out of range.
+void validate(const LyapunovOptions& options);
 
 struct LyapunovSpectrum {
   LyapunovStop stop = LyapunovStop::not_run;
@@ -69,6 +72,7 @@ struct LyapunovSpectrum {
   double log_growth = 0.0;  ///< ln of what a tangent vector has grown by along a motion: the mean of the motions
   double log_volume = 0.0;  ///< Liouville's sum along a motion, likewise: exactly zero where nothing dissipates
   std::int64_t periods = 0;
+  double duration = 0.0;       ///< of an autonomous motion: the time that these periods took
   std::int64_t impacts = 0;    ///< impacts and entries into contact on the way
   Vector state;                ///< at forcing phase 0, at the end
   std::vector<Vector> others;  ///< of the motions beside it (LyapunovOptions::motions), likewise
@@ -80,9 +84,12 @@ struct LyapunovSpectrum {
 };
 
 /// The spectrum along the motion from `state` at forcing phase 0 (no transient is taken off here).
-/// @throws std::invalid_argument for an autonomous system, an inadmissible start, or options out of range.
+/// @throws std::invalid_argument for an inadmissible start, or options out of range.
 LyapunovSpectrum lyapunov_spectrum(const HybridSystem& system, const Vector& p, const Vector& state,
                                    const LyapunovOptions& options = {});
+
+/// Time of a period of the motion that was averaged: the forcing period, or the mean time of its returns.
+double period_time(const HybridSystem& system, const Vector& p, const LyapunovSpectrum& average);
 
 /// Kaplan and Yorke's dimension of exponents in order: 0 if the first is negative.
 double kaplan_yorke_dimension(const std::vector<double>& exponents);

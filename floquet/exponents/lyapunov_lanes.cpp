@@ -210,7 +210,7 @@ class LaneAverage::Motions : public Average {
 
 LaneAverage::LaneAverage(const TaskSlot& lane, const HybridSystem& system, const AverageStart& start,
                          const LyapunovOptions& options) {
-  validate(system, options);
+  validate(options);
   initial_mode(system, 0.0, start.state, start.p);
   motions_ = std::make_unique<Motions>(start, lane.parameters(), options, forcing_period(system, start.p));
 }
@@ -239,7 +239,7 @@ const Vector& LaneAverage::state() const { return motions_->state(); }
 LyapunovSpectrum LaneAverage::result() && { return std::move(*motions_).result(); }
 
 LyapunovSpectrum lane_spectrum(const HybridSystem& system, const AverageStart& start, const LyapunovOptions& options) {
-  validate(system, options);
+  validate(options);
   initial_mode(system, 0.0, start.state, start.p);
   LaneCarrier many(system, options.flow);
   if (options.all_threads) many.use_all_threads();

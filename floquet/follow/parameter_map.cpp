@@ -59,7 +59,6 @@ void check_map(const HybridSystem& system, const Vector& p, const ParameterGrid&
       corner[static_cast<Eigen::Index>(column)] = x;
       corner[static_cast<Eigen::Index>(row)] = y;
       check_parameters(system.parameters, corner);
-      forcing_period(system, corner);
     }
   if (layers.empty()) throw std::invalid_argument("the map has no start; at least one is needed");
   for (const auto& [name, value, least] : {std::tuple{"settle", options.settle, 0},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/attractor/attractor_in_lanes.hpp>
 #include <graze/floquet/follow/sweep_chain.hpp>
+#include <graze/floquet/orbit/returns.hpp>
 #include <graze/floquet/orbit/stroboscopic_states.hpp>
 #include <graze/lib/motion/rest.hpp>
 #include <graze/lib/tasks/task_pool.hpp>
@@ -90,6 +91,15 @@ MotionTask<std::optional<Vector>> SweepChain::carry_on(TaskSlot& lane, const Vec
   co_return states.back();
 }
 
+/// The state from which the next row begins: at a forcing phase it is `state`; a return lies on a guard, which may not be
+/// where it was at the next value.
+Vector SweepChain::off_guards(const Vector& p, const Vector& state) const {
+  if (is_forced(system_)) return state;
+  Propagator propagator(system_, p, {}, options_.attractor.lyapunov.flow);
+  const std::optional<Midway> between = midway(propagator, state);
+  return between ? between->state : state;
+}
+
 /// What the row before has left; a mass that rests there on its stop goes with it where it comes nearer.
 Vector SweepChain::with_its_stop(const Begin& begin, const Vector& p) const {
   if (mode_at(system_, 0.0, begin.state, p)) return begin.state;
@@ -112,7 +122,7 @@ MotionTask<SweepRow> SweepChain::find(TaskSlot& lane, Begin begin, AttractorOpti
     const int early = std::min(handed_on_early, finding.transient);
     // One that cannot be carried so far may have come to rest on its stop before: it is not handed on until that is known.
     if (std::optional<Vector> end = co_await carry_on(lane, p, begin.state, early)) {
-      out.end = std::move(*end);
+      out.end = off_guards(p, *end);
       finding.transient -= early;
       hand_on(out.end);
       lane.hurry(false);
@@ -121,7 +131,7 @@ MotionTask<SweepRow> SweepChain::find(TaskSlot& lane, Begin begin, AttractorOpti
   const Vector from = out.end;
   out.attractor = co_await approach_attractor_in_lanes(lane, system_, p, from, finding);
   if (begin.settled && out.attractor.type != AttractorType::periodic && out.attractor.termination == Termination::time) {
-    out.end = out.attractor.state;
+    out.end = off_guards(p, out.attractor.state);
     hand_on(out.end);
   }
   lane.hurry(false);
@@ -150,19 +160,18 @@ MotionTask<> SweepChain::sample(TaskSlot& lane, const Vector& p, SweepRow& row) 
     row.impact_speeds = speeds.list();
   }
   if (!periodic) co_return;
-  row.end = row.attractor.state;
+  row.end = off_guards(p, row.attractor.state);
   row.states = row.attractor.orbit->states;
   row.attractor.orbit.reset();
 }
 
 void SweepChain::sample_alone(const Vector& p, std::size_t periods, SweepRow& row) const {
   Propagator propagator(system_, p, {}, options_.attractor.lyapunov.flow);
-  const double T = forcing_period(system_, p);
   Transition transition;
   Vector x = row.attractor.state;
   for (std::size_t k = 0; k < periods; ++k) {
     row.states.push_back(x);
-    carry(propagator, 0.0, T, x, {.sensitivity = Sensitivity::none, .keep_events = true}, transition);
+    carry_period(propagator, x, {.sensitivity = Sensitivity::none, .keep_events = true}, transition);
     if (transition.termination != Termination::time) break;
     add_speeds(transition.events, row.impact_speeds);
     x = transition.x1;

@@ -69,6 +69,7 @@ class SweepChain {
                             std::function<void(const Vector& state)> hand_on) const;
 
  private:
+  Vector off_guards(const Vector& p, const Vector& state) const;
   Vector with_its_stop(const Begin& begin, const Vector& p) const;
   MotionTask<std::optional<Vector>> carry_on(TaskSlot& lane, const Vector& p, const Vector& state, int periods) const;
   MotionTask<> sample(TaskSlot& lane, const Vector& p, SweepRow& row) const;

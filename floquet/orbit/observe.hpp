@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Motions that are watched: carried one by one, or in lanes some forcing periods at a time, in a pool or all together, each until
-// its watch is closed. A Watch has open(), state() (at forcing phase 0) and see(termination, state), which is told of every
-// period while it is open; one that is carried side by side has quiet_periods(), too, how many periods it need not be told of
-// next if they do not end in one of the ellipses that the LaneCarrier knows, and leave_out(periods): so many were.
+// its watch is closed; an autonomous motion from return to return. A Watch has open(), state() (at forcing phase 0) and
+// see(termination, state), which is told of every period while it is open; one that is carried side by side has quiet_periods(),
+// too, how many periods it need not be told of next if they do not end in one of the ellipses that the LaneCarrier knows, and
+// leave_out(periods): so many were.
 #pragma once
 
 #include <graze/lib/tasks/task_pool.hpp>
@@ -15,13 +16,12 @@ namespace graze {
 
 /// Period by period; `cancelled` is asked before each. Ends when the watch is closed (true) or `cancelled` says so (false).
 template <class Watch, class Cancelled> bool carry_watched(Propagator& propagator, Watch& watch, const Cancelled& cancelled) {
-  const double T = forcing_period(propagator.system(), propagator.parameters());
   Transition transition;
   Vector state;
   while (watch.open()) {
     if (cancelled()) return false;
     state = watch.state();
-    carry(propagator, 0.0, T, state, {.sensitivity = Sensitivity::none}, transition);
+    carry_period(propagator, state, {.sensitivity = Sensitivity::none}, transition);
     watch.see(transition.termination, transition.x1);
   }
   return true;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The states of a motion at forcing phase 0, one forcing period after the other.
+// The states of a motion at forcing phase 0, one forcing period after the other; of an autonomous system at its returns.
 #pragma once
 
 #include <graze/lib/motion/transition.hpp>
@@ -10,11 +10,10 @@ namespace graze {
 
 /// `count` of them from `start` on, or fewer where the motion cannot be carried on.
 inline std::vector<Vector> stroboscopic_states(Propagator& propagator, const Vector& start, std::size_t count) {
-  const double T = forcing_period(propagator.system(), propagator.parameters());
   Transition transition;
   std::vector<Vector> states{start};
   while (states.size() < count) {
-    carry(propagator, 0.0, T, states.back(), {.sensitivity = Sensitivity::none}, transition);
+    carry_period(propagator, states.back(), {.sensitivity = Sensitivity::none}, transition);
     if (transition.termination != Termination::time) break;
     states.push_back(transition.x1);
   }
