@@ -53,6 +53,7 @@ struct Options {
 std::vector<PeriodicOrbit> impactless(const Problem& problem, const std::string& name, double from, double to) {
   constexpr int values = 9;
   std::vector<PeriodicOrbit> list;
+  if (!is_forced(problem.system)) return list;  // without impacts it is at rest
   for (int i = 0; i < values; ++i) {
     Problem at = problem;
     set_parameter(at, name, from + i * (to - from) / (values - 1));
@@ -83,6 +84,7 @@ SkeletonOptions skeleton_options(const Options& options, const Problem& problem,
                          branch.parameter, rounded(branch.points.back().value, 7));
     });
   };
+  if (!is_forced(problem.system)) out.start = start_state(problem, options.start);
   out.search.seed = static_cast<unsigned>(options.seed);
   out.more_seeds = impactless(problem, options.parameter, *options.from, *options.to);
   out.progress = [&progress](const std::string& what, double part) { progress.update(part, [&] { return what; }); };
@@ -296,7 +298,6 @@ int run(const Options& given, const Console& console) {
   earlier.result = folder.earlier();
   const Problem problem = open_problem(options.start, console);
   options.parameter = parameter_name(problem, options.parameter);
-  forcing_period(problem.system, problem.parameters);  // an autonomous system is refused now
   check_options(options, problem);
   if (!options.resume.empty()) check_earlier(earlier, options, problem);
   Json described = options_json(problem, options.start);

@@ -150,8 +150,8 @@ Located locate_near(const Problem& problem, const Options& options, double reach
       const FoundOrbits found = find_orbits(place, options.orbit, is_first ? console : silent);
       if (is_first) out.first = found;
       if (hunt.follow(found)) return true;
-      if (found.origin != "settled") return false;
-    } catch (const std::invalid_argument&) {  // the start lies inside the barrier there
+      if (found.origin != "settled" || !is_forced(problem.system)) return false;  // of other systems there is no search
+    } catch (const std::invalid_argument&) {                                      // the start lies inside the barrier there
       if (is_first) throw;
     }
     if (is_first)

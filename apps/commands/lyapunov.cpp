@@ -42,8 +42,8 @@ AttractorOptions attractor_options(const Options& options, const Problem& proble
   out.lyapunov.all_threads = true;
   out.lyapunov.flow.kind = options.flow.kind();
   out.lyapunov.cancelled = interrupted;
-  out.lyapunov.progress = [&progress, most = options.periods](std::int64_t periods) {
-    progress.update(static_cast<double>(periods) / most, [&] { return fmt::format("{} forcing periods", periods); });
+  out.lyapunov.progress = [&progress, &problem, most = options.periods](std::int64_t periods) {
+    progress.update(static_cast<double>(periods) / most, [&] { return fmt::format("{} {}", periods, periods_name(problem)); });
   };
   return out;
 }
@@ -78,7 +78,7 @@ int run(const Options& options, const Console& console) {
     // An average of as many periods as the time has allowed is a result, as one of --periods is.
     const bool averaged = is_out_of_time() && !attractor.exponents.empty();
     status = averaged ? Status::done : Status::interrupted;
-    message = fmt::format("{} after {} forcing periods of averaging", interruption(), attractor.time_average.periods);
+    message = fmt::format("{} after {} {} of averaging", interruption(), attractor.time_average.periods, periods_name(problem));
     if (averaged) console.note(message);
   } else if (attractor.termination != Termination::time || attractor.time_average.stop == LyapunovStop::failed) {
     status = Status::failed;
@@ -89,8 +89,9 @@ int run(const Options& options, const Console& console) {
   } else if (attractor.type != AttractorType::periodic && attractor.time_average.stop == LyapunovStop::budget &&
              options.standard_error != 0.0) {
     // Not a failure, and no other exit code: an average and its error of so many periods are a result. But it says so.
-    message = fmt::format("the budget of {} forcing periods is used up before {}; --periods gives more", options.periods,
-                          options.change ? "the exponents have settled to --change" : "every standard error is below its bound");
+    message =
+        fmt::format("the budget of {} {} is used up before {}; --periods gives more", options.periods, periods_name(problem),
+                    options.change ? "the exponents have settled to --change" : "every standard error is below its bound");
     console.note(message);
   }
   set_status(result.json, status, message);
@@ -123,7 +124,8 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   auto options = std::make_shared<Options>();
   add_start_options(app, options->start);
   begin_group(app, "Average");
-  add_count(app, "--periods", options->periods, 1, "most forcing periods of the average (default 200000)");
+  add_count(app, "--periods", options->periods, 1,
+            "most forcing periods (returns without forcing) of the average (default 200000)");
   add_number(app, "--standard-error", options->standard_error, "stop where every standard error is below this (default 3e-4)");
   add_count(app, "--interval", options->interval, 1, "forcing periods between two orthonormalisations (default 1)");
   add_number(app, "--change", options->change,

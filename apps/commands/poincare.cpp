@@ -12,7 +12,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
+#include <stdexcept>
 
 namespace graze::apps {
 
@@ -22,15 +24,37 @@ constexpr int most_points = 5000000;  // a result is held in memory before it is
 
 struct Options {
   StartOptions start;
-  std::string section = "stroboscopic";
+  std::string section;
   int points = 1000;
   OutputOptions output;
 };
 
-Section collect(const Problem& problem, const Vector& start, const Options& options, const Console& console) {
+/// The section that was asked for; of an autonomous system an event by its name makes itself the return.
+void take_section(const Options& options, Problem& problem, SectionOptions& collecting) {
+  const bool forced = is_forced(problem.system);
+  if (options.section == "impact") {
+    collecting.kind = SectionKind::impact;
+    return;
+  }
+  if (options.section == (forced ? "stroboscopic" : "returns") || options.section.empty()) {
+    collecting.kind = forced ? SectionKind::stroboscopic : SectionKind::returns;
+    return;
+  }
+  std::vector<std::string> names = {forced ? "stroboscopic" : "returns", "impact"};
+  collecting.kind = SectionKind::returns;
+  problem.system.returns.clear();
+  for (std::size_t i = 0; i < problem.system.events.size() && !forced; ++i) {
+    const std::string& name = problem.system.events[i].name;
+    if (name == options.section) problem.system.returns.push_back(i);
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
+  if (problem.system.returns.empty())
+    throw std::invalid_argument(fmt::format("--section {}: must be one of {}", options.section, fmt::join(names, ", ")));
+}
+
+Section collect(const Problem& problem, const Vector& start, SectionOptions collecting, const Options& options,
+                const Console& console) {
   Progress progress(console.err, console.quiet, "collecting");
-  SectionOptions collecting;
-  collecting.kind = options.section == "impact" ? SectionKind::impact : SectionKind::stroboscopic;
   collecting.points = options.points;
   collecting.cancelled = interrupted;
   collecting.progress = [&](std::size_t points) {
@@ -42,9 +66,12 @@ Section collect(const Problem& problem, const Vector& start, const Options& opti
 
 int run(const Options& options, const Console& console) {
   const OutputFolder folder(options.output, "poincare", options.start.file);
-  const Problem problem = open_problem(options.start, console);
+  Problem problem = open_problem(options.start, console);
+  SectionOptions collecting;
+  take_section(options, problem, collecting);
+  const std::string name = options.section.empty() ? section_name(collecting.kind) : options.section;
   Json asked = options_json(problem, options.start);
-  asked["section"] = options.section;
+  asked["section"] = name;
   asked["points"] = options.points;
   Result result;
   result.json = result_head("poincare/1", "poincare", problem, asked);
@@ -52,7 +79,7 @@ int run(const Options& options, const Console& console) {
   const Settled settled = settle_down(problem, options.start, console);
   Section section;
   section.termination = settled.termination;
-  if (settled.termination == Termination::time) section = collect(problem, settled.state, options, console);
+  if (settled.termination == Termination::time) section = collect(problem, settled.state, collecting, options, console);
 
   Status status = Status::done;
   std::string message;
@@ -61,16 +88,15 @@ int run(const Options& options, const Console& console) {
     message = fmt::format("stopped after {}: {}", counted(section.points.size(), "point"), termination_text(section.termination));
   } else if (section.points.size() < static_cast<std::size_t>(options.points)) {
     status = Status::failed;
-    message = fmt::format("stopped after {}: no impact in the last {} forcing periods", counted(section.points.size(), "point"),
-                          patience);
+    message = fmt::format("stopped after {}: no impact in the last {} {}", counted(section.points.size(), "point"), patience,
+                          periods_name(problem));
   }
   set_status(result.json, status, message);
   result.json.update(section_json(problem, section));
   result.table.columns = result.json["columns"].get<std::vector<std::string>>();
   for (const Vector& point : section.points) result.table.rows.push_back(exact_cells(point));
-  result.text =
-      fmt::format("{}\n{} of the {} section in {}\n{}", describe(problem), counted(section.points.size(), "point"),
-                  options.section, counted(static_cast<std::size_t>(section.periods), "forcing period"), aligned(result.table));
+  result.text = fmt::format("{}\n{} of the {} section in {}\n{}", describe(problem), counted(section.points.size(), "point"),
+                            name, counted_periods(problem, section.periods), aligned(result.table));
   if (status != Status::done) console.err << "graze poincare: " << message << "\n";
   return deliver(result, options.output, "poincare", exit_code(status), console);
 }
@@ -79,8 +105,9 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   auto options = std::make_shared<Options>();
   add_start_options(app, options->start);
   begin_group(app, "Section");
-  add_choice(app, "--section", options->section, {"stroboscopic", "impact"},
-             "states at forcing phase 0, or phase and speed of each impact (default stroboscopic)");
+  add_text(app, "--section", options->section, "NAME",
+           "stroboscopic: states at forcing phase 0 (default); impact: phase and speed of each impact; without forcing returns "
+           "(default), impact, or an event of the file: states right behind it");
   add_count(app, "--points", options->points, 1, "number of points, after the transient (default 1000)", most_points);
   add_output_options(app, options->output, "poincare/1");
   return [options](const Console& console) { return run(*options, console); };

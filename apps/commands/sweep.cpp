@@ -51,7 +51,6 @@ int run(const Options& given, const Console& console) {
   const OutputFolder folder(options.output, "sweep", options.start.file, options.resume);
   const Problem problem = open_problem(options.start, console);
   options.parameter = parameter_name(problem, options.parameter);
-  forcing_period(problem.system, problem.parameters);  // an autonomous system is refused now
   if (!(*options.from < *options.to))
     throw std::invalid_argument(fmt::format("--from {} and --to {}: a sweep needs from < to; --direction down goes the other way",
                                             exact(*options.from), exact(*options.to)));

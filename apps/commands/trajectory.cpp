@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <optional>
 #include <stdexcept>
 
 namespace graze::apps {
@@ -26,11 +27,13 @@ constexpr double most_samples = 2e6;  // in all; a result is held in memory befo
 struct Options {
   StartOptions start;
   int periods = 10, samples = 100;
+  std::optional<double> duration;
   OutputOptions output;
 };
 
-std::string motion_text(const Motion& motion, const ContactList& list) {
-  std::string text = counted(static_cast<std::size_t>(motion.periods), "forcing period");
+std::string motion_text(const Problem& problem, const Motion& motion, const ContactList& list, bool by_duration) {
+  std::string text = by_duration ? counted(static_cast<std::size_t>(motion.periods), "stretch of time")
+                                 : counted_periods(problem, motion.periods);
   if (!motion.samples.empty()) text += ", " + counted(motion.samples.size(), "sample");
   text += fmt::format(", {}; {}\n", counted(list.contacts.size(), "contact"), termination_text(motion.termination));
   text += fmt::format("  state at the end {}\n", rounded_state(motion.strobe.back(), 15));
@@ -42,15 +45,23 @@ std::string motion_text(const Motion& motion, const ContactList& list) {
   return text;
 }
 
-int run(const Options& options, const Console& console) {
+int run(const Options& given, const Console& console) {
+  Options options = given;
   const OutputFolder folder(options.output, "trajectory", options.start.file);
   if (static_cast<double>(options.periods) * options.samples > most_samples)
     throw std::invalid_argument(fmt::format("--periods {} times --samples {} is more than {} samples; ask for fewer of either",
                                             options.periods, options.samples, static_cast<int>(most_samples)));
   const Problem problem = open_problem(options.start, console);
+  if (options.duration && is_forced(problem.system))
+    throw std::invalid_argument("--duration is for systems without forcing; give the length of the run by --periods");
+  if (options.duration && !(*options.duration > 0.0))
+    throw std::invalid_argument(fmt::format("--duration is {}; allowed is > 0", exact(*options.duration)));
+  // What need not return has no transient of so many returns: it is recorded from its start on.
+  if (options.duration && !options.start.settle) options.start.settle = 0;
   Json asked = options_json(problem, options.start);
   asked["periods"] = options.periods;
   asked["samples"] = options.samples;
+  if (options.duration) asked["duration"] = *options.duration;
   Result result;
   result.json = result_head("trajectory/1", "trajectory", problem, asked);
   folder.check_free_for(result.json);
@@ -61,6 +72,7 @@ int run(const Options& options, const Console& console) {
     motion = run_motion(problem.system, problem.parameters, settled.state,
                         {.periods = options.periods,
                          .samples = writes_files(options.output) ? options.samples : 0,
+                         .stretch = options.duration.value_or(0.0) / options.periods,
                          .cancelled = interrupted,
                          .progress = [&](int done) {
                            progress.update(static_cast<double>(done) / options.periods,
@@ -83,7 +95,7 @@ int run(const Options& options, const Console& console) {
   result.json.update(motion_json(problem, motion, list));
   result.table.columns = motion_columns(problem);
   for (const Vector& row : motion.samples) result.table.rows.push_back(exact_cells(row));
-  result.text = describe(problem) + "\n" + motion_text(motion, list);
+  result.text = describe(problem) + "\n" + motion_text(problem, motion, list, options.duration.has_value());
   if (status != Status::done) console.err << "graze trajectory: " << message << "\n";
   return deliver(result, options.output, "trajectory", exit_code(status), console);
 }
@@ -92,8 +104,11 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   auto options = std::make_shared<Options>();
   add_start_options(app, options->start);
   begin_group(app, "Run");
-  add_count(app, "--periods", options->periods, 1, "forcing periods that are recorded, after the transient (default 10)");
-  add_count(app, "--samples", options->samples, 1, "samples per forcing period (default 100)");
+  add_count(app, "--periods", options->periods, 1,
+            "forcing periods (returns without forcing) that are recorded, after the transient (default 10)");
+  add_count(app, "--samples", options->samples, 1, "samples per forcing period or return (default 100)");
+  add_number(app, "--duration", options->duration,
+             "without forcing: record so much time in place of returns, cut into --periods parts, by default from the start on");
   add_output_options(app, options->output, "trajectory/1");
   return [options](const Console& console) { return run(*options, console); };
 }

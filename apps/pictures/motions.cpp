@@ -43,7 +43,8 @@ void insert_events(Sampled& motion, const Json& events) {
 Sampled sampled_orbit(const Problem& problem, const Json& orbit, const std::string& name) {
   const int period = orbit.at("period");
   const Vector state = vector_from(orbit.at("state"));
-  const Motion motion = run_motion(problem.system, problem.parameters, state, {.periods = period, .samples = samples_per_period});
+  const Motion motion = run_motion(problem.system, problem.parameters, state,
+                                   {.periods = period, .samples = samples_per_period, .stretch = orbit.value("duration", 0.0)});
   Sampled out;
   for (const Vector& row : motion.samples) out.rows.push_back({row[0], row[1], row[2]});
   insert_events(out, events_json(motion.events, contacts_of_run(motion.events)));
@@ -75,13 +76,18 @@ void sample_more_finely(Sampled& motion, const Json& result) {
   const std::size_t finer = std::min(most_samples_per_period, most_samples / std::max<std::size_t>(periods, 1));
   if (periods == 0 || finer == 0 || motion.rows.size() > finer * periods) return;
   const Problem problem = problem_of(result);
-  const double T = forcing_period(problem.system, problem.parameters);
+  const double T = is_forced(problem.system) ? forcing_period(problem.system, problem.parameters) : 0.0;
+  // Of an autonomous system, to which no returns but a duration may belong.
+  const double stretch = result.at("options").value("duration", 0.0) / static_cast<double>(periods);
+  double begin = 0.0;
   std::vector<std::array<double, 3>> rows;
   for (std::size_t k = 0; k < periods; ++k) {
     const Motion again = run_motion(problem.system, problem.parameters, vector_from(result.at("stroboscopic").at(k)),
-                                    {.periods = 1, .samples = static_cast<int>(finer)});
+                                    {.periods = 1, .samples = static_cast<int>(finer), .stretch = stretch});
+    if (T > 0.0) begin = T * static_cast<double>(k);
     for (std::size_t i = 0; i < finer && i < again.samples.size(); ++i)
-      rows.push_back({T * static_cast<double>(k) + again.samples[i][0], again.samples[i][1], again.samples[i][2]});
+      rows.push_back({begin + again.samples[i][0], again.samples[i][1], again.samples[i][2]});
+    begin += again.duration;
   }
   if (rows.empty()) return;
   // The end, and what there is of a period in which the motion ended.

@@ -163,17 +163,10 @@ Vector state_of(const Problem& problem, const StateText& given, const std::strin
   return state;
 }
 
-std::vector<std::size_t> counted_events(const Problem& problem) {
-  std::vector<std::size_t> counted, contacts, sticking, all;
-  for (std::size_t i = 0; i < problem.system.events.size(); ++i) {
-    if (problem.written && problem.written->events[i].count > 0) counted.push_back(i);
-    if (begins_contact(problem.system.events[i].kind)) contacts.push_back(i);
-    if (problem.system.events[i].kind == EventKind::stick) sticking.push_back(i);
-    all.push_back(i);
-  }
-  for (const std::vector<std::size_t>* list : {&counted, &contacts, &sticking})
-    if (!list->empty()) return *list;
-  return all;
+std::string_view periods_name(const Problem& problem) { return is_forced(problem.system) ? "forcing periods" : "returns"; }
+
+std::string counted_periods(const Problem& problem, std::int64_t count) {
+  return counted(static_cast<std::size_t>(count), is_forced(problem.system) ? "forcing period" : "return");
 }
 
 std::vector<std::string> state_columns(const Problem& problem) { return state_names(problem.system); }

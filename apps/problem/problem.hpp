@@ -93,13 +93,14 @@ Vector start_state(const Problem& problem, const std::optional<Vector>& given);
 /// messages call it. @throws std::invalid_argument for a wrong number of values or an unknown name.
 Vector state_of(const Problem& problem, const StateText& given, const std::string& option = "--start");
 
-/// Events that are the returns of an autonomous system: those with a count, else those that begin a contact, else
-/// those that begin to stick, else all.
-std::vector<std::size_t> counted_events(const Problem& problem);
-
 /// Names of the states as columns of a table ("x", "v"), and as people read them ("x", "x'" for the built-in oscillators).
 std::vector<std::string> state_columns(const Problem& problem);
 std::vector<std::string> state_headings(const Problem& problem);
+
+/// "1 forcing period", "2 returns": what a motion's periods are.
+std::string counted_periods(const Problem& problem, std::int64_t count);
+/// The same without the number, for many.
+std::string_view periods_name(const Problem& problem);
 
 /// "x = 1.5   x' = 0.2".
 std::string state_text(const Problem& problem, const Vector& state, int digits);

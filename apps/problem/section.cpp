@@ -13,29 +13,42 @@ constexpr int stretch = 50;  // forcing periods that are run at a time
 
 }  // namespace
 
-const char* section_name(SectionKind kind) { return kind == SectionKind::impact ? "impact" : "stroboscopic"; }
+const char* section_name(SectionKind kind) {
+  return kind == SectionKind::impact ? "impact" : kind == SectionKind::returns ? "returns" : "stroboscopic";
+}
 
 Section collect_section(const Problem& problem, const Vector& start, const SectionOptions& options) {
   Section section;
   section.kind = options.kind;
   const auto wanted = static_cast<std::size_t>(options.points);
+  const bool forced = is_forced(problem.system);
   const auto frequency = problem.system.forcing_frequency;
   const double eta = frequency ? problem.parameters[static_cast<Eigen::Index>(*frequency)]
-                               : 2.0 * std::numbers::pi / forcing_period(problem.system, problem.parameters);
+                     : forced  ? 2.0 * std::numbers::pi / forcing_period(problem.system, problem.parameters)
+                               : 0.0;
   const bool impacts = options.kind == SectionKind::impact;
   Vector state = start;
   int idle = 0;
+  double last_impact = 0.0;  // of an autonomous motion, since the start of the stretch
+  bool has_struck = false;
+  bool on_section = forced;  // the start of an autonomous motion is not
   while (section.points.size() < wanted && idle < patience && section.termination == Termination::time) {
     const Motion motion =
         run_motion(problem.system, problem.parameters, state, {.periods = stretch, .cancelled = options.cancelled});
     const std::size_t before = section.points.size();
     // A run of n periods gives n points, the next run begins with the state at its end.
-    for (std::size_t k = 0; !impacts && k < static_cast<std::size_t>(motion.periods) && section.points.size() < wanted; ++k)
+    for (std::size_t k = on_section ? 0 : 1;
+         !impacts && k < static_cast<std::size_t>(motion.periods) && section.points.size() < wanted; ++k)
       section.points.push_back(motion.strobe[k]);
+    on_section = true;
     for (const EventRecord& event : motion.events) {
       if (!impacts || section.points.size() == wanted || !begins_contact(event.kind)) continue;
-      section.points.push_back(Vector{{std::fmod(eta * event.t, 2.0 * std::numbers::pi), event.normal_speed}});
+      const double phase = std::fmod(eta * event.t, 2.0 * std::numbers::pi), interval = event.t - last_impact;
+      if (forced || has_struck) section.points.push_back(Vector{{forced ? phase : interval, event.normal_speed}});
+      has_struck = true;
+      last_impact = event.t;
     }
+    last_impact -= motion.duration;
     section.periods += motion.periods;
     section.termination = motion.termination;
     state = motion.strobe.back();
@@ -46,7 +59,8 @@ Section collect_section(const Problem& problem, const Vector& start, const Secti
 }
 
 std::vector<std::string> section_columns(const Problem& problem, SectionKind kind) {
-  return kind == SectionKind::impact ? std::vector<std::string>{"phase", "speed"} : state_columns(problem);
+  if (kind != SectionKind::impact) return state_columns(problem);
+  return {is_forced(problem.system) ? "phase" : "interval", "speed"};
 }
 
 Json section_json(const Problem& problem, const Section& section) {

@@ -13,10 +13,11 @@ namespace graze::apps {
 
 enum class SectionKind {
   stroboscopic,  ///< states at forcing phase 0
-  impact         ///< (forcing phase, speed of approach) of each impact or entry into contact
+  impact,  ///< (forcing phase, speed of approach) of each impact or entry; without forcing (time since the one before, speed)
+  returns  ///< states right behind the returns of an autonomous system
 };
 
-/// "stroboscopic", "impact".
+/// "stroboscopic", "impact", "returns".
 const char* section_name(SectionKind kind);
 
 /// Forcing periods without any impact after which an impact section is given up.

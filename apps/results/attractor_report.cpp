@@ -22,6 +22,9 @@ Json number_json(double value) { return std::isfinite(value) ? Json(value) : Jso
 /// Member "unbounded" of a motion that grows without bound.
 constexpr std::array growths = {std::pair{Termination::escape, "escape"}, std::pair{Termination::resonance, "resonance"}};
 
+/// Member "returns" of an autonomous motion that does not return: false.
+bool stays_away(const Attractor& attractor) { return attractor.termination == Termination::no_return; }
+
 }  // namespace
 
 std::string exponent_text(double value, int digits) {
@@ -43,15 +46,17 @@ std::vector<double> numbers_of(const Json& json) {
 }
 
 Json spectrum_json(const LyapunovSpectrum& spectrum) {
-  return {{"exponents", numbers_json(spectrum.exponents)},
-          {"standard_errors", numbers_json(spectrum.standard_errors)},
-          {"correlation_times", numbers_json(spectrum.correlation_times)},
-          {"kaplan_yorke", spectrum.kaplan_yorke},
-          {"liouville_residual", spectrum.liouville_residual < 0.0 ? Json(nullptr) : Json(spectrum.liouville_residual)},
-          {"periods", spectrum.periods},
-          {"impacts", spectrum.impacts},
-          {"converged", spectrum.converged()},
-          {"stop", lyapunov_stop_text(spectrum.stop)}};
+  Json json = {{"exponents", numbers_json(spectrum.exponents)},
+               {"standard_errors", numbers_json(spectrum.standard_errors)},
+               {"correlation_times", numbers_json(spectrum.correlation_times)},
+               {"kaplan_yorke", spectrum.kaplan_yorke},
+               {"liouville_residual", spectrum.liouville_residual < 0.0 ? Json(nullptr) : Json(spectrum.liouville_residual)},
+               {"periods", spectrum.periods},
+               {"impacts", spectrum.impacts},
+               {"converged", spectrum.converged()},
+               {"stop", lyapunov_stop_text(spectrum.stop)}};
+  if (spectrum.duration > 0.0) json["duration"] = spectrum.duration;
+  return json;
 }
 
 void write_attractor(const Attractor& attractor, JsonText& json) {
@@ -64,6 +69,7 @@ void write_attractor(const Attractor& attractor, JsonText& json) {
   if (!attractor.multipliers.empty()) {
     write_sticking(attractor.impacts, attractor.isolated_impacts, json);
     if (attractor.rests) json.member("rests", true);
+    if (attractor.duration > 0.0) json.member("duration", attractor.duration);
     json.member("multipliers", attractor.multipliers);
   }
   if (attractor.conservative) {
@@ -72,6 +78,7 @@ void write_attractor(const Attractor& attractor, JsonText& json) {
   }
   for (const auto& [termination, name] : growths)
     if (attractor.termination == termination) json.member("unbounded", name);
+  if (stays_away(attractor)) json.member("returns", false);
   json.end_object();
 }
 
@@ -89,8 +96,10 @@ Attractor attractor_of(const Json& json) {
   out.termination = Termination::time;
   for (const auto& [termination, name] : growths)
     if (json.value("unbounded", "") == name) out.termination = termination;
+  if (!json.value("returns", true)) out.termination = Termination::no_return;
   out.isolated_impacts = json.value("isolated_impacts", out.impacts);
   out.rests = json.value("rests", false);
+  out.duration = json.value("duration", 0.0);
   out.conservative = json.value("conservative", false);
   using enum ConservativeMotion;
   for (const ConservativeMotion motion : {neutral, island, chaotic_sea})
@@ -105,6 +114,7 @@ std::string attractor_name(const Attractor& attractor) {
   if (attractor.motion != ConservativeMotion::unknown) return std::string(conservative_motion_name(attractor.motion));
   for (const auto& [termination, name] : growths)
     if (attractor.termination == termination) return fmt::format("unbounded ({})", name);
+  if (stays_away(attractor)) return "no return";
   if (attractor.type != AttractorType::periodic) return std::string(attractor_type_name(attractor.type));
   if (attractor.rests) return "at rest";
   return z_label(attractor.impacts, attractor.isolated_impacts, attractor.period);
@@ -130,23 +140,27 @@ const char* conservative_text(ConservativeMotion motion) {
 
 std::string attractor_text(const Problem& problem, const Attractor& attractor, int max_period) {
   std::string text;
+  const bool forced = is_forced(problem.system);
   if (attractor.conservative) {
     text = fmt::format("{}: nothing dissipates here (Liouville's sum is zero), so there is no attractor; {}\n",
                        attractor_name(attractor), conservative_text(attractor.motion));
   } else if (attractor.rests) {
     text = "at rest: " + rest_text(attractor.exponents) + "\n";
   } else if (attractor.type == AttractorType::periodic) {
-    text = fmt::format("periodic, {}: exponents ln|mu| / (nT) of its multipliers\n", attractor_name(attractor));
+    text = fmt::format("periodic, {}: exponents ln|mu| / {} of its multipliers\n", attractor_name(attractor),
+                       forced ? "(nT)"
+                              : fmt::format("{}, the time of its {}", rounded(attractor.duration, 12),
+                                            counted_periods(problem, attractor.period)));
   } else if (attractor.type == AttractorType::chaotic) {
     text = fmt::format("chaotic: the first exponent is positive by {} standard errors\n",
                        rounded(attractor.exponents[0] / attractor.standard_errors[0], 3));
   } else {
-    text =
-        fmt::format("undecided: no stable orbit of up to {} forcing periods (--max-period) is reached, nor is the first exponent "
-                    "positive by several standard errors\n",
-                    max_period);
+    text = fmt::format("undecided: no stable orbit of up to {} {} (--max-period) is reached, nor is the first exponent "
+                       "positive by several standard errors\n",
+                       max_period, periods_name(problem));
   }
-  text += fmt::format("  state at forcing phase 0   {}\n\n", state_text(problem, attractor.state, 12));
+  text += fmt::format("  state {}   {}\n\n", forced ? "at forcing phase 0" : "behind a return",
+                      state_text(problem, attractor.state, 12));
   const bool periodic = attractor.type == AttractorType::periodic;
   Table table{{"exponent", "value"}, {}};
   if (!periodic) table.columns.push_back("standard error");
@@ -164,7 +178,7 @@ std::string attractor_text(const Problem& problem, const Attractor& attractor, i
   if (average.liouville_residual >= 0.0)
     text += fmt::format("  Liouville residual {} per period (bound 1e-10, {})\n", rounded(average.liouville_residual, 2),
                         average.liouville_residual < 1e-10 ? "ok" : "FAILED");
-  text += fmt::format("  averaged over {} forcing periods: {}\n", average.periods, lyapunov_stop_text(average.stop));
+  text += fmt::format("  averaged over {} {}: {}\n", average.periods, periods_name(problem), lyapunov_stop_text(average.stop));
   if (periodic && !average.exponents.empty()) {
     constexpr double too_many = 5.0;
     const double apart = std::abs(average.exponents[0] - attractor.exponents[0]) / average.standard_errors[0];

@@ -29,6 +29,15 @@ void add_nodes(const Json& point, const std::vector<Vector>& states, std::vector
   nodes = point.contains("nodes") ? vectors_from(point["nodes"]) : states;
 }
 
+/// Of n forcing periods, or what stands there of an autonomous orbit; one of its multipliers is trivial then.
+double duration_from(const Json& point, const HybridSystem& system, const Vector& p, int period,
+                     FloquetMultipliers& multipliers) {
+  if (is_forced(system)) return period * forcing_period(system, p);
+  multipliers.section = Section::autonomous;
+  multipliers.trivial = 1;
+  return point.at("duration");
+}
+
 Admissibility admissibility_from(const Json& point) {
   return point.at("admissible").get<bool>() ? Admissibility::admissible : Admissibility::inadmissible;
 }
@@ -72,13 +81,13 @@ SpecialPoint special_point_from(const Json& json, const HybridSystem& system, co
   orbit.parameters = p;
   orbit.parameters[static_cast<Eigen::Index>(parameter)] = point.value;
   orbit.period = json.at("period");
-  orbit.duration = orbit.period * forcing_period(system, orbit.parameters);
   orbit.states = states_from(json);
   orbit.state = orbit.states.front();
   add_nodes(json, orbit.states, orbit.nodes, orbit.section_phase);
   orbit.impacts = json.at("impacts");
   orbit.isolated_impacts = json.value("isolated_impacts", orbit.impacts);
   orbit.multipliers = multipliers_from(json.at("multipliers"));
+  orbit.duration = duration_from(json, system, orbit.parameters, orbit.period, orbit.multipliers);
   orbit.admissible = admissibility_from(json);
   orbit.newton.status = NewtonStatus::converged;
   if (json.contains("checks")) orbit.checks = checks_from(json["checks"]);
@@ -119,11 +128,11 @@ Branch branch_from(const Json& json, const Problem& problem, const std::string& 
     point.value = item.at("value");
     Vector p = problem.parameters;
     p[static_cast<Eigen::Index>(index)] = point.value;
-    point.duration = branch.period * forcing_period(problem.system, p);
     point.states = states_from(item);
     add_nodes(item, point.states, point.nodes, point.section_phase);
     point.arclength = item.value("arclength", static_cast<double>(branch.points.size()));
     point.multipliers = multipliers_from(item.at("multipliers"));
+    point.duration = duration_from(item, problem.system, p, branch.period, point.multipliers);
     point.impacts = item.at("impacts");
     point.isolated_impacts = item.value("isolated_impacts", point.impacts);
     point.stable = item.at("stable");

@@ -31,6 +31,7 @@ Json point_json(const BranchPoint& point) {
   add_nodes(out, point.nodes, point.section_phase);
   out["arclength"] = point.arclength;
   out["multipliers"] = multipliers_json(point.multipliers);
+  if (point.multipliers.section == Section::autonomous) out["duration"] = point.duration;
   out["impacts"] = point.impacts;
   add_sticking(out, point.impacts, point.isolated_impacts);
   out["stable"] = point.stable;
@@ -90,6 +91,7 @@ Json special_point_json(const SpecialPoint& point) {
   add_nodes(out, orbit.nodes, orbit.section_phase);
   out["multipliers"] = multipliers_json(orbit.multipliers);
   out["period"] = orbit.period;
+  if (orbit.multipliers.section == Section::autonomous) out["duration"] = orbit.duration;
   out["impacts"] = orbit.impacts;
   add_sticking(out, orbit.impacts, orbit.isolated_impacts);
   if (is_marginal(point.type)) out["marginal"] = true;

@@ -7,7 +7,9 @@
 #include <graze/apps/text/number.hpp>
 
 #include <graze/floquet/attractor/search.hpp>
+#include <graze/floquet/orbit/returns.hpp>
 #include <graze/floquet/orbit/search_box.hpp>
+#include <graze/floquet/orbit/stroboscopic_states.hpp>
 
 #include <fmt/format.h>
 
@@ -19,7 +21,7 @@ namespace graze::apps {
 
 namespace {
 
-constexpr int default_settle = 1000;  // forcing periods
+constexpr int default_settle = 1000, default_returns = 200;  // forcing periods, returns
 
 std::string shown(const Vector& state) { return rounded_state(state, 9); }
 
@@ -75,7 +77,8 @@ void add_problem_options(CLI::App& app, StartOptions& options) {
 void add_start_options(CLI::App& app, StartOptions& options) {
   add_problem_options(app, options);
   add_state(app, "--start", options.start, "initial state at forcing phase 0 (default: the file's, else at rest)");
-  add_count(app, "--settle", options.settle, 0, "forcing periods of transient (default: the file's, else 1000)");
+  add_count(app, "--settle", options.settle, 0,
+            "forcing periods of transient (default: the file's, else 1000), or returns without forcing (200)");
 }
 
 void add_orbit_options(CLI::App& app, OrbitOptions& options) {
@@ -111,7 +114,8 @@ Vector start_state(const Problem& problem, const StartOptions& options) {
 }
 
 int settle_of(const Problem& problem, const StartOptions& options) {
-  return options.settle ? *options.settle : problem.settle.value_or(default_settle);
+  if (options.settle) return *options.settle;
+  return problem.settle.value_or(is_forced(problem.system) ? default_settle : default_returns);
 }
 
 int period_of(const Problem& problem, const OrbitOptions& options) {
@@ -141,13 +145,23 @@ Settled settle_down(const Problem& problem, const StartOptions& options, const C
   settling.periods = wanted;
   settling.cancelled = [&] {
     progress.update(static_cast<double>(done) / std::max(1, wanted),
-                    [&] { return fmt::format("{} of {}", done, periods(wanted)); });
+                    [&] { return fmt::format("{} of {}", done, counted_periods(problem, wanted)); });
     ++done;
     return interrupted();
   };
   settling.flow.cancelled = interrupted;
   return settle(problem.system, problem.parameters, start_state(problem, options), settling);
 }
+
+namespace {
+
+void refuse_search(const Problem& problem, const OrbitOptions& options) {
+  if (options.search && !is_forced(problem.system))
+    throw std::invalid_argument(fmt::format(
+        "--search is for forced systems; {} is autonomous: give a state near its orbit by --start", problem.system.name));
+}
+
+}  // namespace
 
 FoundOrbits search_for_orbits(const Problem& problem, const OrbitOptions& options, const Console& console) {
   FoundOrbits found;
@@ -196,39 +210,31 @@ namespace {
 
 /// The orbit of an autonomous system that the motion settles on, closed after `period` returns.
 FoundOrbits find_autonomous(const Problem& problem, const OrbitOptions& options, const Console& console) {
-  if (options.search)
-    throw std::invalid_argument(fmt::format(
-        "--search is for forced systems; {} is autonomous: give a state near its orbit by --start", problem.system.name));
-  constexpr int default_returns = 200;
+  refuse_search(problem, options);
   const int period = period_of(problem, options);
-  SettleOptions settling;
-  settling.periods = options.start.settle ? *options.start.settle : problem.settle.value_or(default_returns);
-  settling.cancelled = interrupted;
-  settling.flow.cancelled = interrupted;
-  const Progress progress(console.err, console.quiet, "settling");
-  const SettledReturns settled = settle_on_returns(problem.system, problem.parameters, start_state(problem, options.start),
-                                                   counted_events(problem), period, settling);
+  const Settled settled = settle_down(problem, options.start, console);
   FoundOrbits found;
+  const std::string after = counted_periods(problem, settled.periods);
   if (settled.termination == Termination::interrupted) {
     found.status = Status::interrupted;
-    found.message = fmt::format("{} after {}", interruption(), counted(static_cast<std::size_t>(settled.returns), "return"));
+    found.message = fmt::format("{} after {}", interruption(), after);
     return found;
   }
-  if (settled.termination != Termination::time) {
-    found.message =
-        fmt::format("the motion does not return: after {} it ends at {} or takes too long for the next; events with a "
-                    "count are returns, or those that begin a contact",
-                    counted(static_cast<std::size_t>(settled.returns), "return"), shown(settled.state));
+  Propagator propagator(problem.system, problem.parameters, {}, {.cancelled = interrupted});
+  // The first of them brings the motion to a return, wherever it was before.
+  std::vector<Vector> states = stroboscopic_states(propagator, settled.state, static_cast<std::size_t>(period) + 1);
+  states.erase(states.begin());
+  if (settled.termination != Termination::time || states.size() < static_cast<std::size_t>(period)) {
+    found.message = fmt::format("{}: after {} it is at {}; events with a count are returns, or those that begin a contact",
+                                termination_text(Termination::no_return), after, shown(settled.state));
     return found;
   }
   ShootingOptions shooting;
   shooting.finite_differences = true;
-  PeriodicOrbit orbit =
-      shoot(problem.system, problem.parameters, std::vector<Vector>{settled.state}, 1, shooting, settled.duration);
-  constexpr double least = 1e-3;  // Newton's method has fallen onto a single state, which is an orbit of no duration
-  if (!orbit.converged() || orbit.duration < least * settled.duration) {
-    found.message = fmt::format("no orbit of {} was found from {} ({})", counted(static_cast<std::size_t>(period), "return"),
-                                shown(settled.state), newton_status_text(orbit.newton.status));
+  PeriodicOrbit orbit = shoot_returns(propagator, states, shooting);
+  if (!orbit.converged()) {
+    found.message = fmt::format("no orbit of {} was found from {} ({})", counted_periods(problem, period), shown(states.front()),
+                                newton_status_text(orbit.newton.status));
     return found;
   }
   take(found, {std::move(orbit)}, "settled");

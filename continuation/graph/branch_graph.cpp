@@ -9,6 +9,7 @@
 #include <graze/continuation/problems/labels.hpp>
 #include <graze/floquet/attractor/attractor.hpp>
 #include <graze/floquet/orbit/mirror.hpp>
+#include <graze/floquet/orbit/returns.hpp>
 
 #include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -237,7 +238,8 @@ class Graph {
     settling.lyapunov.cancelled = options_.cancelled;
     if (!mode_at(system_, 0.0, end.orbit.state, p)) return;
     const Attractor attractor = approach_attractor(system_, p, end.orbit.state, settling);
-    if (attractor.orbit && attractor.orbit->isolated_impacts < attractor.orbit->impacts) add_seed({*attractor.orbit}, generation);
+    if (!attractor.orbit || attractor.orbit->isolated_impacts >= attractor.orbit->impacts) return;
+    add_seed({is_forced(system_) ? *attractor.orbit : seen_at_nodes(*attractor.orbit)}, generation);
   }
 
   /// The partner born on the grazing at the end of this branch, or null.

@@ -2,6 +2,7 @@
 #include <graze/continuation/graph/skeleton.hpp>
 
 #include <graze/floquet/attractor/attractor.hpp>
+#include <graze/floquet/orbit/returns.hpp>
 #include <graze/lib/numerics/parallel.hpp>
 
 #include <fmt/format.h>
@@ -28,14 +29,9 @@ constexpr int shortest_transient = 40, shortest_for_box = 16, fewest_values = 61
 /// In a forcing period: orbits that have more are likely to belong to a series towards complete chatter.
 constexpr int few_impacts = 4;
 
-void check_forced(const HybridSystem& system) {
-  if (!is_forced(system)) throw std::invalid_argument("the skeleton is that of a forced system; this one is autonomous");
-}
-
 /// Events in a forcing period of motions from rest and from beside it, once their first periods are over: the most of them.
 double events_per_period(const HybridSystem& system, const Vector& p, const FlowOptions& flow) {
   constexpr int first = 20, counted = 10;
-  const double T = forcing_period(system, p);
   Propagator propagator(system, p, {}, flow);
   Transition transition;
   double most = 0.0;
@@ -44,7 +40,7 @@ double events_per_period(const HybridSystem& system, const Vector& p, const Flow
     if (!mode_at(system, 0.0, x, p)) continue;
     std::size_t events = 0;
     for (int k = 0; k < first + counted; ++k) {
-      carry(propagator, 0.0, T, x, {.sensitivity = Sensitivity::none}, transition);
+      carry_period(propagator, x, {.sensitivity = Sensitivity::none}, transition);
       if (transition.termination != Termination::time) break;
       x = transition.x1;
       if (k >= first) events += transition.event_sequence.size();
@@ -66,11 +62,12 @@ class SeedFinder {
     fineness_.spacing = (high_ - low_) / (fineness_.values - 1);
     fineness_.starts = options_.stable_search.starts;
     fineness_.max_period = longest();
-    if (options_.families.all) {
+    const bool forced = is_forced(system);  // of autonomous systems orbits are found by settling alone
+    if (options_.families.all && forced) {
       fineness_.unstable_values = options_.searched_values;
       fineness_.unstable_period = std::min(options_.searched_period, longest());
     }
-    blocks_ = divided_up(static_cast<std::size_t>(fineness_.values), block_size);
+    blocks_ = forced ? divided_up(static_cast<std::size_t>(fineness_.values), block_size) : 0;
     found_.resize(ways + blocks_ +
                   static_cast<std::size_t>(fineness_.unstable_values) * static_cast<std::size_t>(fineness_.unstable_period));
     done_.resize(found_.size());
@@ -174,7 +171,7 @@ class SeedFinder {
   /// Way 0: from rest at each value; 1: sweep up; 2: sweep down.
   std::vector<PeriodicOrbit> attractors(int way) const {
     std::vector<PeriodicOrbit> found;
-    const Vector rest = Vector::Zero(static_cast<Eigen::Index>(system_.states));
+    const Vector rest = options_.start.value_or(Vector::Zero(static_cast<Eigen::Index>(system_.states)));
     std::optional<Vector> previous;
     const int count = std::max(2, options_.settled_values);
     for (int i = 0; i < count && !cancelled(); ++i) {
@@ -190,8 +187,11 @@ class SeedFinder {
         if (!mode_at(system_, 0.0, start, p)) continue;
         const Attractor attractor = approach_attractor(system_, p, start, settling);
         if (attractor.termination != Termination::time) continue;
-        if (way != 0) previous = attractor.state;
-        if (attractor.orbit) found.push_back(*attractor.orbit);
+        // A return lies on a guard, which may be elsewhere at the next value.
+        std::optional<PeriodicOrbit> orbit;
+        if (attractor.orbit) orbit = is_forced(system_) ? *attractor.orbit : seen_at_nodes(*attractor.orbit);
+        if (way != 0) previous = orbit && !is_forced(system_) ? orbit->state : attractor.state;
+        if (orbit) found.push_back(std::move(*orbit));
         break;
       }
     }
@@ -230,14 +230,12 @@ class SeedFinder {
 }  // namespace
 
 std::vector<SkeletonSeed> skeleton_seeds(const HybridSystem& system, const Vector& p, const SkeletonOptions& options) {
-  check_forced(system);
   SeedFinder finder(system, p, options);
   finder.search_all([] {});
   return finder.seeds();
 }
 
 Skeleton skeleton(const HybridSystem& system, const Vector& p, const SkeletonOptions& options) {
-  check_forced(system);
   SeedFinder finder(system, p, options);
   finder.search_all([&] {
     if (options.keep)

@@ -22,7 +22,8 @@ struct SkeletonSeed {
 struct SkeletonOptions {
   /// from, to: the range. max_period, max_branches and threads hold for the seeds too. max_multiple: see below.
   ContinuationOptions continuation = {};
-  int settled_values = 601;  ///< values of the parameter at which attractors are looked for, ends included
+  std::optional<Vector> start = {};  ///< from which attractors are looked for; none: rest
+  int settled_values = 601;          ///< values of the parameter at which attractors are looked for, ends included
   int settle = 3200;  ///< forcing periods of transient at each, at most: one that returns close to itself is looked at before
   /// Values, ends included, at which stable orbits of every period are searched from many starts (StableSearchOptions::starts).
   int stable_values = 121;
@@ -44,8 +45,8 @@ struct SkeletonOptions {
   std::function<void(const std::function<Skeleton()>& so_far)> keep = {};
 };
 
-/// The seeds alone: admissible orbits, in a fixed order, duplicates at one value left out.
-/// @throws std::invalid_argument for an autonomous system.
+/// The seeds alone: admissible orbits, in a fixed order, duplicates at one value left out. Those of an autonomous system are the
+/// settled ones.
 std::vector<SkeletonSeed> skeleton_seeds(const HybridSystem& system, const Vector& p, const SkeletonOptions& options);
 
 /// How fine the search for seeds was.

@@ -88,12 +88,76 @@ TEST_CASE("a rimless wheel, as text: an autonomous orbit in closed form") {
   CHECK(multipliers[1] == Approx(1.0).epsilon(1e-9));
   const Json branch = result("continue", model("rimless-wheel"), {"--param", "gamma", "--to", "0.2"})["branches"][0];
   CHECK(branch["stop"]["reason"] == "reached_bound");
-  for (const char* command : {"sweep", "diagram"}) {
-    const Outcome refused =
-        call({command, model("rimless-wheel"), "--param", "gamma", "--from", "0.1", "--to", "0.2", "--step", "0.1"});
-    CHECK(refused.code == 2);
-    CHECK_THAT(refused.err, Contains("rimless-wheel is autonomous; it has no forcing period"));
+}
+
+TEST_CASE("a rimless wheel, as text: its exponents and its sweep in closed form") {
+  // One return is a step: w+ = c w-, w-^2 = w+^2 + 4 sin(gamma) sin(alpha), with c = cos(2 alpha).
+  const double alpha = pi / 8.0, c = std::cos(2.0 * alpha);
+  const auto speed_behind = [&](double gamma) { return c * std::sqrt(4.0 * std::sin(gamma) * std::sin(alpha) / (1.0 - c * c)); };
+  const Json exponents = result("lyapunov", model("rimless-wheel"), {"--periods", "2000"});
+  const Json& attractor = exponents["attractor"];
+  REQUIRE(attractor["type"] == "periodic");
+  CHECK(attractor["period"] == 1);
+  const double duration = attractor["duration"];
+  CHECK(std::abs(exponents["exponents"][0].get<double>()) < 1e-10);
+  CHECK(exponents["exponents"][1].get<double>() == Approx(std::log(c * c) / duration).epsilon(1e-9));
+  CHECK(attractor["state"][1].get<double>() == Approx(speed_behind(0.08)).epsilon(1e-11));
+  const Json& average = exponents["time_average"];
+  CHECK(average["liouville_residual"].get<double>() < 1e-10);
+  CHECK(average["exponents"][0].get<double>() + average["exponents"][1].get<double>() ==
+        Approx(std::log(c * c) / duration).epsilon(1e-6));
+  const Json swept =
+      result("sweep", model("rimless-wheel"), {"--param", "gamma", "--from", "0.08", "--to", "0.2", "--step", "0.04"});
+  REQUIRE(swept["rows"].size() == 4);
+  for (const Json& row : swept["rows"]) {
+    REQUIRE(row["attractor"]["period"] == 1);
+    CHECK(row["states"][0][1].get<double>() == Approx(speed_behind(row["value"])).epsilon(1e-10));
+    CHECK(row["exponents"][1].get<double>() ==
+          Approx(std::log(c * c) / row["attractor"]["duration"].get<double>()).epsilon(1e-9));
   }
+}
+
+TEST_CASE("autonomous systems, as text, go through every command") {
+  const TemporaryFolder folder;
+  struct Case {
+    std::string name, parameter, from, to;
+  };
+  for (const Case& one : {Case{"rimless-wheel", "gamma", "0.08", "0.12"},
+                          {"relief-valve", "q", "5.9", "6"},
+                          {"block-on-belt", "V", "0.5", "0.55"}}) {
+    const std::vector<std::vector<std::string>> commands = {
+        {"orbit"},
+        {"continue", "--param", one.parameter, "--to", one.to},
+        {"lyapunov", "--periods", "200", "--settle", "300"},
+        {"sweep", "--param", one.parameter, "--from", one.from, "--to", one.to, "--step", "0.02", "--periods", "200"},
+        {"attractors", "--random", "6"},
+        {"verify"},
+        {"trajectory", "--periods", "3"},
+        {"trajectory", "--duration", "5"},
+        {"poincare", "--points", "8"}};
+    for (const std::vector<std::string>& command : commands) {
+      INFO(one.name << " " << command.front());
+      std::vector<std::string> all = {command.front(), model(one.name)};
+      all.insert(all.end(), command.begin() + 1, command.end());
+      all.insert(all.end(), {"--quiet", "--json", folder.file("result.json"), "--plot", folder.file("result.svg")});
+      const Outcome outcome = call(all);
+      CHECK(outcome.err == "");
+      CHECK(outcome.code == 0);
+    }
+  }
+}
+
+TEST_CASE("what an autonomous system has not is said in one sentence") {
+  const std::string wheel = model("rimless-wheel");
+  CHECK_THAT(call({"orbit", wheel, "--search"}).err, Contains("--search is for forced systems; rimless-wheel is autonomous"));
+  CHECK_THAT(call({"sweep", wheel, "--from", "0.1", "--to", "0.2", "--step", "0.1"}).err, Contains("--param"));
+  CHECK_THAT(call({"poincare", wheel, "--section", "stroboscopic"}).err, Contains("must be one of returns, impact, heel strike"));
+  CHECK_THAT(call({"trajectory", model("ball-on-table"), "--duration", "3"}).err,
+             Contains("--duration is for systems without forcing"));
+  // Too slow to get over its next spoke: it rocks to rest, and its steps end.
+  const Outcome stops = call({"poincare", wheel, "--start", "theta=0,w=0.5", "--set", "gamma=0", "--quiet"});
+  CHECK(stops.code == 1);
+  CHECK_THAT(stops.err, Contains("does not return"));
 }
 
 TEST_CASE("a built-in oscillator as text gives the digits of the built-in one") {
