@@ -5,7 +5,7 @@ set(rooms
     lib/numerics lib/system lib/equations lib/models lib/flow lib/lanes lib/motion lib/tasks
     floquet/orbit floquet/exponents floquet/attractor floquet/basins floquet/follow floquet/verify
     continuation/trace continuation/problems continuation/conditions continuation/branch continuation/graph
-    apps/text apps/console apps/problem apps/results apps/map apps/drawing apps/pictures apps/output apps/published
+    apps/text apps/console apps/problem apps/quantities apps/results apps/map apps/drawing apps/pictures apps/output apps/published
     apps/commands apps/program)
 
 set(faults "")

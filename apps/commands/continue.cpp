@@ -35,6 +35,7 @@ struct Options {
   std::optional<int> max_points;
   bool both = false, all = false;
   std::vector<double> user_values;
+  std::vector<std::string> quantities;
   OutputOptions output;
 };
 
@@ -77,6 +78,7 @@ Json all_options(const Problem& problem, const Options& options) {
   if (options.max_points) json["max_points"] = *options.max_points;
   if (options.both) json["both"] = true;
   if (!options.user_values.empty()) json["user"] = options.user_values;
+  put_quantity_option(json, options.quantities);
   return json;
 }
 
@@ -88,6 +90,7 @@ int run(const Options& given, const Console& console) {
   Problem problem = open_problem(options.orbit.start, console);
   options.parameter = parameter_name(problem, options.parameter);
   check_parameter_name(problem, options.parameter);
+  const Quantities quantities = read_quantities(problem, options.quantities);
   if (options.from) set_parameter(problem, options.parameter, *options.from, "--from");
   const double start = parameter(problem, options.parameter);
   Problem at_end = problem;
@@ -129,16 +132,19 @@ int run(const Options& given, const Console& console) {
   result.json["branches"] = Json::array();
   result.text = describe(problem, options.parameter) + "\n";
   const SamePoints same = same_points(branches);
-  for (const Branch& branch : branches) {
-    result.json["branches"].push_back(branch_json(branch));
-    result.text.append("\n").append(
-        branch_text(problem, branch, options.all ? std::numeric_limits<std::size_t>::max() : rows_shown, same));
+  const std::vector<BranchQuantities> measured = measure(quantities, problem.system, branches, console.thread_count());
+  for (std::size_t b = 0; b < branches.size(); ++b) {
+    result.json["branches"].push_back(branch_json(branches[b]));
+    result.text.append("\n").append(branch_text(problem, branches[b],
+                                                options.all ? std::numeric_limits<std::size_t>::max() : rows_shown, same,
+                                                measured.empty() ? BranchQuantities{} : measured[b]));
   }
+  put_quantities(result.json["branches"], measured);
   put_same_points(result.json["branches"], branches);
   const std::vector<Cascade> doublings = cascades(branches);
   result.json["cascades"] = cascades_json(doublings);
   result.text += cascades_text(doublings, options.parameter);
-  result.table = branches_table(problem, branches);
+  result.table = branches_table(problem, branches, measured);
   if (status != Status::done) console.err << "graze continue: " << message << "\n";
   return deliver(result, options.output, "continue", exit_code(status), console);
 }
@@ -158,6 +164,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_number(app, "--max-step", options->max_step, "largest step of arclength");
   add_count(app, "--max-points", options->max_points, 2, "most points of a branch");
   add_flag(app, "--all", options->all, "show every point in the table");
+  add_quantity_option(app, options->quantities);
   add_output_options(app, options->output, "branch/1");
   return [options](const Console& console) { return run(*options, console); };
 }

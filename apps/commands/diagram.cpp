@@ -46,6 +46,7 @@ struct Options {
   std::optional<double> max_step;
   SweepingOptions sweeping;
   std::string resume;
+  std::vector<std::string> quantities;
   OutputOptions output;
 };
 
@@ -172,8 +173,8 @@ void put_parts(Json& json, const Options& options, const Earlier& earlier, Statu
 /// The skeleton: what the earlier run has, if that was complete, else computed, from the seeds that it has. The branches are
 /// followed anew: their numbers, and whatever two of them decide together, depend on the order in which they come. Adds it to the
 /// result.
-Status add_skeleton(Result& result, Earlier& earlier, const Options& options, const Problem& problem, const Console& console,
-                    const KeepPart& keep_part) {
+Status add_skeleton(Result& result, Earlier& earlier, const Options& options, const Problem& problem,
+                    const Quantities& quantities, const Console& console, const KeepPart& keep_part) {
   Status status = Status::done;
   if (earlier.skeleton_done) {
     for (const char* key : skeleton_keys) result.json[key] = earlier.result.at(key);
@@ -204,7 +205,9 @@ Status add_skeleton(Result& result, Earlier& earlier, const Options& options, co
     if (found.graph.interrupted) status = Status::interrupted;
   }
   if (earlier.branches.empty() && status == Status::done) status = Status::failed;
-  result.table = branches_table(problem, earlier.branches);
+  const std::vector<BranchQuantities> measured = measure(quantities, problem.system, earlier.branches, console.thread_count());
+  put_quantities(result.json["branches"], measured);
+  result.table = branches_table(problem, earlier.branches, measured);
   result.text +=
       skeleton_text(result.json["search"], result.json["seeds"].size(), earlier.branches, earlier.cut_off, options.parameter);
   return status;
@@ -233,7 +236,7 @@ std::string off_branches_text(const OffBranches& off, const std::vector<SweepRow
 
 /// The sweeps up and down over the range. Adds them to the result.
 Swept add_sweeps(Result& result, const Earlier& earlier, const SweepRange& range, const Options& options, const Problem& problem,
-                 const Console& console, const KeepPart& keep_part) {
+                 const Quantities& quantities, const Console& console, const KeepPart& keep_part) {
   const auto keep_rows = [&](const Swept& part) {
     Json json = result.json;
     json["parts"]["sweeps"] = status_name(part.status);
@@ -243,9 +246,10 @@ Swept add_sweeps(Result& result, const Earlier& earlier, const SweepRange& range
   Swept swept = carry_out_sweeps(problem, options.start, range, options.sweeping, console, earlier.rows,
                                  {keeping_stints(options.output), keep_rows});
   const std::vector<ChaoticWindow> windows = chaotic_windows(swept.rows);
-  result.json["rows"] = rows_json(swept.rows);
+  const RowQuantities measured = measure(quantities, problem, options.parameter, swept.rows, console.thread_count());
+  result.json["rows"] = rows_json(swept.rows, measured);
   result.json["chaotic_windows"] = chaotic_windows_json(windows);
-  result.text += "\n" + aligned(sweep_overview(swept.rows, options.parameter)) + "\n";
+  result.text += "\n" + aligned(sweep_overview(swept.rows, options.parameter, measured)) + "\n";
   result.text += windows.empty() ? "no chaos on the way\n"
                                  : "chaotic windows:\n" + aligned(chaotic_windows_table(windows, options.parameter));
   if (swept.status == Status::interrupted) return swept;
@@ -299,11 +303,13 @@ int run(const Options& given, const Console& console) {
   const Problem problem = open_problem(options.start, console);
   options.parameter = parameter_name(problem, options.parameter);
   check_options(options, problem);
+  const Quantities quantities = read_quantities(problem, options.quantities);
   if (!options.resume.empty()) check_earlier(earlier, options, problem);
   Json described = options_json(problem, options.start);
   described.update({{"param", options.parameter}, {"from", *options.from}, {"to", *options.to}, {"skeleton", options.skeleton}});
   described.update(skeleton_json(options));
   if (!options.skeleton) described.update(sweeping_json(options.sweeping));
+  put_quantity_option(described, options.quantities);
   const auto complete = [&](Json found, Status status, const std::string& message) {
     Json json = result_head(options.skeleton ? "branch/1" : "diagram/1", "diagram", problem, described);
     json["parameter"] = options.parameter;
@@ -317,7 +323,7 @@ int run(const Options& given, const Console& console) {
   };
   Result result;
   result.text = describe(problem, options.parameter) + "\n\n";
-  Status status = add_skeleton(result, earlier, options, problem, console, keep_part);
+  Status status = add_skeleton(result, earlier, options, problem, quantities, console, keep_part);
   put_parts(result.json, options, earlier, status);
   std::string message;
   if (status == Status::interrupted) message = where_interrupted(result.json, earlier.branches.size());
@@ -325,7 +331,7 @@ int run(const Options& given, const Console& console) {
     message = fmt::format("no periodic orbit was found for {} in [{}, {}]", options.parameter, exact(*options.from),
                           exact(*options.to));
   if (!options.skeleton && status != Status::interrupted) {
-    const Swept swept = add_sweeps(result, earlier, range_of(options), options, problem, console, keep_part);
+    const Swept swept = add_sweeps(result, earlier, range_of(options), options, problem, quantities, console, keep_part);
     result.json["parts"]["sweeps"] = status_name(swept.status);
     if (status == Status::done || swept.status == Status::interrupted) message = swept.message;
     if (swept.status != Status::done) status = swept.status;
@@ -344,6 +350,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_number(app, "--to", options->to, "the other end", Need::required);
   add_flag(app, "--skeleton", options->skeleton, "the skeleton alone, without sweeps (graze.branch/1)");
   add_text(app, "--resume", options->resume, "DIR", "go on from what an interrupted or killed run left in DIR (its --out)");
+  add_quantity_option(app, options->quantities);
   begin_group(app, "Skeleton");
   add_count(app, "--max-period", options->max_period, 1, "longest period that is followed (default 16)");
   add_count(app, "--multiples", options->multiples, 1,

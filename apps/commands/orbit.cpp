@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 
 namespace graze::apps {
@@ -16,32 +17,38 @@ namespace {
 
 struct Options {
   OrbitOptions orbit;
+  std::vector<std::string> quantities;
   OutputOptions output;
 };
 
 int run(const Options& options, const Console& console) {
   const OutputFolder folder(options.output, "orbit", options.orbit.start.file);
   const Problem problem = open_problem(options.orbit.start, console);
+  const Quantities quantities = read_quantities(problem, options.quantities);
+  Json asked = options_json(problem, options.orbit);
+  put_quantity_option(asked, options.quantities);
   Result result;
-  result.json = result_head("orbit/1", "orbit", problem, options_json(problem, options.orbit));
+  result.json = result_head("orbit/1", "orbit", problem, asked);
   folder.check_free_for(result.json);
   const FoundOrbits found = find_orbits(problem, options.orbit, console);
   set_status(result.json, found.status, found.message);
-  result.json["orbit"] =
-      found.status != Status::failed && !found.orbits.empty() ? orbit_json(found.orbits.front()) : Json(nullptr);
-  if (found.origin != "settled") {
-    result.json["orbits"] = Json::array();
-    for (const PeriodicOrbit& orbit : found.orbits) result.json["orbits"].push_back(orbit_json(orbit));
+  std::vector<QuantityValues> measured;
+  Json orbits = Json::array();
+  for (const PeriodicOrbit& orbit : found.orbits) {
+    measured.push_back(measure(quantities, problem.system, orbit));
+    orbits.push_back(orbit_json(orbit));
+    put_quantities(orbits.back(), measured.back());
   }
+  result.json["orbit"] = found.status != Status::failed && !found.orbits.empty() ? orbits.front() : Json(nullptr);
+  if (found.origin != "settled") result.json["orbits"] = std::move(orbits);
   add_origin(result.json, found);
 
-  result.table = orbits_table(problem, found.orbits, false);
+  result.table = orbits_table(problem, found.orbits, false, measured);
   result.text = describe(problem) + "\n\n";
-  if (found.orbits.size() > 1) result.text += "orbits found\n" + aligned(orbits_table(problem, found.orbits, true)) + "\n";
-  if (options.orbit.search)
-    for (const PeriodicOrbit& orbit : found.orbits) result.text += orbit_text(problem, orbit) + "\n";
-  else if (!found.orbits.empty())
-    result.text += orbit_text(problem, found.orbits.front());
+  if (found.orbits.size() > 1)
+    result.text += "orbits found\n" + aligned(orbits_table(problem, found.orbits, true, measured)) + "\n";
+  for (std::size_t i = 0; i < (options.orbit.search ? found.orbits.size() : std::min<std::size_t>(1, found.orbits.size())); ++i)
+    result.text += orbit_text(problem, found.orbits[i]) + quantities_text(measured[i]) + (options.orbit.search ? "\n" : "");
   if (!found.orbits.empty() && !found.remark.empty())
     result.text += fmt::format("\n  {}: found by a search, {}\n", found.remark,
                                found.orbits.front().stable() ? "the orbit above was not reached from the start"
@@ -53,6 +60,7 @@ int run(const Options& options, const Console& console) {
 std::function<int(const Console&)> setup(CLI::App& app) {
   auto options = std::make_shared<Options>();
   add_orbit_options(app, options->orbit);
+  add_quantity_option(app, options->quantities);
   add_output_options(app, options->output, "orbit/1");
   return [options](const Console& console) { return run(*options, console); };
 }

@@ -25,6 +25,7 @@ struct Options {
   std::string parameter, direction = "up", resume;
   std::optional<double> from, to;
   SweepingOptions sweeping;
+  std::vector<std::string> quantities;
   OutputOptions output;
 };
 
@@ -60,11 +61,13 @@ int run(const Options& given, const Console& console) {
   set_parameter(at_end, options.parameter, *options.to, "--to");
   const SweepRange range{options.parameter, *options.from, *options.to, directions(options.direction)};
   check_sweep_start(problem, options.start, range);
+  const Quantities quantities = read_quantities(problem, options.quantities);
   Json described = options_json(problem, options.start);
   described.update(
       {{"param", options.parameter}, {"from", *options.from}, {"to", *options.to}, {"direction", options.direction}});
   described.update(sweeping_json(options.sweeping));
   described["max_period"] = options.sweeping.max_period;
+  put_quantity_option(described, options.quantities);
   Result result;
   result.json = result_head("sweep/1", "sweep", problem, described);
   folder.check_free_for(result.json);
@@ -77,20 +80,24 @@ int run(const Options& given, const Console& console) {
     json["rows"] = nullptr;
     return json;
   };
-  const auto rows_of = [](const Swept& swept) {
-    return LongList{"rows", swept.rows.size(), [&rows = swept.rows](std::size_t k, std::string& text) {
+  RowQuantities measured;  // when all rows are there
+  const auto rows_of = [&measured](const Swept& swept) {
+    return LongList{"rows", swept.rows.size(), [&rows = swept.rows, &measured](std::size_t k, std::string& text) {
                       JsonText json(text);
-                      write_row(rows[k], json);
+                      write_row(rows[k], json, measured.empty() ? QuantityValues{} : measured[k]);
                     }};
   };
   const KeepingRows keeping{keeping_stints(options.output), [&](const Swept& swept) {
                               keep(with_status(swept), options.output, "sweep", console, rows_of(swept));
                             }};
   Swept swept = carry_out_sweeps(problem, options.start, range, options.sweeping, console, so_far, keeping);
+  measured = measure(quantities, problem, options.parameter, swept.rows, console.thread_count());
   result.json = with_status(swept);
   result.list = rows_of(swept);
-  result.csv = [&](const TextSink& sink) { samples_csv(problem, swept.rows, options.parameter, console.thread_count(), sink); };
-  result.text = describe(problem, options.parameter) + "\n\n" + aligned(sweep_overview(swept.rows, options.parameter));
+  result.csv = [&](const TextSink& sink) {
+    samples_csv(problem, swept.rows, options.parameter, console.thread_count(), sink, measured);
+  };
+  result.text = describe(problem, options.parameter) + "\n\n" + aligned(sweep_overview(swept.rows, options.parameter, measured));
   if (swept.status != Status::done)
     console.err << "graze sweep: " << swept.message << how_to_go_on(swept.status, options.output) << "\n";
   const int code = deliver(result, options.output, "sweep", exit_code(swept.status), console);
@@ -111,6 +118,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_count(app, "--max-period", options->sweeping.max_period, 1, "longest period that is recognised (default 256)",
             longest_period);
   add_text(app, "--resume", options->resume, "DIR", "go on from what an interrupted or killed run left in DIR (its --out)");
+  add_quantity_option(app, options->quantities);
   add_output_options(app, options->output, "sweep/1");
   return [options](const Console& console) { return run(*options, console); };
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 #include <string>
+#include <utility>
 
 namespace graze::apps {
 
@@ -26,6 +27,8 @@ std::vector<double> positions(const Json& point) {
     list.push_back(point.at("state").at(0));
   return list;
 }
+
+bool follows_gap(const Json& point) { return point.value("after_gap", false); }
 
 Stroke stroke_of(const Json& point) {
   if (!point.at("admissible").get<bool>()) return Stroke::dotted;
@@ -54,6 +57,7 @@ std::vector<Drawn> points_in_order(const Json& branch) {
 
 std::vector<Curve> curves_of(const std::vector<Drawn>& points, std::size_t k) {
   std::vector<Curve> curves;
+  bool broken = true;
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {
     const Drawn &a = points[i], &b = points[i + 1];
     // Beyond a border the stroke is that of the next point which is none; the last point never is one.
@@ -63,7 +67,11 @@ std::vector<Curve> curves_of(const std::vector<Drawn>& points, std::size_t k) {
     const Stroke stroke = stroke_of(*points[inside].point);
     const std::vector<double> from = positions(*a.point), to = positions(*b.point);
     if (k >= from.size() || k >= to.size()) continue;
-    if (curves.empty() || curves.back().stroke != stroke) {
+    if (follows_gap(*b.point)) {
+      broken = true;
+      continue;
+    }
+    if (std::exchange(broken, false) || curves.back().stroke != stroke) {
       curves.emplace_back();
       curves.back().stroke = stroke;
       curves.back().points.push_back({a.point->at("value"), from[k], 0.0});

@@ -20,6 +20,9 @@ bool is_marked(const Json& special_point);
 /// x of a point at forcing phase 0: one, or where the result has them, one per period of the orbit.
 std::vector<double> positions(const Json& point);
 
+/// Whether points before it were left out.
+bool follows_gap(const Json& point);
+
 Stroke stroke_of(const Json& point);
 const char* stroke_name(Stroke stroke);
 

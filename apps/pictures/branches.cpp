@@ -24,10 +24,8 @@ bool of_multipliers(const Json& point) {
   return type == "PD" || type == "LP" || type == "BP" || type == "NS";
 }
 
-std::string parameter_label(const Json& result) { return result.at("parameter").get<std::string>() + " (dimensionless)"; }
-
 Picture draw_branches(const Json& result) {
-  const std::string x_label = parameter_label(result);
+  const std::string x_label = parameter_label(result, result.at("parameter"));
   if (result.at("branches").size() > most_branch_colours) return skeleton_of(result, "Periodic orbits", true);
   Picture picture;
   picture.title = "Periodic orbits";
@@ -118,7 +116,7 @@ Picture draw_multipliers(const Json& result) {
   picture.subtitle = model_title(result, result.at("parameter"));
   picture.x_label = "Re mu";
   picture.y_label = "Im mu";
-  picture.colour_label = parameter_label(result);
+  picture.colour_label = parameter_label(result, result.at("parameter"));
   picture.unit_circle = picture.equal_axes = true;
   const bool by_period = result.at("branches").size() > most_branch_colours;
   std::map<int, std::size_t> curves;  // of a period, where its branches are one
@@ -174,8 +172,9 @@ Picture draw_multipliers(const Json& result) {
 }  // namespace
 
 PictureKind branch_picture() {
-  return {"graze.branch/1", "branch", "x at forcing phase 0 against the parameter; stable solid, unstable dashed",
-          draw_branches,    {},       has_branches};
+  return {
+      "graze.branch/1", "branch", "x at forcing phase 0 against the parameter; stable solid, unstable dashed", draw_branches, {},
+      has_branches,     true};
 }
 
 PictureKind multipliers_picture() {

@@ -52,7 +52,7 @@ Picture draw_range(const Json& result) {
   Picture picture;
   picture.title = "Checks";
   picture.subtitle = model_title(result, parameter);
-  picture.x_label = parameter + " (dimensionless)";
+  picture.x_label = parameter_label(result, parameter);
   picture.y_label = "disagreement over its bound";
   picture.logarithmic_y = true;
   std::vector<std::string> names;

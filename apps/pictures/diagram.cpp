@@ -39,7 +39,7 @@ Picture draw_diagram(const Json& result) {
   const std::string parameter = result.at("parameter");
   picture.title = "Sweeps, branches of periodic orbits, and Lyapunov exponents";
   picture.subtitle = model_title(result, parameter);
-  picture.x_label = parameter + " (dimensionless)";
+  picture.x_label = parameter_label(result, parameter);
   picture.y_label = state_label(result, 0, true);
   picture.height = upper_height;
   const SkeletonCurves parts = skeleton_curves(result);
@@ -70,8 +70,13 @@ Picture draw_diagram(const Json& result) {
 }  // namespace
 
 PictureKind diagram_picture() {
-  return {"graze.diagram/1", "diagram", "samples of the sweeps under the branches, above the exponents, against the parameter",
-          draw_diagram,      {},        [](const Json& result) { return has_branches(result) || !result.at("rows").empty(); }};
+  return {"graze.diagram/1",
+          "diagram",
+          "samples of the sweeps under the branches, above the exponents, against the parameter",
+          draw_diagram,
+          {},
+          [](const Json& result) { return has_branches(result) || !result.at("rows").empty(); },
+          true};
 }
 
 }  // namespace graze::apps

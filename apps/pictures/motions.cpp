@@ -142,7 +142,7 @@ Picture time_series(const Json& result, const std::vector<Sampled>& motions) {
   Picture picture;
   picture.title = "Displacement";
   picture.subtitle = model_title(result);
-  picture.x_label = "tau (dimensionless time)";
+  picture.x_label = time_label(result);
   picture.y_label = state_label(result, 0, false);
   picture.barriers = barriers_of(result, false);
   for (Barrier& barrier : picture.barriers) barrier.shaded = false;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/pictures/pictures.hpp>
+#include <graze/apps/pictures/seen.hpp>
 #include <graze/apps/problem/head.hpp>
+#include <graze/apps/quantities/quantities.hpp>
 #include <graze/apps/text/number.hpp>
 
 #include <fmt/format.h>
@@ -79,7 +81,7 @@ Picture picture_of(const Json& result, const std::string& kind) {
   for (const PictureKind& candidate : picture_kinds()) {
     if (candidate.schema != schema || candidate.name != wanted) continue;
     try {
-      return candidate.draw(result);
+      return candidate.of_state ? draw_seen(candidate, result) : candidate.draw(result);
     } catch (const Json::exception& error) {
       throw std::invalid_argument(fmt::format("this result lacks what its picture needs: {}", plain(error)));
     }
@@ -96,15 +98,33 @@ std::string colour_of(std::size_t series) {
 std::string model_title(const Json& result, const std::string& except) { return describe(problem_of(result), except); }
 
 std::vector<Barrier> barriers_of(const Json& result, bool vertical) {
-  if (result.contains("states")) return {};
+  if (result.contains("states") || result.contains(seen_quantity)) return {};
   const double r = result.at("parameters").at("r").get<double>();
   return {{vertical, r, fmt::format("barrier x = r = {}", rounded(r, 6)), true}};
 }
 
+namespace {
+
+/// What stands behind a name on an axis: " / mm", " (dimensionless)".
+std::string unit_behind(const Json& result, const std::string& name) {
+  if (!result.contains("states")) return " (dimensionless)";
+  const Problem problem = problem_of(result);
+  const auto unit = problem.written->units.find(name);
+  return unit == problem.written->units.end() ? std::string() : " / " + unit->second;
+}
+
+}  // namespace
+
+std::string parameter_label(const Json& result, const std::string& name) { return name + unit_behind(result, name); }
+
+std::string time_label(const Json& result) {
+  return result.contains("states") ? "t" + unit_behind(result, "t") : "tau (dimensionless time)";
+}
+
 std::string state_label(const Json& result, std::size_t state, bool at_phase_0) {
-  const bool written = result.contains("states");
-  const std::string name = written ? result["states"].at(state).get<std::string>() : state == 0 ? "x" : "x'";
-  return fmt::format("{}{}{}", name, at_phase_0 ? " at forcing phase 0" : "", written ? "" : " (dimensionless)");
+  if (state == 0 && result.contains(seen_quantity)) return quantity_label(problem_of(result), result[seen_quantity]);
+  const std::string name = result.contains("states") ? result["states"].at(state).get<std::string>() : state == 0 ? "x" : "x'";
+  return fmt::format("{}{}{}", name, at_phase_0 ? " at forcing phase 0" : "", unit_behind(result, name));
 }
 
 }  // namespace graze::apps

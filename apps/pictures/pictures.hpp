@@ -22,6 +22,8 @@ struct PictureKind {
   std::string command = {};  ///< it is the default for results of this command
   /// Whether a result has what this kind shows; null: all of its schema have.
   bool (*applies)(const Json& result) = nullptr;
+  /// Its vertical axis is that of the first state, where --y puts a quantity.
+  bool of_state = false;
 };
 
 /// All kinds; the first of a schema is its default, unless a kind is made for the command that gave the result.
@@ -52,8 +54,11 @@ std::string model_title(const Json& result, const std::string& except = {});
 /// The barrier of a built-in oscillator, at x = r; none of a system written as text, whose barriers may be anywhere.
 std::vector<Barrier> barriers_of(const Json& result, bool vertical);
 
-/// The name of a state for an axis: "x (dimensionless)", "x at forcing phase 0 (dimensionless)"; the plain name if the system is
-/// written as text.
+/// Names for axes: "eta (dimensionless)"; of a system written as text "A / mm", or the plain name where no unit is given.
+std::string parameter_label(const Json& result, const std::string& name);
+std::string time_label(const Json& result);
+
+/// The same of a state: "x (dimensionless)", "x at forcing phase 0 / mm"; or the quantity that stands in its place.
 std::string state_label(const Json& result, std::size_t state, bool at_phase_0);
 
 /// The exponents of a sweep without title, to stand below other axes of this range.

@@ -121,7 +121,7 @@ Picture skeleton_of(const Json& result, const std::string& title, bool values) {
   const std::string parameter = result.at("parameter");
   picture.title = title;
   picture.subtitle = model_title(result, parameter);
-  picture.x_label = parameter + " (dimensionless)";
+  picture.x_label = parameter_label(result, parameter);
   picture.y_label = state_label(result, 0, true);
   SkeletonCurves parts = skeleton_curves(result);
   if (values)
@@ -139,8 +139,13 @@ Picture skeleton_of(const Json& result, const std::string& title, bool values) {
 }
 
 PictureKind skeleton_picture() {
-  return {"graze.branch/1", "skeleton", "all branches in the colours of their periods, with special points and z along them",
-          draw_skeleton,    "diagram",  has_branches};
+  return {"graze.branch/1",
+          "skeleton",
+          "all branches in the colours of their periods, with special points and z along them",
+          draw_skeleton,
+          "diagram",
+          has_branches,
+          true};
 }
 
 namespace {

@@ -19,7 +19,7 @@ Picture frame(const Json& result, const std::string& title, const std::string& y
   Picture picture;
   picture.title = title;
   picture.subtitle = model_title(result, result.at("parameter"));
-  picture.x_label = result.at("parameter").get<std::string>() + " (dimensionless)";
+  picture.x_label = parameter_label(result, result.at("parameter"));
   picture.y_label = y_label;
   picture.x_range = range_of(result);
   return picture;
@@ -122,12 +122,13 @@ Picture exponents_below(const Json& result, const std::array<double, 2>& x_range
 }
 
 PictureKind sweep_diagram_picture() {
-  return {"graze.sweep/1", "diagram", "stroboscopic states above the exponents, against the parameter",
-          draw_diagram,    {},        has_rows};
+  return {"graze.sweep/1", "diagram", "stroboscopic states above the exponents, against the parameter", draw_diagram, {},
+          has_rows,        true};
 }
 
 PictureKind sweep_picture() {
-  return {"graze.sweep/1", "states", "stroboscopic states of the attractors against the parameter", draw_states, {}, has_rows};
+  return {"graze.sweep/1", "states", "stroboscopic states of the attractors against the parameter", draw_states, {},
+          has_rows,        true};
 }
 
 PictureKind exponents_picture() {

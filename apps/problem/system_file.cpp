@@ -21,7 +21,7 @@ class Reader {
   SystemText read(const toml::table& root) {
     check_keys(root, "the file",
                {"system", "parameters", "definitions", "modes", "events", "mechanics", "stops", "friction", "surfaces", "outputs",
-                "start", "tables"});
+                "start", "tables", "units"});
     const toml::table& system = table_of(root, "system", "[system]");
     check_keys(system, "[system]", {"name", "states", "forcing", "period", "meaning"});
     out_.name = system.contains("name") ? string_of(system, "name", "[system]").text
@@ -52,6 +52,9 @@ class Reader {
     each(root, "surfaces", [&](const toml::table& table, const std::string& where) { read_surface(table, where); });
     each(root, "events", [&](const toml::table& table, const std::string& where) { read_event(table, where); });
     if (root.contains("outputs")) read_definitions(table_of(root, "outputs", "[outputs]"), out_.outputs);
+    if (root.contains("units"))
+      for (const auto& [key, node] : table_of(root, "units", "[units]"))
+        out_.units.push_back({text_of(key), string_of(node, fmt::format("the unit of {}", key.str())).text});
     if (root.contains("start")) read_start(table_of(root, "start", "[start]"));
     out_.source = std::move(source_);
     return std::move(out_);

@@ -12,6 +12,7 @@
 //   [[friction]]     name, speed, normal, law, sticking
 //   [[surfaces]]     function, below, above, sliding
 //   [outputs]        energy = "v^2/2 + x^2/2"
+//   [units]          x = "mm", energy = "J", t = "s": for axes
 //   [start]          state = { x = 0.3, v = 0.1 } or [0.3, 0.1]; settle and period as in any problem file
 //   [tables.NAME]    u = [...], y = [...], periodic = true or slopes = [first, last]
 #pragma once

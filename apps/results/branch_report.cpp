@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/results/branch_report.hpp>
 #include <graze/apps/results/orbit_report.hpp>
+#include <graze/apps/text/long_text.hpp>
 #include <graze/apps/text/number.hpp>
 
 #include <fmt/format.h>
@@ -56,13 +57,14 @@ std::string multipliers_text(const FloquetMultipliers& multipliers, int digits) 
   return multipliers.valid ? out : "do not exist";
 }
 
-Table points_table(const Problem& problem, const Branch& branch, std::size_t most) {
+Table points_table(const Problem& problem, const Branch& branch, std::size_t most, const BranchQuantities& measured) {
   Table table{{"point", branch.parameter}, {}};
   for (const std::string& name : state_headings(problem)) table.columns.push_back(name);
   table.columns.emplace_back("z");
   const std::size_t count = branch.points.empty() ? 0 : branch.points.front().multipliers.values.size();
   for (std::size_t k = 1; k <= count; ++k) table.columns.push_back(fmt::format("multiplier {}", k));
   table.columns.insert(table.columns.end(), {"stable", "admissible"});
+  if (!measured.points.empty()) add_columns(table, measured.points.front());
   // Evenly thinned out, the first and the last always among them.
   const std::size_t size = branch.points.size();
   const std::size_t rows = std::min(size, std::max<std::size_t>(most, 2));
@@ -76,12 +78,56 @@ Table points_table(const Problem& problem, const Branch& branch, std::size_t mos
       cells.push_back(k < point.multipliers.values.size() ? rounded(point.multipliers.values[k], 7) : "-");
     cells.push_back(point.stable ? "yes" : "no");
     cells.push_back(point.admissible == Admissibility::admissible ? "yes" : "NO");
+    if (!measured.points.empty()) add_cells(cells, measured.points[i], true);
     table.rows.push_back(std::move(cells));
   }
   return table;
 }
 
 }  // namespace
+
+std::vector<BranchQuantities> measure(const Quantities& quantities, const HybridSystem& system,
+                                      const std::vector<Branch>& branches, int threads) {
+  std::vector<BranchQuantities> measured;
+  if (quantities.empty()) return measured;
+  struct Place {
+    const Branch* branch;
+    double value, duration;
+    const std::vector<Vector>* states;
+    QuantityValues* values;
+  };
+  std::vector<Place> places;
+  measured.resize(branches.size());
+  for (std::size_t b = 0; b < branches.size(); ++b) {
+    const Branch& branch = branches[b];
+    measured[b].points.resize(branch.points.size());
+    measured[b].special_points.resize(branch.special_points.size());
+    for (std::size_t i = 0; i < branch.points.size(); ++i)
+      places.push_back(
+          {&branch, branch.points[i].value, branch.points[i].duration, &branch.points[i].states, &measured[b].points[i]});
+    for (std::size_t i = 0; i < branch.special_points.size(); ++i) {
+      const SpecialPoint& point = branch.special_points[i];
+      places.push_back({&branch, point.value, point.orbit.duration, &point.orbit.states, &measured[b].special_points[i]});
+    }
+  }
+  on_threads(threads, places.size(), [&](std::size_t k) {
+    const Place& place = places[k];
+    Vector p = place.branch->parameters;
+    p[static_cast<Eigen::Index>(parameter_index(system.parameters, place.branch->parameter))] = place.value;
+    *place.values = measure(quantities, system, p, {.states = *place.states, .duration = place.duration});
+  });
+  return measured;
+}
+
+void put_quantities(Json& list, const std::vector<BranchQuantities>& measured) {
+  for (std::size_t b = 0; b < list.size(); ++b) {
+    Json &points = list[b]["points"], &special = list[b]["special_points"];
+    for (std::size_t i = 0; i < points.size(); ++i)
+      put_quantities(points[i], measured.empty() ? QuantityValues{} : measured[b].points[i]);
+    for (std::size_t i = 0; i < special.size(); ++i)
+      put_quantities(special[i], measured.empty() ? QuantityValues{} : measured[b].special_points[i]);
+  }
+}
 
 Json special_point_json(const SpecialPoint& point) {
   const PeriodicOrbit& orbit = point.orbit;
@@ -147,12 +193,13 @@ std::string stability_text(const SpecialPoint& point) {
                                  : "neither stable nor unstable to first order (the return map has no derivative there)";
 }
 
-std::string branch_text(const Problem& problem, const Branch& branch, std::size_t most, const SamePoints& same) {
+std::string branch_text(const Problem& problem, const Branch& branch, std::size_t most, const SamePoints& same,
+                        const BranchQuantities& measured) {
   std::string text = fmt::format("branch {}: period {}, {}", branch.id, branch.period, counted(branch.points.size(), "point"));
   if (branch.parent) text += fmt::format(", born at {} of branch {}", branch.parent->label, branch.parent->branch);
   if (branch.mirrored) text += "; its mirror image, x(t) -> -x(t + T/2), is a branch too";
   text += "\n";
-  if (!branch.points.empty()) text += aligned(points_table(problem, branch, most));
+  if (!branch.points.empty()) text += aligned(points_table(problem, branch, most, measured));
   if (branch.points.size() > most)
     text += fmt::format("  ({} of {} points shown; --all shows all)\n", std::max<std::size_t>(most, 2), branch.points.size());
   for (const SpecialPoint& point : branch.special_points) {
@@ -168,7 +215,7 @@ std::string branch_text(const Problem& problem, const Branch& branch, std::size_
 
 std::string stable_cell(std::optional<bool> stable) { return !stable ? "" : *stable ? "yes" : "no"; }
 
-Table branches_table(const Problem& problem, const std::vector<Branch>& branches) {
+Table branches_table(const Problem& problem, const std::vector<Branch>& branches, const std::vector<BranchQuantities>& measured) {
   Table table{{"branch", "parent", "label", "period", "impacts", branches.empty() ? "value" : branches.front().parameter}, {}};
   for (const std::string& name : state_columns(problem)) table.columns.push_back(name);
   std::size_t count = 0;
@@ -177,8 +224,12 @@ Table branches_table(const Problem& problem, const std::vector<Branch>& branches
   for (std::size_t k = 1; k <= count; ++k)
     table.columns.insert(table.columns.end(), {fmt::format("mu{}_re", k), fmt::format("mu{}_im", k)});
   table.columns.insert(table.columns.end(), {"stable", "admissible"});
+  const auto first =
+      std::find_if(measured.begin(), measured.end(), [](const BranchQuantities& one) { return !one.points.empty(); });
+  if (first != measured.end()) add_columns(table, first->points.front());
   const auto add = [&](const Branch& branch, const std::string& name, int impacts, double value, const Vector& state,
-                       const FloquetMultipliers& multipliers, std::optional<bool> stable, bool admissible) {
+                       const FloquetMultipliers& multipliers, std::optional<bool> stable, bool admissible,
+                       const QuantityValues& values) {
     std::vector<std::string> row = {std::to_string(branch.id),
                                     branch.parent ? branch.parent->label : "",
                                     name,
@@ -193,18 +244,22 @@ Table branches_table(const Problem& problem, const std::vector<Branch>& branches
     }
     row.push_back(stable_cell(stable));
     row.push_back(admissible ? "yes" : "no");
+    add_cells(row, values, false);
     table.rows.push_back(std::move(row));
   };
-  for (const Branch& branch : branches)
+  for (std::size_t b = 0; b < branches.size(); ++b) {
+    const Branch& branch = branches[b];
     for (std::size_t i = 0; i < branch.points.size(); ++i) {
       const BranchPoint& point = branch.points[i];
       add(branch, "", point.impacts, point.value, point.state(), point.multipliers, point.stable,
-          point.admissible == Admissibility::admissible);
-      for (const SpecialPoint& special : branch.special_points)
-        if (special.after_point == i && special.type != PointType::EP)
+          point.admissible == Admissibility::admissible, measured.empty() ? QuantityValues{} : measured[b].points[i]);
+      for (std::size_t s = 0; s < branch.special_points.size(); ++s)
+        if (const SpecialPoint& special = branch.special_points[s]; special.after_point == i && special.type != PointType::EP)
           add(branch, special.label, special.orbit.impacts, special.value, special.orbit.state, special.orbit.multipliers,
-              stable_at(special), special.orbit.admissible == Admissibility::admissible);
+              stable_at(special), special.orbit.admissible == Admissibility::admissible,
+              measured.empty() ? QuantityValues{} : measured[b].special_points[s]);
     }
+  }
   return table;
 }
 

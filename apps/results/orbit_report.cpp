@@ -31,20 +31,8 @@ ContactList contacts_of_run(const std::vector<EventRecord>& events) {
 }
 
 ContactList contacts_of_orbit(const PeriodicOrbit& orbit) {
-  // Twice around: every contact is then complete once at least.
-  std::vector<EventRecord> twice = orbit.events;
-  for (EventRecord event : orbit.events) {
-    event.t += orbit.duration;
-    twice.push_back(std::move(event));
-  }
-  std::vector<Contact> complete = contacts(twice);
-  std::erase_if(complete, [](const Contact& contact) { return !contact.complete; });
-  const auto count =
-      std::count_if(orbit.events.begin(), orbit.events.end(), [](const EventRecord& e) { return ends_contact(e.kind); });
-  ContactList list;
-  list.contacts.assign(complete.begin(), complete.begin() + count);
-  list.by_exit.assign(complete.end() - count, complete.end());
-  return list;
+  ContactsOfCycle cycle = contacts_of_cycle(orbit.events, orbit.duration);
+  return {std::move(cycle.by_entry), std::move(cycle.by_exit)};
 }
 
 Json events_json(const std::vector<EventRecord>& events, const ContactList& list) {
@@ -211,7 +199,20 @@ std::string orbit_text(const Problem& problem, const PeriodicOrbit& orbit, const
   return text;
 }
 
-Table orbits_table(const Problem& problem, const std::vector<PeriodicOrbit>& orbits, bool for_people) {
+std::string quantities_text(const QuantityValues& values) {
+  if (values.empty()) return {};
+  Table table{{"quantity", "value"}, {}};
+  for (const QuantityValue& one : values) {
+    std::string cell;
+    for (const double value : one.values)
+      cell += (cell.empty() ? "" : ", ") + (std::isfinite(value) ? rounded(value, 13) : std::string("-"));
+    table.rows.push_back({one.name, cell});
+  }
+  return "\n" + aligned(table);
+}
+
+Table orbits_table(const Problem& problem, const std::vector<PeriodicOrbit>& orbits, bool for_people,
+                   const std::vector<QuantityValues>& measured) {
   Table table{{"orbit", "period", "impacts"}, {}};
   for (const std::string& name : for_people ? state_headings(problem) : state_columns(problem)) table.columns.push_back(name);
   const std::size_t count = orbits.empty() ? 0 : static_cast<std::size_t>(orbits.front().state.size());
@@ -224,6 +225,7 @@ Table orbits_table(const Problem& problem, const std::vector<PeriodicOrbit>& orb
     }
   }
   table.columns.insert(table.columns.end(), {"stable", "admissible"});
+  if (!measured.empty()) add_columns(table, measured.front());
   for (std::size_t i = 0; i < orbits.size(); ++i) {
     const PeriodicOrbit& orbit = orbits[i];
     const auto number = [&](double value) { return for_people ? rounded(value, 10) : exact(value); };
@@ -241,6 +243,7 @@ Table orbits_table(const Problem& problem, const std::vector<PeriodicOrbit>& orb
     }
     row.push_back(yes(orbit.stable()));
     row.push_back(yes(orbit.admissible == Admissibility::admissible));
+    if (!measured.empty()) add_cells(row, measured[i], for_people);
     table.rows.push_back(std::move(row));
   }
   return table;

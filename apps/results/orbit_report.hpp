@@ -4,6 +4,7 @@
 #pragma once
 
 #include <graze/apps/problem/problem.hpp>
+#include <graze/apps/quantities/quantities.hpp>
 #include <graze/apps/text/json_text.hpp>
 #include <graze/apps/text/table.hpp>
 
@@ -49,7 +50,11 @@ Json orbit_json(const PeriodicOrbit& orbit);
 /// All that `graze orbit` prints of one orbit. `stability`: in words; empty: what its multipliers say.
 std::string orbit_text(const Problem& problem, const PeriodicOrbit& orbit, const std::string& stability = {});
 
-/// One row per orbit: state, z, multipliers, stable, admissible.
-Table orbits_table(const Problem& problem, const std::vector<PeriodicOrbit>& orbits, bool for_people);
+/// One row per orbit: state, z, multipliers, stable, admissible, quantities.
+Table orbits_table(const Problem& problem, const std::vector<PeriodicOrbit>& orbits, bool for_people,
+                   const std::vector<QuantityValues>& measured = {});
+
+/// A line for each quantity.
+std::string quantities_text(const QuantityValues& values);
 
 }  // namespace graze::apps

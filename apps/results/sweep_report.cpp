@@ -33,7 +33,26 @@ SweepRow row_of(const Json& json) {
 
 }  // namespace
 
-void write_row(const SweepRow& row, JsonText& json) {
+RowQuantities measure(const Quantities& quantities, const Problem& problem, const std::string& parameter,
+                      const std::vector<SweepRow>& rows, int threads) {
+  RowQuantities measured;
+  if (quantities.empty()) return measured;
+  measured.resize(rows.size());
+  const auto index = static_cast<Eigen::Index>(parameter_index(problem.system.parameters, parameter));
+  on_threads(threads, rows.size(), [&](std::size_t k) {
+    const SweepRow& row = rows[k];
+    if (row.states.empty()) return;
+    Vector p = problem.parameters;
+    p[index] = row.value;
+    measured[k] = measure(quantities, problem.system, p,
+                          {.states = row.states,
+                           .duration = static_cast<double>(row.states.size()) * forcing_period(problem.system, p),
+                           .closes = row.attractor.type == AttractorType::periodic});
+  });
+  return measured;
+}
+
+void write_row(const SweepRow& row, JsonText& json, const QuantityValues& values) {
   json.begin_object();
   json.member("value", row.value);
   json.member("direction", sweep_direction_name(row.direction));
@@ -45,12 +64,17 @@ void write_row(const SweepRow& row, JsonText& json) {
   json.member("end", row.end);
   json.member("states", row.states);
   json.member("impact_speeds", row.impact_speeds);
+  if (!values.empty()) {
+    json.key("y");
+    write_quantities(values, json);
+  }
   json.end_object();
 }
 
-Json rows_json(const std::vector<SweepRow>& rows) {
+Json rows_json(const std::vector<SweepRow>& rows, const RowQuantities& measured) {
   Json list = Json::array();
-  for (const SweepRow& row : rows) list.push_back(tree_of([&](JsonText& json) { write_row(row, json); }));
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    list.push_back(tree_of([&](JsonText& json) { write_row(rows[k], json, measured.empty() ? QuantityValues{} : measured[k]); }));
   return list;
 }
 
@@ -60,8 +84,11 @@ std::vector<SweepRow> rows_from(const Json& rows) {
   return list;
 }
 
-Table sweep_overview(const std::vector<SweepRow>& rows, const std::string& parameter) {
+Table sweep_overview(const std::vector<SweepRow>& rows, const std::string& parameter, const RowQuantities& measured) {
   Table table{{"direction", parameter + " from", "to", "attractor", "values", "largest exponent from", "to"}, {}};
+  const auto with_values = std::find_if(measured.begin(), measured.end(), [](const auto& values) { return !values.empty(); });
+  const QuantityValues names = with_values == measured.end() ? QuantityValues{} : *with_values;
+  for (const QuantityValue& one : names) table.columns.insert(table.columns.end(), {one.name + " from", "to"});
   const auto numbers = [](const Attractor& x) {
     return std::tie(x.type, x.termination, x.period, x.impacts, x.isolated_impacts, x.rests);
   };
@@ -80,16 +107,28 @@ Table sweep_overview(const std::vector<SweepRow>& rows, const std::string& param
     table.rows.push_back({std::string(sweep_direction_name(first.direction)), rounded(first.value, 7),
                           rounded(rows[end - 1].value, 7), attractor_name(first.attractor), std::to_string(end - i),
                           low <= high ? exponent_text(low, 4) : "-", low <= high ? exponent_text(high, 4) : "-"});
+    for (std::size_t q = 0; q < names.size(); ++q) {
+      low = std::numeric_limits<double>::infinity(), high = -low;
+      for (std::size_t k = i; k < end; ++k)
+        if (!measured[k].empty())
+          for (const double value : measured[k][q].values) {
+            low = std::min(low, value);
+            high = std::max(high, value);
+          }
+      for (const double value : {low, high}) table.rows.back().push_back(low <= high ? rounded(value, 7) : "-");
+    }
     i = end;
   }
   return table;
 }
 
 void samples_csv(const Problem& problem, const std::vector<SweepRow>& rows, const std::string& parameter, int threads,
-                 const TextSink& sink) {
+                 const TextSink& sink, const RowQuantities& measured) {
   Table head{{parameter, "direction", "attractor", "period", "impacts"}, {}};
   for (std::size_t i = 1; i <= problem.system.states; ++i) head.columns.push_back(fmt::format("exponent{}", i));
   for (const std::string& name : state_columns(problem)) head.columns.push_back(name);
+  const auto with_values = std::find_if(measured.begin(), measured.end(), [](const auto& values) { return !values.empty(); });
+  if (with_values != measured.end()) add_columns(head, *with_values);
   sink(csv(head));
   hand_on_items(threads, rows.size(), sink, [&](std::size_t k, std::string& lines) {
     const SweepRow& row = rows[k];
@@ -99,9 +138,11 @@ void samples_csv(const Problem& problem, const std::vector<SweepRow>& rows, cons
     begin += attractor.period > 0 ? fmt::format("{},{}", attractor.period, attractor.impacts) : ",";
     for (std::size_t i = 0; i < problem.system.states; ++i)
       begin += "," + (i < attractor.exponents.size() ? exact(attractor.exponents[i]) : "");
-    for (const Vector& state : row.states) {
+    for (std::size_t period = 0; period < row.states.size(); ++period) {
       lines += begin;
-      for (const double value : state) fmt::format_to(std::back_inserter(lines), FMT_COMPILE(",{}"), value);
+      for (const double value : row.states[period]) fmt::format_to(std::back_inserter(lines), FMT_COMPILE(",{}"), value);
+      if (!measured.empty())
+        for (const double value : values_at(measured[k], period)) lines += "," + (std::isfinite(value) ? exact(value) : "");
       lines += '\n';
     }
   });

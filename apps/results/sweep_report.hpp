@@ -4,6 +4,7 @@
 #pragma once
 
 #include <graze/apps/problem/problem.hpp>
+#include <graze/apps/quantities/quantities.hpp>
 #include <graze/apps/text/json_text.hpp>
 #include <graze/apps/text/table.hpp>
 
@@ -14,8 +15,14 @@
 
 namespace graze::apps {
 
-void write_row(const SweepRow& row, JsonText& json);
-Json rows_json(const std::vector<SweepRow>& rows);
+/// Quantities of each row; empty: none. Of an attractor that is not periodic they are those of the motion through the states
+/// kept.
+using RowQuantities = std::vector<QuantityValues>;
+RowQuantities measure(const Quantities& quantities, const Problem& problem, const std::string& parameter,
+                      const std::vector<SweepRow>& rows, int threads);
+
+void write_row(const SweepRow& row, JsonText& json, const QuantityValues& values = {});
+Json rows_json(const std::vector<SweepRow>& rows, const RowQuantities& measured = {});
 
 /// The inverse, as far as a sweep can go on from it and the rows are written again: of orbits state, label and multipliers, of
 /// averages their length.
@@ -23,11 +30,11 @@ Json rows_json(const std::vector<SweepRow>& rows);
 std::vector<SweepRow> rows_from(const Json& rows);
 
 /// One line per stretch of rows with the same attractor.
-Table sweep_overview(const std::vector<SweepRow>& rows, const std::string& parameter);
+Table sweep_overview(const std::vector<SweepRow>& rows, const std::string& parameter, const RowQuantities& measured = {});
 
 /// As CSV: one line per stroboscopic state; made on so many threads.
 void samples_csv(const Problem& problem, const std::vector<SweepRow>& rows, const std::string& parameter, int threads,
-                 const TextSink& sink);
+                 const TextSink& sink, const RowQuantities& measured = {});
 
 /// Neighbouring values of one direction at which the attractor is chaotic, and the largest exponent there.
 struct ChaoticWindow {

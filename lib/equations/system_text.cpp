@@ -96,11 +96,15 @@ class Builder {
     build_modes();
     build_events();
     read_outputs();
+    read_units();
     out_.system.initial_mode = mode_by_guards(out_.system, constraints_);
     validate(out_.system);
     check_values();
     check_period();
     check_resets();
+    out_.names = names_;
+    for (auto& [name, expression] : out_.names) expression = graph_.substitute(expression, contact_powers_);
+    out_.tables = tables_;
     return std::move(out_);
   }
 
@@ -738,6 +742,7 @@ class Builder {
         parse_definitions(graph_, text_.source, text_.outputs, scope(true), "output", &hazards_);
     for (std::size_t number = 0; number < expressions.size(); ++number) {
       const Expression raw = expressions[number];
+      names_.emplace(text_.outputs[number].name.text, raw);
       const bool by_mode = dependence(graph_, raw).rate;
       std::vector<ScalarFunction> of_mode;
       for (std::size_t m = 0; m < (by_mode ? pieces_.modes.size() : 1); ++m) {
@@ -752,6 +757,29 @@ class Builder {
           {text_.outputs[number].name.text, [of_mode](std::size_t mode, double t, const Vector& x, const Vector& p) {
              return of_mode[of_mode.size() == 1 ? 0 : mode](t, x, p);
            }});
+    }
+  }
+
+  void read_units() {
+    const auto add = [this](const ParameterInfo& info) {
+      if (info.unit != ParameterInfo().unit) out_.units.emplace(info.name, info.unit);
+    };
+    for (const ParameterInfo& info : out_.system.parameters) add(info);
+    for (const TiedParameter& tied : out_.tied) add(tied.info);
+    for (const UnitText& one : text_.units) {
+      const std::string& name = one.name.text;
+      const auto kind = kinds_.find(name);
+      if (kind == kinds_.end() && name != "t") {
+        std::vector<std::string> candidates = {"t"};
+        for (const auto& [known, what] : kinds_)
+          if (what != "parameter") candidates.push_back(known);
+        refuse(one.name.place,
+               fmt::format("a unit of '{}', which is no state, definition or output{}", name, suggestion(name, candidates)));
+      }
+      if (kind != kinds_.end() && kind->second == "parameter")
+        refuse(one.name.place,
+               fmt::format("the unit of a parameter stands with it: {} = {{ value = ..., unit = \"{}\" }}", name, one.unit));
+      out_.units.insert_or_assign(name, one.unit);
     }
   }
 

@@ -23,6 +23,7 @@
 #include <graze/lib/equations/source.hpp>
 #include <graze/lib/system/hybrid_system.hpp>
 
+#include <map>
 #include <memory>
 #include <optional>
 
@@ -102,6 +103,11 @@ struct StartText {
   Text value;  ///< a number or an expression of the parameters
 };
 
+struct UnitText {
+  Text name;  ///< a state, a definition, an output or t
+  std::string unit;
+};
+
 struct SystemText {
   std::string name;
   Source source;
@@ -119,6 +125,7 @@ struct SystemText {
   std::vector<Definition> outputs = {};  ///< may name each other, in any order
   std::vector<StartText> start = {};     ///< every state, or none
   std::vector<Table> tables = {};        ///< for spline(name, u)
+  std::vector<UnitText> units = {};      ///< for axes; those of parameters stand with them
 
   /// The states, or the coordinates and then the velocities.
   std::vector<Text> state_texts() const;
@@ -156,6 +163,10 @@ struct TextSystem {
   std::shared_ptr<Graph> graph;          ///< change it in one thread only
   std::vector<ModeExpressions> modes;    ///< as HybridSystem::modes
   std::vector<EventExpressions> events;  ///< as HybridSystem::events
+  /// States, parameters, definitions and outputs by name; rates in them are not resolved yet.
+  std::map<std::string, Expression, std::less<>> names;
+  std::map<std::string, std::size_t, std::less<>> tables;  ///< numbers of the graph's splines
+  std::map<std::string, std::string, std::less<>> units;   ///< by name, parameters included; no entry: none is given
 };
 
 /// @throws EquationError for every mistake in the text, with its place.

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -178,6 +179,24 @@ std::vector<Contact> contacts(const std::vector<EventRecord>& events) {
     }
   }
   return list;
+}
+
+ContactsOfCycle contacts_of_cycle(const std::vector<EventRecord>& events, double duration) {
+  // Twice around: every contact is then complete once at least.
+  std::vector<EventRecord> twice = events;
+  for (EventRecord event : events) {
+    event.t += duration;
+    twice.push_back(std::move(event));
+  }
+  std::vector<Contact> complete = contacts(twice);
+  std::erase_if(complete, [](const Contact& contact) { return !contact.complete; });
+  const auto count = std::count_if(events.begin(), events.end(), [](const EventRecord& event) {
+    return event.kind == EventKind::impact || event.kind == EventKind::stick || event.kind == EventKind::leave;
+  });
+  ContactsOfCycle cycle;
+  cycle.by_entry.assign(complete.begin(), complete.begin() + count);
+  cycle.by_exit.assign(complete.end() - count, complete.end());
+  return cycle;
 }
 
 }  // namespace graze

@@ -62,4 +62,11 @@ struct Contact {
 /// The contacts of a run, in order (from events of kind impact, or enter followed by leave).
 std::vector<Contact> contacts(const std::vector<EventRecord>& events);
 
+/// Contacts of a motion that repeats itself after `duration`, each of them complete: those that begin within the duration, and
+/// those that end within it.
+struct ContactsOfCycle {
+  std::vector<Contact> by_entry, by_exit;
+};
+ContactsOfCycle contacts_of_cycle(const std::vector<EventRecord>& events, double duration);
+
 }  // namespace graze

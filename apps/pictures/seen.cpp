@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/pictures/seen.hpp>
+
+#include <utility>
+
+namespace graze::apps {
+
+namespace {
+
+/// The values where states stand; empty: not known.
+Json values_of(const Json& point, const std::string& quantity) {
+  const Json& value = point.at("y").at(quantity);
+  Json list = Json::array();
+  for (const Json& one : value.is_array() ? value : Json::array({value})) {
+    if (one.is_null()) return Json::array();
+    list.push_back(Json::array({one}));
+  }
+  return list;
+}
+
+/// False: the point has none.
+bool see(Json& point, const std::string& quantity) {
+  Json values = values_of(point, quantity);
+  if (values.empty()) return false;
+  point["state"] = values.front();
+  point.erase("states");
+  if (values.size() > 1) point["states"] = std::move(values);
+  return true;
+}
+
+void see_branch(Json& branch, const std::string& quantity) {
+  Json points = Json::array(), special = Json::array();
+  std::vector<std::size_t> number;  // of each point among those that stay, or of the last before it
+  bool gap = false;
+  for (Json& point : branch.at("points")) {
+    if (!see(point, quantity)) {
+      gap = true;
+    } else {
+      if (std::exchange(gap, false) && !points.empty()) point["after_gap"] = true;
+      points.push_back(std::move(point));
+    }
+    number.push_back(points.empty() ? 0 : points.size() - 1);
+  }
+  for (Json& point : branch.at("special_points")) {
+    if (!see(point, quantity)) continue;
+    const std::size_t after = point.at("after_point");
+    if (after < number.size()) point["after_point"] = number[after];
+    special.push_back(std::move(point));
+  }
+  branch["points"] = std::move(points);
+  branch["special_points"] = std::move(special);
+}
+
+}  // namespace
+
+Json seen_through(const Json& result, const std::string& quantity) {
+  Json out = result;
+  out[seen_quantity] = quantity;
+  if (out.contains("branches"))
+    for (Json& branch : out["branches"]) see_branch(branch, quantity);
+  if (out.contains("rows"))
+    for (Json& row : out["rows"]) row["states"] = row.contains("y") ? values_of(row, quantity) : Json::array();
+  return out;
+}
+
+Picture draw_seen(const PictureKind& kind, const Json& result) {
+  const Json none = Json::object();
+  const Json& options = result.contains("options") ? result["options"] : none;
+  if (!options.contains("y")) return kind.draw(result);
+  Picture picture;
+  std::vector<Picture> further;
+  for (const Json& quantity : options["y"]) {
+    Picture one = kind.draw(seen_through(result, quantity));
+    if (picture.y_label.empty()) {
+      picture = std::move(one);
+      continue;
+    }
+    one.below.clear();
+    one.title.clear();
+    one.subtitle.clear();
+    for (Curve& curve : one.curves) curve.title.clear();  // the legend above is for all
+    one.x_range = picture.x_range;
+    further.push_back(std::move(one));
+  }
+  picture.below.insert(picture.below.begin(), further.begin(), further.end());
+  return picture;
+}
+
+}  // namespace graze::apps

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A result as it is seen through one of its quantities (--y): its values stand where the first state did, so that every picture
+// of states is one of quantities, too.
+#pragma once
+
+#include <graze/apps/pictures/pictures.hpp>
+
+namespace graze::apps {
+
+/// The member of such a result that names the quantity.
+inline constexpr const char* seen_quantity = "seen_quantity";
+
+/// Points at which the quantity is not known are left out; the next one then has "after_gap".
+Json seen_through(const Json& result, const std::string& quantity);
+
+/// The picture with the first quantity of the result, further ones below it; that of the states if it has none.
+Picture draw_seen(const PictureKind& kind, const Json& result);
+
+}  // namespace graze::apps

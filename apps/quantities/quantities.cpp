@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/console/arguments.hpp>
+#include <graze/apps/quantities/quantities.hpp>
+#include <graze/apps/text/number.hpp>
+
+#include <graze/lib/motion/extent.hpp>
+#include <graze/lib/motion/trajectory.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+
+namespace graze::apps {
+
+namespace {
+
+/// A free run and the next state agree up to this, relative to 1 + |x|. Values are as wrong as that at worst: beside a grazing
+/// impact an orbit is known to 1e-6, and what no picture shows.
+constexpr double closing_tolerance = 1e-4;
+
+struct Word {
+  const char* text;
+  QuantityKind kind;
+};
+constexpr std::array reductions = {Word{"max", QuantityKind::largest}, Word{"min", QuantityKind::smallest},
+                                   Word{"amplitude", QuantityKind::amplitude}, Word{"mean", QuantityKind::mean}};
+constexpr std::array words = {Word{"impact_speed_max", QuantityKind::impact_speed_max},
+                              Word{"impact_speed_min", QuantityKind::impact_speed_min},
+                              Word{"impacts", QuantityKind::impacts},
+                              Word{"impacts_per_period", QuantityKind::impacts_per_period},
+                              Word{"energy_lost", QuantityKind::energy_lost},
+                              Word{"period", QuantityKind::period}};
+
+std::string trimmed(const std::string& text) {
+  const std::size_t from = text.find_first_not_of(" \t\n"), to = text.find_last_not_of(" \t\n");
+  return from == std::string::npos ? std::string() : text.substr(from, to - from + 1);
+}
+
+/// The one argument that a call of `name` which is the whole text has, with the byte where it begins; nullopt: it is no such
+/// call.
+std::optional<std::pair<std::size_t, std::string>> argument_of(const std::string& text, const std::string& name) {
+  std::size_t open = name.size();
+  if (!text.starts_with(name)) return std::nullopt;
+  while (open < text.size() && text[open] == ' ') ++open;
+  if (open >= text.size() || text[open] != '(' || text.back() != ')') return std::nullopt;
+  int depth = 0;
+  for (std::size_t i = open; i < text.size(); ++i) {
+    if (text[i] == '(') ++depth;
+    if (text[i] == ')') --depth;
+    if ((depth == 0 && i + 1 < text.size()) || (depth == 1 && text[i] == ',')) return std::nullopt;
+  }
+  return std::pair(open + 1, text.substr(open + 1, text.size() - open - 2));
+}
+
+/// Names that expressions may use, and what they stand for.
+class Reading {
+ public:
+  explicit Reading(const Problem& problem) : problem_(problem) {
+    if (problem.written) {
+      graph_ = *problem.written->graph;
+      names_ = problem.written->names;
+      tables_ = problem.written->tables;
+    } else {
+      const std::vector<std::string> states = state_columns(problem);
+      for (std::size_t i = 0; i < states.size(); ++i) names_.emplace(states[i], graph_.state(i));
+      for (std::size_t i = 0; i < problem.system.parameters.size(); ++i)
+        names_.emplace(problem.system.parameters[i].name, graph_.parameter(i));
+    }
+    scope_.find = [this](std::string_view name) -> std::optional<equations::Expression> {
+      const auto found = names_.find(name);
+      return found == names_.end() ? std::nullopt : std::optional(found->second);
+    };
+    scope_.table = [this](std::string_view name) -> std::optional<std::size_t> {
+      const auto found = tables_.find(name);
+      return found == tables_.end() ? std::nullopt : std::optional(found->second);
+    };
+    for (const auto& [name, expression] : names_) scope_.names.push_back(name);
+    for (const auto& [name, number] : tables_) scope_.tables.push_back(name);
+    scope_.refusal = [this](std::string_view name) -> std::string {
+      return name == "t" && !is_forced(problem_.system) ? "the time t of an autonomous system cannot be used" : std::string();
+    };
+  }
+
+  Quantities read(const std::vector<std::string>& texts) {
+    Quantities out;
+    for (const std::string& text : texts) {
+      Quantity one = read(trimmed(text));
+      if (std::any_of(out.list.begin(), out.list.end(), [&](const Quantity& other) { return other.text == one.text; }))
+        throw std::invalid_argument(fmt::format("--y {0}: {0} is given twice", one.text));
+      out.list.push_back(std::move(one));
+    }
+    try {
+      out.functions = equations::MotionFunctions(graph_, expressions_, problem_.system.states);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(fmt::format("--y: {}", error.what()));
+    }
+    return out;
+  }
+
+ private:
+  Quantity read(const std::string& text) {
+    Quantity one{.text = text};
+    for (const Word& word : words)
+      if (text == word.text && !names_.contains(text)) {
+        one.kind = word.kind;
+        if (word.kind == QuantityKind::period) one.unit = unit_of("t");
+        return one;
+      }
+    std::string argument = text;
+    std::size_t begin = 0;
+    for (const Word& word : reductions)
+      if (const auto found = argument_of(text, word.text)) {
+        one.kind = word.kind;
+        begin = found->first;
+        argument = found->second;
+      }
+    one.function = expression(text, argument, begin);
+    one.unit = unit_of(trimmed(argument));
+    return one;
+  }
+
+  /// Its number among the functions.
+  std::size_t expression(const std::string& text, const std::string& argument, std::size_t begin) {
+    const equations::Source source{"--y", text};
+    const equations::Place place{1, equations::characters(text.substr(0, begin)) + 1, 1};
+    equations::Expression read;
+    try {
+      read = equations::parse_expression(graph_, source, {argument, place}, scope_, "in the quantity");
+    } catch (const equations::EquationError& error) {
+      const std::string prefix = fmt::format("--y:{}:{}: ", error.place().line, error.place().column);
+      const std::string& sentence = error.sentence();
+      throw std::invalid_argument(fmt::format(
+          "--y {}: {}; {}", text, sentence.starts_with(prefix) ? sentence.substr(prefix.size()) : sentence, allowed()));
+    }
+    const auto known = std::find(expressions_.begin(), expressions_.end(), read);
+    if (known == expressions_.end()) expressions_.push_back(read);
+    return static_cast<std::size_t>(std::find(expressions_.begin(), expressions_.end(), read) - expressions_.begin());
+  }
+
+  std::string unit_of(const std::string& name) const {
+    if (!problem_.written) return "dimensionless";
+    const auto found = problem_.written->units.find(name);
+    return found == problem_.written->units.end() ? std::string() : found->second;
+  }
+
+  std::string allowed() const {
+    std::string text =
+        fmt::format("a quantity is an expression E of {}, parameters{}{}, or max(E), min(E), amplitude(E) or mean(E)",
+                    fmt::join(state_columns(problem_), ", "), is_forced(problem_.system) ? ", t" : "",
+                    problem_.written ? ", definitions and outputs" : "");
+    for (const Word& word : words) text += std::string(word.kind == QuantityKind::period ? " or " : ", ") + word.text;
+    return text;
+  }
+
+  const Problem& problem_;
+  equations::Graph graph_;
+  std::map<std::string, equations::Expression, std::less<>> names_;
+  std::map<std::string, std::size_t, std::less<>> tables_;
+  equations::Scope scope_;
+  std::vector<equations::Expression> expressions_;
+};
+
+/// What a motion has by the end of its last period.
+struct Measured {
+  std::vector<Extent> extents;              // over all periods
+  std::vector<std::vector<double>> starts;  // of each function, at the beginning of each period
+  std::vector<EventRecord> events;
+};
+
+std::optional<Measured> run_along(const Quantities& quantities, const HybridSystem& system, const Vector& p,
+                                  const MeasuredMotion& motion) {
+  const equations::MotionFunctions& functions = quantities.functions;
+  const bool needs_extents = std::any_of(quantities.list.begin(), quantities.list.end(), [](const Quantity& one) {
+    return one.kind >= QuantityKind::largest && one.kind <= QuantityKind::mean;
+  });
+  Measured out{std::vector<Extent>(functions.size()), std::vector<std::vector<double>>(functions.size()), {}};
+  std::vector<double> values(functions.size()), rates(functions.size());
+  Propagator propagator(system, p);
+  const double unit = motion.duration / static_cast<double>(motion.states.size());
+  for (std::size_t k = 0; k < motion.states.size(); ++k) {
+    const Vector& start = motion.states[k];
+    if (!mode_at(system, 0.0, start, p)) return std::nullopt;
+    const Trajectory run = simulate(system, p, 0.0, start, {.t_end = unit});
+    if (run.termination != Termination::time || run.segments.empty()) return std::nullopt;
+    if (const bool last = k + 1 == motion.states.size(); !last || motion.closes) {
+      const Vector& next = motion.states[last ? 0 : k + 1];
+      if (!((run.x - next).lpNorm<Eigen::Infinity>() <= closing_tolerance * (1.0 + next.lpNorm<Eigen::Infinity>())))
+        return std::nullopt;
+    }
+    functions.evaluate(system, run.segments.front().mode, 0.0, start, p, values.data(), rates.data());
+    for (std::size_t f = 0; f < functions.size(); ++f) out.starts[f].push_back(values[f]);
+    for (EventRecord event : run.events) {
+      event.t += static_cast<double>(k) * unit;
+      out.events.push_back(std::move(event));
+    }
+    if (!needs_extents) continue;
+    const std::vector<Extent> found = extents(propagator, run, functions);
+    for (std::size_t f = 0; f < functions.size(); ++f) {
+      Extent& all = out.extents[f];
+      const bool known = std::isfinite(found[f].integral) && std::isfinite(all.integral);
+      all = known ? Extent{std::max(all.largest, found[f].largest), std::min(all.smallest, found[f].smallest),
+                           all.integral + found[f].integral}
+                  : Extent{std::nan(""), std::nan(""), std::nan("")};
+    }
+  }
+  return out;
+}
+
+std::vector<double> values_of(const Quantity& quantity, const Measured& measured, const MeasuredMotion& motion) {
+  const double periods = static_cast<double>(motion.states.size());
+  const auto extent = [&]() -> const Extent& { return measured.extents[quantity.function]; };
+  double fastest = std::nan(""), slowest = std::nan(""), impacts = 0.0;
+  for (const EventRecord& event : measured.events) {
+    if (!begins_contact(event.kind)) continue;
+    fastest = std::fmax(fastest, event.normal_speed);
+    slowest = std::fmin(slowest, event.normal_speed);
+    ++impacts;
+  }
+  switch (quantity.kind) {
+  case QuantityKind::at_phase_0:
+    return measured.starts[quantity.function];
+  case QuantityKind::largest:
+    return {extent().largest};
+  case QuantityKind::smallest:
+    return {extent().smallest};
+  case QuantityKind::amplitude:
+    return {0.5 * (extent().largest - extent().smallest)};
+  case QuantityKind::mean:
+    return {extent().integral / motion.duration};
+  case QuantityKind::impact_speed_max:
+    return {fastest};
+  case QuantityKind::impact_speed_min:
+    return {slowest};
+  case QuantityKind::impacts:
+    return {impacts};
+  case QuantityKind::impacts_per_period:
+    return {impacts / periods};
+  case QuantityKind::energy_lost: {
+    double sum = 0.0;
+    const std::vector<Contact> contacts_of_motion =
+        motion.closes ? contacts_of_cycle(measured.events, motion.duration).by_entry : contacts(measured.events);
+    for (const Contact& contact : contacts_of_motion)
+      if (contact.complete) sum += contact.energy_lost;
+    return {sum / periods};
+  }
+  case QuantityKind::period:
+    break;
+  }
+  return {motion.duration};
+}
+
+}  // namespace
+
+void add_quantity_option(CLI::App& app, std::vector<std::string>& texts) {
+  add_texts(app, "--y", texts, "QUANTITY",
+            "show this too, and in pictures instead of the first state: an expression E of states, parameters and t (at forcing "
+            "phase 0), max(E), min(E), amplitude(E), mean(E), impact_speed_max, impact_speed_min, impacts, impacts_per_period, "
+            "energy_lost or period; repeatable");
+}
+
+Quantities read_quantities(const Problem& problem, const std::vector<std::string>& texts) { return Reading(problem).read(texts); }
+
+void put_quantity_option(Json& options, const std::vector<std::string>& texts) {
+  if (!texts.empty()) options["y"] = texts;
+}
+
+std::string quantity_label(const Problem& problem, const std::string& text) {
+  const std::string unit = read_quantities(problem, {text}).list.front().unit;
+  return text + (!problem.written ? " (dimensionless)" : unit.empty() ? "" : " / " + unit);
+}
+
+QuantityValues measure(const Quantities& quantities, const HybridSystem& system, const Vector& p, const MeasuredMotion& motion) {
+  QuantityValues values;
+  if (quantities.empty()) return values;
+  const std::optional<Measured> measured = run_along(quantities, system, p, motion);
+  for (const Quantity& one : quantities.list) {
+    const std::size_t count = one.kind == QuantityKind::at_phase_0 ? motion.states.size() : 1;
+    values.push_back({one.text, measured ? values_of(one, *measured, motion) : std::vector<double>(count, std::nan(""))});
+  }
+  return values;
+}
+
+QuantityValues measure(const Quantities& quantities, const HybridSystem& system, const PeriodicOrbit& orbit) {
+  return measure(quantities, system, orbit.parameters, {.states = orbit.states, .duration = orbit.duration});
+}
+
+void put_quantities(Json& json, const QuantityValues& values) {
+  json.erase("y");
+  if (!values.empty()) json["y"] = tree_of([&](JsonText& text) { write_quantities(values, text); });
+}
+
+void write_quantities(const QuantityValues& values, JsonText& json) {
+  json.begin_object();
+  for (const QuantityValue& one : values) {
+    if (one.values.size() == 1)
+      json.member(one.name, one.values.front());
+    else
+      json.member(one.name, one.values);
+  }
+  json.end_object();
+}
+
+std::vector<double> values_at(const QuantityValues& values, std::size_t period) {
+  std::vector<double> list;
+  for (const QuantityValue& one : values) list.push_back(one.values.size() == 1 ? one.values.front() : one.values.at(period));
+  return list;
+}
+
+void add_columns(Table& table, const QuantityValues& values) {
+  for (const QuantityValue& one : values) table.columns.push_back(one.name);
+}
+
+void add_cells(std::vector<std::string>& row, const QuantityValues& values, bool for_people) {
+  for (const double value : values_at(values))
+    row.push_back(!std::isfinite(value) ? (for_people ? "-" : "") : for_people ? rounded(value, 10) : exact(value));
+}
+
+}  // namespace graze::apps

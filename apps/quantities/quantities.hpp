@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Quantities: what --y asks to be shown of an orbit or an attractor. E is any expression of states, their rates (v'), parameters,
+// t, definitions and outputs.
+//
+//     E                                       at forcing phase 0: of an orbit of n periods n values
+//     max(E), min(E), amplitude(E), mean(E)   over the orbit; the amplitude is (max - min)/2
+//     impact_speed_max, impact_speed_min      of impacts and entries into contact; NaN without any
+//     impacts, impacts_per_period             their number, over the orbit and per forcing period
+//     energy_lost                             per forcing period, in contacts
+//     period                                  the duration of the orbit
+//
+// max and min of two arguments are functions within E. A name of the problem goes before a word of this list.
+#pragma once
+
+#include <graze/apps/problem/problem.hpp>
+#include <graze/apps/text/json_text.hpp>
+#include <graze/apps/text/table.hpp>
+
+#include <graze/floquet/orbit/periodic_orbit.hpp>
+#include <graze/lib/equations/motion_functions.hpp>
+
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace graze::apps {
+
+enum class QuantityKind {
+  at_phase_0,
+  largest,
+  smallest,
+  amplitude,
+  mean,
+  impact_speed_max,
+  impact_speed_min,
+  impacts,
+  impacts_per_period,
+  energy_lost,
+  period
+};
+
+struct Quantity {
+  std::string text;  ///< as it was given
+  QuantityKind kind = QuantityKind::at_phase_0;
+  std::size_t function = 0;  ///< number of E in Quantities::functions
+  std::string unit = {};     ///< empty: not known
+};
+
+struct Quantities {
+  std::vector<Quantity> list;
+  equations::MotionFunctions functions;
+  bool empty() const { return list.empty(); }
+};
+
+/// --y.
+void add_quantity_option(CLI::App& app, std::vector<std::string>& texts);
+
+/// @throws std::invalid_argument in one sentence, with what is allowed, for a text that is none.
+Quantities read_quantities(const Problem& problem, const std::vector<std::string>& texts);
+
+/// The texts among a result's options as "y"; not there if there are none.
+void put_quantity_option(Json& options, const std::vector<std::string>& texts);
+
+/// For an axis: "max(x1) / mm"; of built-in systems "max(x) (dimensionless)".
+std::string quantity_label(const Problem& problem, const std::string& text);
+
+/// A quantity of one motion: one value, or one for each forcing period. NaN: not known.
+struct QuantityValue {
+  std::string name;
+  std::vector<double> values;
+};
+using QuantityValues = std::vector<QuantityValue>;
+
+/// A motion by its states at forcing phase 0 (of an autonomous system by its state at the start), one for each period; `duration`
+/// of all of them.
+struct MeasuredMotion {
+  std::vector<Vector> states;
+  double duration = 0.0;
+  bool closes = true;  ///< it leads from the last state to the first
+};
+
+/// Everything is NaN where a free run does not come to the next state: an orbit that is not admissible, or that grazes so that it
+/// cannot be reproduced.
+QuantityValues measure(const Quantities& quantities, const HybridSystem& system, const Vector& p, const MeasuredMotion& motion);
+
+QuantityValues measure(const Quantities& quantities, const HybridSystem& system, const PeriodicOrbit& orbit);
+
+/// Adds "y": {"max(x)": 1.2, "x": [0.3, 0.5]}, a number or a list of several; nothing where there are no values, and what was
+/// there goes.
+void put_quantities(Json& json, const QuantityValues& values);
+void write_quantities(const QuantityValues& values, JsonText& json);
+
+/// The value of each in a period, the first or the only one.
+std::vector<double> values_at(const QuantityValues& values, std::size_t period = 0);
+
+/// The names as further columns, and their cells: for people, or exact and empty where a value is not known.
+void add_columns(Table& table, const QuantityValues& values);
+void add_cells(std::vector<std::string>& row, const QuantityValues& values, bool for_people);
+
+}  // namespace graze::apps

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// MotionFunctions: expressions of a motion (states, their rates x', parameters, time) with their exact rates of change along it.
+//
+// They are independent of the modes: x' is the value of the field that the motion has just then. With the symbols
+// x_0 ... x_{n-1} for the states, x_{n+i} for x_i' and x_{2n+i} for x_i'',
+//     dE/dt = E_t + sum over i < 2n of E_{x_i} x_{n+i},        x'' = f_t + f_x f.
+#pragma once
+
+#include <graze/lib/equations/tape.hpp>
+#include <graze/lib/system/hybrid_system.hpp>
+
+#include <memory>
+
+namespace graze::equations {
+
+class MotionFunctions {
+ public:
+  MotionFunctions() = default;
+  /// Of a system with so many states. @throws std::invalid_argument for a rate of a rate.
+  MotionFunctions(Graph& graph, std::vector<Expression> of, std::size_t states);
+
+  std::size_t size() const { return size_; }
+  /// Writes size() values and their rates of change at a state in a mode of the system.
+  void evaluate(const HybridSystem& system, std::size_t mode, double t, const Vector& x, const Vector& p, double* values,
+                double* rates) const;
+
+ private:
+  std::size_t size_ = 0;
+  bool second_rates_ = false;  ///< x'' occurs
+  Tape tape_;                  ///< the values, then the rates
+};
+
+}  // namespace graze::equations

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Extent: the largest and the smallest value of a function of the motion over a run, and its integral.
+//
+// An extremum lies where a stretch between two events begins or ends, or where the rate of change vanishes. Each stretch is cut
+// into panels; in a panel the motion is carried to the points of Chebyshev, where value and rate are exact. A panel whose series
+// do not converge is halved, so that the beginning of a contact or a bend of abs() needs nothing special. The integral is that of
+// the value's series (Clenshaw and Curtis, Numer. Math. 2, 197, 1960). Where the series of the rate changes its sign, the motion
+// is carried there: an error of the instant moves the extremum by its square only.
+#pragma once
+
+#include <graze/lib/equations/motion_functions.hpp>
+#include <graze/lib/motion/propagator.hpp>
+
+#include <limits>
+
+namespace graze {
+
+struct Extent {
+  double largest = -std::numeric_limits<double>::infinity();
+  double smallest = std::numeric_limits<double>::infinity();
+  double integral = 0.0;  ///< over time
+};
+
+/// One for each function. The run is one of the propagator's system and parameters. Entries are NaN where a function is not
+/// finite on the way, or where the motion cannot be carried once more.
+std::vector<Extent> extents(Propagator& propagator, const Trajectory& run, const equations::MotionFunctions& functions);
+
+}  // namespace graze

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// --y: quantities of orbits, branches and attractors against closed forms, in every place where they are written.
+#include "graze_program.hpp"
+
+#include <graze/apps/pictures/pictures.hpp>
+#include <graze/apps/text/table.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <numbers>
+
+using namespace graze;
+using namespace graze::apps;
+using namespace graze::support;
+using Catch::Matchers::Contains;
+using std::numbers::pi;
+
+namespace {
+
+/// A linear oscillator without stop, in millimetres; the work of its force.
+constexpr const char* shaken = R"([system]
+states  = ["x", "v"]
+forcing = "omega"
+[parameters]
+omega = { value = 0.6, above = 0, unit = "rad/s" }
+F     = 1.5
+c     = 0.1
+[definitions]
+force = "F*cos(omega*t)"
+[modes.free]
+equations = """
+  x' = v
+  v' = force - c*v - x
+"""
+[outputs]
+power = "force*v"
+[units]
+x     = "mm"
+power = "W"
+t     = "s"
+[start]
+state = [0, 0]
+)";
+
+double amplitude(double omega) {
+  return 1.5 / std::hypot(1.0 - omega * omega, 0.1 * omega);
+}
+
+Json result(std::vector<std::string> arguments) {
+  arguments.insert(arguments.end(), {"--quiet", "--json", "-"});
+  return json_of(call(arguments));
+}
+
+std::size_t column(const Table& table, const std::string& name) {
+  const auto found = std::find(table.columns.begin(), table.columns.end(), name);
+  REQUIRE(found != table.columns.end());
+  return static_cast<std::size_t>(found - table.columns.begin());
+}
+
+}  // namespace
+
+TEST_CASE("quantities of a linear oscillator along its resonance curve are those of the closed form") {
+  const TemporaryFolder folder;
+  const std::string file = folder.write("shaken.toml", shaken);
+  const Json json = result({"continue", file,
+                            "--to",     "1.6",
+                            "--y",      "max(x)",
+                            "--y",      "amplitude(v)",
+                            "--y",      "mean(power)",
+                            "--y",      " x ",
+                            "--y",      "max(v')",
+                            "--y",      "impact_speed_max",
+                            "--y",      "impacts",
+                            "--y",      "period",
+                            "--csv",    folder.file("b.csv")});
+  CHECK(json["options"]["y"].size() == 8);
+  const Json& points = json["branches"][0]["points"];
+  REQUIRE(points.size() > 10);
+  const Table table = parse_csv(read_file(folder.file("b.csv")), "b.csv");
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double omega = points[i]["value"], R = amplitude(omega);
+    const Json& y = points[i]["y"];
+    CHECK(std::abs(y["max(x)"].get<double>() - R) < 1e-11 * R);
+    CHECK(std::abs(y["amplitude(v)"].get<double>() - R * omega) < 1e-11 * R);
+    CHECK(std::abs(y["mean(power)"].get<double>() - 0.05 * R * R * omega * omega) < 1e-11 * R * R);
+    CHECK(std::abs(y["max(v')"].get<double>() - R * omega * omega) < 1e-11 * R);
+    CHECK(y["x"] == points[i]["state"][0]);
+    CHECK(y["period"].get<double>() == Approx(2.0 * pi / omega).epsilon(1e-15));
+    CHECK(y["impacts"] == 0.0);
+    CHECK(y["impact_speed_max"].is_null());
+  }
+  for (const Json& point : json["branches"][0]["special_points"]) CHECK(point["y"].contains("max(x)"));
+  CHECK(std::stod(table.rows[0][column(table, "max(x)")]) == points[0]["y"]["max(x)"].get<double>());
+  CHECK(table.rows[0][column(table, "impact_speed_max")].empty());
+
+  const Picture picture = picture_of(json, "branch");
+  CHECK(picture.x_label == "omega / rad/s");
+  CHECK(picture.y_label == "max(x) / mm");
+  REQUIRE(picture.below.size() == 7);
+  CHECK(picture.below[0].y_label == "amplitude(v)");
+  CHECK(picture.below[1].y_label == "mean(power) / W");
+  CHECK(picture.below[6].y_label == "period / s");
+  CHECK(picture.curves[0].points[0][1] == points[0]["y"]["max(x)"].get<double>());
+}
+
+TEST_CASE("quantities of a ball on a table are those of its parabola") {
+  // Between two impacts the height is a parabola of duration T: mean h + g T^2 / 12, maximum h + g T^2 / 8.
+  const Json json =
+      result({"orbit", GRAZE_DATA_DIR "/models/ball-on-table.toml", "--y", "mean(height)", "--y", "max(height)", "--y",
+              "energy_lost", "--y", "impacts_per_period", "--y", "impact_speed_min", "--y", "mean(u)", "--y", "min(y)"});
+  const Json &orbit = json["orbit"], &y = orbit["y"];
+  const double tau = orbit["events"][0]["tau"], speed = orbit["events"][0]["speed"], T = 2.0 * pi, h = 0.4 * std::sin(tau);
+  CHECK(std::abs(y["mean(height)"].get<double>() - (h + T * T / 12.0)) < 1e-11);
+  CHECK(std::abs(y["max(height)"].get<double>() - (h + T * T / 8.0)) < 1e-12);
+  CHECK(std::abs(y["energy_lost"].get<double>() - 0.5 * (1.0 - 0.64) * speed * speed) < 1e-12);
+  CHECK(y["impacts_per_period"] == 1.0);
+  CHECK(y["impact_speed_min"] == speed);
+  CHECK(std::abs(y["mean(u)"].get<double>()) < 1e-12);
+  CHECK(std::abs(y["min(y)"].get<double>()) < 1e-12);
+}
+
+TEST_CASE("quantities of a sweep are those of its attractors, and its states at phase 0 one by one") {
+  const TemporaryFolder folder;
+  const Json json = result({"sweep", problem("hertz-damped"), "--from", "0.9", "--to", "0.93", "--step", "0.01", "--y", "x",
+                            "--y", "max(x)", "--y", "impact_speed_max", "--csv", folder.file("s.csv")});
+  const Table table = parse_csv(read_file(folder.file("s.csv")), "s.csv");
+  std::size_t line = 0;
+  bool doubled = false;
+  for (const Json& row : json["rows"]) {
+    const Json& y = row["y"];
+    double fastest = 0.0;
+    for (const Json& speed : row["impact_speeds"]) fastest = std::max(fastest, speed.get<double>());
+    CHECK(y["impact_speed_max"].get<double>() == Approx(fastest).epsilon(1e-11));
+    doubled = doubled || row["states"].size() == 2;
+    for (std::size_t k = 0; k < row["states"].size(); ++k, ++line) {
+      const Json& x = row["states"].size() == 1 ? y["x"] : y["x"][k];
+      CHECK(x == row["states"][k][0]);
+      CHECK(y["max(x)"].get<double>() > x.get<double>());
+      CHECK(std::stod(table.rows[line][column(table, "max(x)")]) == y["max(x)"].get<double>());
+    }
+    const Json orbit = result({"orbit", problem("hertz-damped"), "--set", "eta=" + row["value"].dump(), "--period",
+                               row["attractor"]["period"].dump(), "--y", "max(x)"})["orbit"];
+    CHECK(y["max(x)"].get<double>() == Approx(orbit["y"]["max(x)"].get<double>()).epsilon(1e-11));
+  }
+  CHECK(doubled);
+  CHECK(picture_of(json).y_label == "x (dimensionless)");
+}
+
+TEST_CASE("quantities of a diagram that is gone on with are those of one run through") {
+  const TemporaryFolder folder;
+  const std::vector<std::string> arguments = {"diagram", problem("newton-elastic"),
+                                              "--from",  "0.93",
+                                              "--to",    "0.95",
+                                              "--step",  "0.005",
+                                              "--quiet", "--y",
+                                              "max(x)",  "--max-period",
+                                              "2",       "--max-branches",
+                                              "3",       "--periods",
+                                              "2000",    "--out"};
+  std::vector<std::string> first = arguments, second = arguments;
+  first.push_back(folder.file("run"));
+  REQUIRE(call(first).code == 0);
+  const std::string whole = read_file(folder.file("run") + "/diagram.json");
+  second.push_back(folder.file("run"));
+  second.insert(second.end(), {"--resume", folder.file("run")});
+  REQUIRE(call(second).code == 0);
+  CHECK(read_file(folder.file("run") + "/diagram.json") == whole);
+  const Json json = Json::parse(whole);
+  for (const Json& row : json["rows"]) CHECK(row["y"].contains("max(x)"));
+  for (const Json& branch : json["branches"])
+    for (const Json& point : branch["points"]) CHECK(point["y"].contains("max(x)"));
+}
+
+TEST_CASE("a quantity that there is none of is refused before anything is computed") {
+  const TemporaryFolder folder;
+  const std::string file = folder.write("shaken.toml", shaken);
+  const auto refused = [&](const std::string& text, const std::string& why) {
+    const Outcome outcome = call({"continue", file, "--to", "1.6", "--y", text});
+    INFO(text);
+    CHECK(outcome.code == 2);
+    CHECK_THAT(outcome.err, Contains("--y " + text) && Contains(why) && Contains("amplitude(E)") && Contains("energy_lost"));
+    CHECK(outcome.out.empty());
+  };
+  refused("max(y)", "unknown name 'y'");
+  refused("maxim(x)", "unknown function 'maxim'");
+  refused("max(x", "not closed");
+  refused("max(x)-min(x)", "2 arguments");
+  refused("", "empty");
+  refused("impact_speed", "unknown name 'impact_speed'");
+  CHECK_THAT(call({"continue", file, "--to", "1.6", "--y", "x", "--y", "x"}).err, Contains("given twice"));
+  CHECK_THAT(call({"orbit", file, "--y", "max(x)", "--json", "-"}).out, Contains("\"max(x)\""));
+  CHECK(result({"orbit", file, "--y", "max(x, v)"})["orbit"]["y"]["max(x, v)"].is_number());
+}
+
+TEST_CASE("units in a file are those of states and outputs") {
+  const TemporaryFolder folder;
+  std::string text = shaken;
+  text.replace(text.find("x     = \"mm\""), 5, "y    ");
+  CHECK_THAT(call({"orbit", folder.write("a.toml", text)}).err, Contains("a unit of 'y'") && Contains("a.toml:"));
+  text = shaken;
+  text.replace(text.find("x     = \"mm\""), 5, "F    ");
+  CHECK_THAT(call({"orbit", folder.write("b.toml", text)}).err, Contains("the unit of a parameter stands with it"));
+}

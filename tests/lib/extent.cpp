@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Extrema and integrals of functions of the motion against closed forms, and against sampling where there are none.
+#include <graze/lib/models/oscillator.hpp>
+#include <graze/lib/motion/extent.hpp>
+
+#include "support/bouncing_ball.hpp"
+#include "support/checks.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <numbers>
+
+using namespace graze;
+using namespace graze::support;
+using equations::Expression;
+using equations::Graph;
+using equations::MotionFunctions;
+using equations::Operation;
+
+namespace {
+
+std::vector<Extent> measured(const HybridSystem& system, const Vector& p, const Vector& start, double t_end, Graph& graph,
+                             const std::vector<Expression>& of) {
+  Propagator propagator(system, p);
+  const Trajectory run = simulate(system, p, 0.0, start, {.t_end = t_end});
+  REQUIRE(run.termination == Termination::time);
+  return extents(propagator, run, MotionFunctions(graph, of, system.states));
+}
+
+void set(const HybridSystem& system, Vector& p, const char* name, double value) {
+  p[static_cast<Eigen::Index>(parameter_index(system.parameters, name))] = value;
+}
+
+}  // namespace
+
+TEST_CASE("extents along a harmonic motion are those of its closed form") {
+  // x = R cos(eta t - phi), v = -R eta sin(eta t - phi).
+  const HybridSystem system = make_oscillator("linear", "newton");
+  Vector p = default_parameters(system.parameters);
+  const double b = 0.05, eta = 0.83, R = 1.0 / std::hypot(1.0 - eta * eta, 2.0 * b * eta),
+               phi = std::atan2(2.0 * b * eta, 1.0 - eta * eta), T = 2.0 * std::numbers::pi / eta;
+  set(system, p, "b", b);
+  set(system, p, "xi", 1.0);
+  set(system, p, "eta", eta);
+  set(system, p, "r", 100.0);
+  Graph graph;
+  const Expression x = graph.state(0), v = graph.state(1), speed = graph.function(Operation::abs, v);
+  const Expression force =
+      graph.function(Operation::cos, graph.multiply(graph.parameter(parameter_index(system.parameters, "eta")), graph.time()));
+  const auto found =
+      measured(system, p, vector({R * std::cos(phi), R * eta * std::sin(phi)}), T, graph,
+               {x, v, graph.rate(v), graph.multiply(x, x), speed, graph.multiply(force, v), graph.function(Operation::step, x)});
+  const double tolerance = 1e-12 * (1.0 + R);
+  CHECK(std::abs(found[0].largest - R) < tolerance);
+  CHECK(std::abs(found[0].smallest + R) < tolerance);
+  CHECK(std::abs(found[0].integral) < tolerance * T);
+  CHECK(std::abs(found[1].largest - R * eta) < tolerance);
+  CHECK(std::abs(found[2].largest - R * eta * eta) < tolerance);
+  CHECK(std::abs(found[3].integral - R * R / 2.0 * T) < tolerance * R * T);
+  CHECK(std::abs(found[3].smallest) < 1e-20);
+  // Bends of abs(v) where v vanishes, a jump of step(x).
+  CHECK(std::abs(found[4].integral - 4.0 * R) < tolerance * T);
+  CHECK(std::abs(found[4].smallest) < tolerance);
+  CHECK(std::abs(found[6].integral - T / 2.0) < 1e-11 * T);
+  // The work of the force is what the damper takes: 2 b v^2.
+  CHECK(std::abs(found[5].integral - b * R * R * eta * eta * T) < tolerance * R * T);
+}
+
+TEST_CASE("extents of a ball that comes to rest are the sums of its flights") {
+  // A flight that begins with speed u: height u^2/(2 g), way u^2/g, area 2 u^3/(3 g^2).
+  const HybridSystem system = bouncing_ball();
+  const double g = 9.81, k_r = 0.8, u = 3.0;
+  const Vector p = vector({g, 0.0, k_r});
+  Graph graph;
+  const Expression x = graph.state(0), v = graph.state(1);
+  const double rest = 2.0 * u / g / (1.0 - k_r);
+  const auto found = measured(system, p, vector({0.0, u}), 1.3 * rest, graph, {x, graph.function(Operation::abs, v), v});
+  CHECK(std::abs(found[0].largest - u * u / (2.0 * g)) < 1e-13);
+  CHECK(found[0].smallest >= -1e-15);
+  CHECK(std::abs(found[0].integral - 2.0 * u * u * u / (3.0 * g * g) / (1.0 - k_r * k_r * k_r)) < 1e-12);
+  CHECK(std::abs(found[1].integral - u * u / g / (1.0 - k_r * k_r)) < 1e-11);
+  CHECK(std::abs(found[2].largest - u) < 1e-13);
+  CHECK(std::abs(found[2].smallest + u) < 1e-12);  // right before the first impact
+}
+
+TEST_CASE("extents through a Hertz contact agree with the fundamental theorem and with samples") {
+  const HybridSystem system = make_oscillator("linear", "hertz");
+  const Vector p = default_parameters(system.parameters);
+  const Vector start = vector({1.9, 1.2});
+  const double T = 3.0 * forcing_period(system, p);
+  const Trajectory run = simulate(system, p, 0.0, start, {.t_end = T});
+  REQUIRE(run.events.size() >= 4);
+  Graph graph;
+  const Expression x = graph.state(0), v = graph.state(1);
+  const auto found = measured(system, p, start, T, graph, {x, v, graph.rate(v), graph.multiply(x, v)});
+  CHECK(std::abs(found[1].integral - (run.x[0] - start[0])) < 1e-11);
+  CHECK(std::abs(found[2].integral - (run.x[1] - start[1])) < 1e-10);  // the contact force begins with the power 3/2
+  CHECK(std::abs(found[3].integral - 0.5 * (run.x[0] * run.x[0] - start[0] * start[0])) < 1e-11);
+  std::vector<double> times(40001);
+  for (std::size_t i = 0; i < times.size(); ++i) times[i] = T * static_cast<double>(i) / 40000.0;
+  const Matrix samples = sample(system, p, run, times);
+  // Samples miss a maximum by x'' h^2 / 8 at most.
+  const double missed = found[2].largest - found[2].smallest, step = T / 40000.0;
+  for (const Eigen::Index i : {0, 1}) {
+    CHECK(found[static_cast<std::size_t>(i)].largest >= samples.col(i + 1).maxCoeff() - 1e-13);
+    CHECK(found[static_cast<std::size_t>(i)].smallest <= samples.col(i + 1).minCoeff() + 1e-13);
+  }
+  CHECK(found[0].largest <= samples.col(1).maxCoeff() + missed * step * step / 8.0);
+  CHECK(found[0].smallest >= samples.col(1).minCoeff() - missed * step * step / 8.0);
+}
+
+TEST_CASE("extents of what is not finite are not known") {
+  const HybridSystem system = make_oscillator("linear", "newton");
+  Vector p = default_parameters(system.parameters);
+  set(system, p, "r", 100.0);
+  Graph graph;
+  const Expression x = graph.state(0);
+  const auto found = measured(system, p, vector({0.5, 0.0}), 2.0, graph, {x, graph.function(Operation::sqrt, graph.negate(x))});
+  CHECK(std::isfinite(found[0].largest));
+  CHECK(std::isnan(found[1].largest));
+  CHECK(std::isnan(found[1].integral));
+  CHECK_THROWS_AS(MotionFunctions(graph, {graph.rate(graph.rate(graph.rate(x)))}, 2), std::invalid_argument);
+}
