@@ -29,6 +29,7 @@ struct Options {
   OrbitOptions orbit;
   std::string type, parameter;
   std::optional<double> near, reach, from;
+  std::vector<std::string> quantities;
   OutputOptions output;
 };
 
@@ -197,8 +198,11 @@ int run(const Options& given, const Console& console) {
   if (!(reach > 0.0)) throw std::invalid_argument(fmt::format("--reach {}: must be > 0, for example 0.01", reach));
   set_parameter(problem, options.parameter, options.from.value_or(*options.near), options.from ? "--from" : "--near");
 
+  const Quantities quantities = read_quantities(problem, options.quantities);
+  Json asked = all_options(problem, options, reach);
+  put_quantity_option(asked, options.quantities);
   Result result;
-  result.json = result_head("point/1", "locate", problem, all_options(problem, options, reach));
+  result.json = result_head("point/1", "locate", problem, asked);
   folder.check_free_for(result.json);
   const Located located = locate_near(problem, options, reach, console);
   const std::optional<SpecialPoint>& point = located.nearest.point;
@@ -213,10 +217,12 @@ int run(const Options& given, const Console& console) {
   result.json["special_point"] = point ? special_point_json(*point) : Json(nullptr);
   result.text = describe(problem, options.parameter) + "\n\n";
   if (point) {
-    result.text +=
-        special_point_text(*point, options.parameter) + "\n" + orbit_text(problem, point->orbit, stability_text(*point));
+    const QuantityValues measured = measure(quantities, problem.system, point->orbit);
+    put_quantities(result.json["special_point"], measured);
+    result.text += special_point_text(*point, options.parameter) + "\n" +
+                   orbit_text(problem, point->orbit, stability_text(*point)) + quantities_text(measured);
     if (!message.empty()) result.text += "\n" + message + "\n";
-    result.table = orbits_table(problem, {point->orbit}, false);
+    result.table = orbits_table(problem, {point->orbit}, false, {measured});
     const auto stable =
         std::find(result.table.columns.begin(), result.table.columns.end(), "stable") - result.table.columns.begin();
     result.table.rows.front()[static_cast<std::size_t>(stable)] = stable_cell(stable_at(*point));
@@ -239,6 +245,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_number(app, "--reach", options->reach, "how far from --near it may lie (default: 5 % of it)");
   add_number(app, "--from", options->from,
              "the one value at which orbits are looked for (default: --near, then both sides of it)");
+  add_quantity_option(app, options->quantities);
   add_output_options(app, options->output, "point/1");
   return [options](const Console& console) { return run(*options, console); };
 }

@@ -7,6 +7,7 @@
 #include <graze/apps/output/output_folder.hpp>
 #include <graze/apps/output/result.hpp>
 #include <graze/apps/problem/section.hpp>
+#include <graze/apps/quantities/quantities.hpp>
 #include <graze/apps/results/find_orbit.hpp>
 #include <graze/apps/text/number.hpp>
 
@@ -26,6 +27,7 @@ struct Options {
   StartOptions start;
   std::string section;
   int points = 1000;
+  std::vector<std::string> expressions;
   OutputOptions output;
 };
 
@@ -70,9 +72,14 @@ int run(const Options& options, const Console& console) {
   SectionOptions collecting;
   take_section(options, problem, collecting);
   const std::string name = options.section.empty() ? section_name(collecting.kind) : options.section;
+  const Quantities expressions = read_expressions(problem, options.expressions);
+  if (collecting.kind == SectionKind::impact && !expressions.empty())
+    throw std::invalid_argument(fmt::format(
+        "--y {}: an impact section has phases and speeds, no states; use --section stroboscopic", expressions.list.front().text));
   Json asked = options_json(problem, options.start);
   asked["section"] = name;
   asked["points"] = options.points;
+  put_quantity_option(asked, options.expressions);
   Result result;
   result.json = result_head("poincare/1", "poincare", problem, asked);
   folder.check_free_for(result.json);
@@ -92,7 +99,9 @@ int run(const Options& options, const Console& console) {
                           periods_name(problem));
   }
   set_status(result.json, status, message);
+  append_values(expressions, problem, false, section.points);
   result.json.update(section_json(problem, section));
+  for (const Quantity& one : expressions.list) result.json["columns"].push_back(one.text);
   result.table.columns = result.json["columns"].get<std::vector<std::string>>();
   for (const Vector& point : section.points) result.table.rows.push_back(exact_cells(point));
   result.text = fmt::format("{}\n{} of the {} section in {}\n{}", describe(problem), counted(section.points.size(), "point"),
@@ -109,6 +118,8 @@ std::function<int(const Console&)> setup(CLI::App& app) {
            "stroboscopic: states at forcing phase 0 (default); impact: phase and speed of each impact; without forcing returns "
            "(default), impact, or an event of the file: states right behind it");
   add_count(app, "--points", options->points, 1, "number of points, after the transient (default 1000)", most_points);
+  add_texts(app, "--y", options->expressions, "EXPRESSION",
+            "also record this expression of states and parameters, and draw it against the first state; repeatable");
   add_output_options(app, options->output, "poincare/1");
   return [options](const Console& console) { return run(*options, console); };
 }

@@ -28,6 +28,7 @@ struct Options {
   StartOptions start;
   int periods = 10, samples = 100;
   std::optional<double> duration;
+  std::vector<std::string> expressions;
   OutputOptions output;
 };
 
@@ -52,6 +53,7 @@ int run(const Options& given, const Console& console) {
     throw std::invalid_argument(fmt::format("--periods {} times --samples {} is more than {} samples; ask for fewer of either",
                                             options.periods, options.samples, static_cast<int>(most_samples)));
   const Problem problem = open_problem(options.start, console);
+  const Quantities expressions = read_expressions(problem, options.expressions);
   if (options.duration && is_forced(problem.system))
     throw std::invalid_argument("--duration is for systems without forcing; give the length of the run by --periods");
   if (options.duration && !(*options.duration > 0.0))
@@ -62,6 +64,7 @@ int run(const Options& given, const Console& console) {
   asked["periods"] = options.periods;
   asked["samples"] = options.samples;
   if (options.duration) asked["duration"] = *options.duration;
+  put_quantity_option(asked, options.expressions);
   Result result;
   result.json = result_head("trajectory/1", "trajectory", problem, asked);
   folder.check_free_for(result.json);
@@ -82,6 +85,7 @@ int run(const Options& given, const Console& console) {
     motion.strobe.push_back(settled.state);
     motion.termination = settled.termination;
   }
+  append_values(expressions, problem, true, motion.samples);
   const ContactList list = contacts_of_run(motion.events);
   const Status status = motion.termination == Termination::time          ? Status::done
                         : motion.termination == Termination::interrupted ? Status::interrupted
@@ -92,8 +96,8 @@ int run(const Options& given, const Console& console) {
                                                                    counted(static_cast<std::size_t>(motion.periods), "period"),
                                                                    termination_text(motion.termination));
   set_status(result.json, status, message);
-  result.json.update(motion_json(problem, motion, list));
-  result.table.columns = motion_columns(problem);
+  result.json.update(motion_json(problem, motion, list, expressions));
+  result.table.columns = motion_columns(problem, expressions);
   for (const Vector& row : motion.samples) result.table.rows.push_back(exact_cells(row));
   result.text = describe(problem) + "\n" + motion_text(problem, motion, list, options.duration.has_value());
   if (status != Status::done) console.err << "graze trajectory: " << message << "\n";
@@ -109,6 +113,8 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_count(app, "--samples", options->samples, 1, "samples per forcing period or return (default 100)");
   add_number(app, "--duration", options->duration,
              "without forcing: record so much time in place of returns, cut into --periods parts, by default from the start on");
+  add_texts(app, "--y", options->expressions, "EXPRESSION",
+            "also record this expression of states, parameters and t, and draw it against time; repeatable");
   add_output_options(app, options->output, "trajectory/1");
   return [options](const Console& console) { return run(*options, console); };
 }

@@ -63,7 +63,9 @@ Picture draw_branches(const Json& result) {
       y = {std::min(y[0], point[1]), std::max(y[1], point[1])};
     }
   if (x[0] < x[1]) picture.x_range = x;
-  const double margin = 0.08 * std::max(y[1] - y[0], 1e-6);
+  const double size = std::max(std::abs(y[0]), std::abs(y[1]));
+  const bool flat = y[1] - y[0] <= 1e-9 * size;  // such as the largest x of a mass that reaches its stop
+  const double margin = 0.08 * (flat ? size : std::max(y[1] - y[0], 1e-6));
   if (y[0] <= y[1]) picture.y_range = {{y[0] - margin, y[1] + margin}};
   return picture;
 }

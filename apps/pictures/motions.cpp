@@ -2,6 +2,7 @@
 // Pictures of motions: time series and phase portraits of orbits, special points and trajectories, with the barrier drawn.
 #include <graze/apps/pictures/pictures.hpp>
 #include <graze/apps/pictures/range.hpp>
+#include <graze/apps/pictures/seen.hpp>
 #include <graze/apps/problem/head.hpp>
 #include <graze/apps/problem/motion.hpp>
 #include <graze/apps/results/orbit_report.hpp>
@@ -74,7 +75,7 @@ std::vector<Sampled> orbits_of(const Json& result) {
 void sample_more_finely(Sampled& motion, const Json& result) {
   const auto periods = result.at("periods").get<std::size_t>();
   const std::size_t finer = std::min(most_samples_per_period, most_samples / std::max<std::size_t>(periods, 1));
-  if (periods == 0 || finer == 0 || motion.rows.size() > finer * periods) return;
+  if (result.contains(seen_quantity) || periods == 0 || finer == 0 || motion.rows.size() > finer * periods) return;
   const Problem problem = problem_of(result);
   const double T = is_forced(problem.system) ? forcing_period(problem.system, problem.parameters) : 0.0;
   // Of an autonomous system, to which no returns but a duration may belong.
@@ -140,7 +141,7 @@ Picture phase_portrait(const Json& result, const std::vector<Sampled>& motions) 
 
 Picture time_series(const Json& result, const std::vector<Sampled>& motions) {
   Picture picture;
-  picture.title = "Displacement";
+  picture.title = result.contains(seen_quantity) ? "Motion" : "Displacement";
   picture.subtitle = model_title(result);
   picture.x_label = time_label(result);
   picture.y_label = state_label(result, 0, false);
@@ -148,7 +149,7 @@ Picture time_series(const Json& result, const std::vector<Sampled>& motions) {
   for (Barrier& barrier : picture.barriers) barrier.shaded = false;
   for (std::size_t i = 0; i < motions.size(); ++i) {
     Curve curve;
-    curve.title = motions[i].title.empty() ? "x" : motions[i].title;
+    curve.title = motions[i].title.empty() ? state_name(result, 0) : motions[i].title;
     curve.colour = colour_of(i);
     for (const auto& row : motions[i].rows) curve.points.push_back({row[0], row[1], 0.0});
     picture.curves.push_back(std::move(curve));
@@ -242,8 +243,13 @@ PictureKind point_phase_picture() {
 }
 
 PictureKind trajectory_time_picture() {
-  return {"graze.trajectory/1", "time", "displacement against time",
-          [](const Json& result) { return time_series(result, {trajectory_of(result)}); }};
+  return {"graze.trajectory/1",
+          "time",
+          "displacement against time",
+          [](const Json& result) { return time_series(result, {trajectory_of(result)}); },
+          {},
+          nullptr,
+          true};
 }
 
 PictureKind trajectory_phase_picture() {
@@ -251,6 +257,8 @@ PictureKind trajectory_phase_picture() {
           [](const Json& result) { return phase_portrait(result, {trajectory_of(result)}); }};
 }
 
-PictureKind section_picture() { return {"graze.poincare/1", "section", "points of the section", draw_section}; }
+PictureKind section_picture() {
+  return {"graze.poincare/1", "section", "points of the section", draw_section, {}, nullptr, true};
+}
 
 }  // namespace graze::apps

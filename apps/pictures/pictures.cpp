@@ -97,8 +97,17 @@ std::string colour_of(std::size_t series) {
 
 std::string model_title(const Json& result, const std::string& except) { return describe(problem_of(result), except); }
 
+namespace {
+
+/// Whether a quantity stands in the place of the state.
+bool is_seen(const Json& result, std::size_t state) {
+  return result.contains(seen_quantity) && state == result.value(seen_place, std::size_t{0});
+}
+
+}  // namespace
+
 std::vector<Barrier> barriers_of(const Json& result, bool vertical) {
-  if (result.contains("states") || result.contains(seen_quantity)) return {};
+  if (result.contains("states") || is_seen(result, 0)) return {};
   const double r = result.at("parameters").at("r").get<double>();
   return {{vertical, r, fmt::format("barrier x = r = {}", rounded(r, 6)), true}};
 }
@@ -121,9 +130,14 @@ std::string time_label(const Json& result) {
   return result.contains("states") ? "t" + unit_behind(result, "t") : "tau (dimensionless time)";
 }
 
+std::string state_name(const Json& result, std::size_t state) {
+  if (is_seen(result, state)) return result[seen_quantity];
+  return result.contains("states") ? result["states"].at(state).get<std::string>() : state == 0 ? "x" : "x'";
+}
+
 std::string state_label(const Json& result, std::size_t state, bool at_phase_0) {
-  if (state == 0 && result.contains(seen_quantity)) return quantity_label(problem_of(result), result[seen_quantity]);
-  const std::string name = result.contains("states") ? result["states"].at(state).get<std::string>() : state == 0 ? "x" : "x'";
+  const std::string name = state_name(result, state);
+  if (is_seen(result, state)) return quantity_label(problem_of(result), name, at_phase_0);
   return fmt::format("{}{}{}", name, at_phase_0 ? " at forcing phase 0" : "", unit_behind(result, name));
 }
 

@@ -58,7 +58,10 @@ std::vector<Barrier> barriers_of(const Json& result, bool vertical);
 std::string parameter_label(const Json& result, const std::string& name);
 std::string time_label(const Json& result);
 
-/// The same of a state: "x (dimensionless)", "x at forcing phase 0 / mm"; or the quantity that stands in its place.
+/// "x", "x'"; or the quantity that stands in its place.
+std::string state_name(const Json& result, std::size_t state);
+
+/// The same with its unit: "x (dimensionless)", "x at forcing phase 0 / mm".
 std::string state_label(const Json& result, std::size_t state, bool at_phase_0);
 
 /// The exponents of a sweep without title, to stand below other axes of this range.

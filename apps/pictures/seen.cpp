@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/pictures/seen.hpp>
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace graze::apps {
@@ -51,6 +53,16 @@ void see_branch(Json& branch, const std::string& quantity) {
   branch["special_points"] = std::move(special);
 }
 
+/// Of a trajectory or a section.
+void see_columns(Json& out, const std::string& quantity) {
+  const Json& columns = out["columns"];
+  const auto from = static_cast<std::size_t>(std::find(columns.rbegin(), columns.rend(), quantity).base() - columns.begin()) - 1;
+  const bool section = out.contains("points");
+  if (section) out[seen_place] = 1;
+  for (Json& row : out[section ? "points" : "samples"]) row.at(1) = row.at(from).is_null() ? Json(std::nan("")) : row.at(from);
+  out["events"] = Json::array();
+}
+
 }  // namespace
 
 Json seen_through(const Json& result, const std::string& quantity) {
@@ -60,6 +72,7 @@ Json seen_through(const Json& result, const std::string& quantity) {
     for (Json& branch : out["branches"]) see_branch(branch, quantity);
   if (out.contains("rows"))
     for (Json& row : out["rows"]) row["states"] = row.contains("y") ? values_of(row, quantity) : Json::array();
+  if (out.contains("columns")) see_columns(out, quantity);
   return out;
 }
 

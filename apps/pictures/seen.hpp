@@ -9,8 +9,11 @@ namespace graze::apps {
 
 /// The member of such a result that names the quantity.
 inline constexpr const char* seen_quantity = "seen_quantity";
+/// And the number of the state in whose place it stands; not there: the first.
+inline constexpr const char* seen_place = "seen_place";
 
-/// Points at which the quantity is not known are left out; the next one then has "after_gap".
+/// Points of branches at which the quantity is not known are left out; the next one then has "after_gap". In a section the
+/// quantity stands in the place of the second state. Of the events of a motion it is not known.
 Json seen_through(const Json& result, const std::string& quantity);
 
 /// The picture with the first quantity of the result, further ones below it; that of the states if it has none.

@@ -104,6 +104,45 @@ std::string owner_of(std::string_view parameter, const std::string& contact) {
   return {};
 }
 
+namespace {
+
+/// A physical quantity that the file gives; null: it gives none of this name, or it is a parameter of the system, too.
+std::pair<std::string, double>* given_quantity(Problem& problem, const std::string& name) {
+  if (!problem.converted_from) return nullptr;
+  for (const ParameterInfo& info : problem.system.parameters)
+    if (info.name == name) return nullptr;
+  for (auto& quantity : problem.converted_from->quantities)
+    if (quantity.first == name) return &quantity;
+  return nullptr;
+}
+
+ParameterInfo quantity_info(const ExcitationKind& kind, const std::string& name) {
+  for (const ParameterInfo& info : kind.quantities)
+    if (info.name == name) return info;
+  for (const ContactQuantity& quantity : contact_quantities())
+    if (quantity.info.name == name) return quantity.info;
+  return {};
+}
+
+/// Converts anew; parameters that do not depend on the quantity stay, as an earlier setting may have left them.
+void set_quantity(Problem& problem, std::pair<std::string, double>& quantity, double value) {
+  ConvertedFrom& from = *problem.converted_from;
+  const ExcitationKind& kind = excitation_kind(from.excitation);
+  check_parameters({quantity_info(kind, quantity.first)}, Vector{{value}});
+  const auto converted = [&] {
+    return kind.convert(std::map<std::string, double>(from.quantities.begin(), from.quantities.end()));
+  };
+  const Dimensionless before = converted();
+  quantity.second = value;
+  const Dimensionless after = converted();
+  from.alpha = after.alpha;
+  from.length = after.length;
+  for (const std::string& name : from.obtained)
+    if (const double now = *find_value(after, name); now != *find_value(before, name)) set_parameter(problem, name, now);
+}
+
+}  // namespace
+
 void apply_settings(Problem& problem, const std::vector<std::string>& settings) {
   for (const std::string& setting : settings) {
     const std::size_t equals = setting.find('=');
@@ -112,6 +151,11 @@ void apply_settings(Problem& problem, const std::vector<std::string>& settings) 
     const std::optional<double> value = parse_number(std::string_view(setting).substr(equals + 1));
     try {
       const std::string name = setting.substr(0, equals);
+      if (auto* const quantity = given_quantity(problem, name)) {
+        if (!value) throw std::invalid_argument(no_number(setting.substr(equals + 1)));
+        set_quantity(problem, *quantity, *value);
+        continue;
+      }
       index_of(problem, name);  // a wrong name is the better thing to say where both are wrong
       if (!value) throw std::invalid_argument(no_number(setting.substr(equals + 1)));
       set_parameter(problem, name, *value);

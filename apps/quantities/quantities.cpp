@@ -269,9 +269,39 @@ void put_quantity_option(Json& options, const std::vector<std::string>& texts) {
   if (!texts.empty()) options["y"] = texts;
 }
 
-std::string quantity_label(const Problem& problem, const std::string& text) {
-  const std::string unit = read_quantities(problem, {text}).list.front().unit;
-  return text + (!problem.written ? " (dimensionless)" : unit.empty() ? "" : " / " + unit);
+std::string quantity_label(const Problem& problem, const std::string& text, bool at_phase_0) {
+  const Quantity one = read_quantities(problem, {text}).list.front();
+  const bool phase = at_phase_0 && one.kind == QuantityKind::at_phase_0 && is_forced(problem.system);
+  return text + (phase ? " at forcing phase 0" : "") +
+         (!problem.written   ? " (dimensionless)"
+          : one.unit.empty() ? ""
+                             : " / " + one.unit);
+}
+
+Quantities read_expressions(const Problem& problem, const std::vector<std::string>& texts) {
+  Quantities out = read_quantities(problem, texts);
+  for (const Quantity& one : out.list)
+    if (one.kind != QuantityKind::at_phase_0)
+      throw std::invalid_argument(fmt::format("--y {}: this is a quantity of an orbit or an attractor; of the states of a motion "
+                                              "only expressions can be shown, such as {}",
+                                              one.text, state_columns(problem).front()));
+  return out;
+}
+
+void append_values(const Quantities& expressions, const Problem& problem, bool timed, std::vector<Vector>& rows) {
+  if (expressions.empty()) return;
+  const auto count = static_cast<Eigen::Index>(expressions.list.size()),
+             states = static_cast<Eigen::Index>(problem.system.states);
+  std::vector<double> values(expressions.functions.size()), rates(values.size());
+  for (Vector& row : rows) {
+    const double t = timed ? row[0] : 0.0;
+    const Vector x = row.tail(states);
+    const auto mode = mode_at(problem.system, t, x, problem.parameters);
+    if (mode) expressions.functions.evaluate(problem.system, *mode, t, x, problem.parameters, values.data(), rates.data());
+    row.conservativeResize(row.size() + count);
+    for (Eigen::Index k = 0; k < count; ++k)
+      row[row.size() - count + k] = mode ? values[expressions.list[static_cast<std::size_t>(k)].function] : std::nan("");
+  }
 }
 
 QuantityValues measure(const Quantities& quantities, const HybridSystem& system, const Vector& p, const MeasuredMotion& motion) {

@@ -64,8 +64,15 @@ Quantities read_quantities(const Problem& problem, const std::vector<std::string
 /// The texts among a result's options as "y"; not there if there are none.
 void put_quantity_option(Json& options, const std::vector<std::string>& texts);
 
-/// For an axis: "max(x1) / mm"; of built-in systems "max(x) (dimensionless)".
-std::string quantity_label(const Problem& problem, const std::string& text);
+/// For an axis: "max(x1) / mm", "x1 at forcing phase 0 / mm"; of built-in systems "max(x) (dimensionless)". `at_phase_0`: whether
+/// expressions are those of states at forcing phase 0.
+std::string quantity_label(const Problem& problem, const std::string& text, bool at_phase_0);
+
+/// The same for the states of one motion, which has values of expressions only.
+Quantities read_expressions(const Problem& problem, const std::vector<std::string>& texts);
+
+/// Appends their values to rows of states, the time before them if `timed`, else at forcing phase 0.
+void append_values(const Quantities& expressions, const Problem& problem, bool timed, std::vector<Vector>& rows);
 
 /// A quantity of one motion: one value, or one for each forcing period. NaN: not known.
 struct QuantityValue {

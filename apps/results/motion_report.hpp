@@ -8,9 +8,9 @@
 namespace graze::apps {
 
 /// What graze.trajectory/1 has beside its head: "periods", "end", "columns", "samples", "stroboscopic", "events", "contacts".
-Json motion_json(const Problem& problem, const Motion& motion, const ContactList& list);
+Json motion_json(const Problem& problem, const Motion& motion, const ContactList& list, const Quantities& expressions = {});
 
 /// "tau" and the states: the columns of its samples.
-std::vector<std::string> motion_columns(const Problem& problem);
+std::vector<std::string> motion_columns(const Problem& problem, const Quantities& expressions = {});
 
 }  // namespace graze::apps

@@ -92,6 +92,23 @@ TEST_CASE("physical quantities are converted") {
   CHECK(parameter(beam, "k_S") == Approx(25.0).epsilon(1e-14));
 }
 
+TEST_CASE("a setting of a physical quantity is converted, and leaves the parameters alone that do not depend on it") {
+  const std::string text = model + "[physical]\nexcitation = \"force\"\nm = 4\nk = 100\nc = 2\nF0 = 4\nomega = 4.75\nrho = 0.08\n"
+                                   "k_h = 50000\nb_h = 0.5\n";
+  Problem p = parsed(text);
+  apply_settings(p, {"eta=0.7", "F0=8"});
+  std::string doubled = text;
+  doubled.replace(doubled.find("F0 = 4"), 6, "F0 = 8");
+  const Problem q = parsed(doubled);
+  for (const char* name : {"b", "xi", "r", "k_H", "b_H"}) CHECK(parameter(p, name) == parameter(q, name));
+  CHECK(parameter(p, "eta") == 0.7);
+  CHECK(p.converted_from->length == q.converted_from->length);
+  apply_settings(p, {"omega=4.5"});
+  CHECK(parameter(p, "eta") == Approx(0.9).epsilon(1e-14));
+  CHECK_THROWS_WITH(apply_settings(p, {"F0=x"}), Contains("--set F0=x"));
+  CHECK_THROWS_WITH(apply_settings(p, {"m=-1"}), Contains("--set m=-1") && Contains("> 0"));
+}
+
 TEST_CASE("a wrong problem file is refused in one sentence") {
   const std::string good = "[parameters]\nb = 0.05\n";
   SECTION("model") {

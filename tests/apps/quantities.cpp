@@ -144,7 +144,7 @@ TEST_CASE("quantities of a sweep are those of its attractors, and its states at 
     CHECK(y["max(x)"].get<double>() == Approx(orbit["y"]["max(x)"].get<double>()).epsilon(1e-11));
   }
   CHECK(doubled);
-  CHECK(picture_of(json).y_label == "x (dimensionless)");
+  CHECK(picture_of(json).y_label == "x at forcing phase 0 (dimensionless)");
 }
 
 TEST_CASE("quantities of a diagram that is gone on with are those of one run through") {
@@ -170,6 +170,34 @@ TEST_CASE("quantities of a diagram that is gone on with are those of one run thr
   for (const Json& row : json["rows"]) CHECK(row["y"].contains("max(x)"));
   for (const Json& branch : json["branches"])
     for (const Json& point : branch["points"]) CHECK(point["y"].contains("max(x)"));
+}
+
+TEST_CASE("expressions along a run and in a section are those of its states") {
+  const std::vector<std::string> oscillator = {problem("newton-elastic"), "--start", "0.5,0.3", "--settle", "0"};
+  const auto run = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin() + 1, oscillator.begin(), oscillator.end());
+    return result(arguments);
+  };
+  const Json json =
+      run({"trajectory", "--periods", "2", "--samples", "50", "--y", "v^2/2 + x^2/2", "--y", "cos(eta*t)", "--y", "x'"});
+  CHECK(json["columns"] == Json({"tau", "x", "v", "v^2/2 + x^2/2", "cos(eta*t)", "x'"}));
+  for (const Json& row : json["samples"]) {
+    const double t = row[0], x = row[1], v = row[2];
+    CHECK(row[3].get<double>() == Approx(v * v / 2.0 + x * x / 2.0).epsilon(1e-14));
+    CHECK(std::abs(row[4].get<double>() - std::cos(json["parameters"]["eta"].get<double>() * t)) < 1e-14);
+    CHECK(row[5] == row[2]);
+  }
+  const Picture picture = picture_of(json);
+  CHECK(picture.y_label == "v^2/2 + x^2/2 (dimensionless)");
+  CHECK(picture.below.size() == 2);
+  CHECK(picture.curves[0].points[0][1] == json["samples"][0][3].get<double>());
+
+  const Json section = run({"poincare", "--points", "20", "--y", "x*v"});
+  for (const Json& point : section["points"]) CHECK(point[2].get<double>() == point[0].get<double>() * point[1].get<double>());
+  CHECK(picture_of(section).y_label == "x*v at forcing phase 0 (dimensionless)");
+  CHECK_THAT(call({"poincare", problem("newton-elastic"), "--section", "impact", "--y", "x"}).err,
+             Contains("--section stroboscopic"));
+  CHECK_THAT(call({"trajectory", problem("newton-elastic"), "--y", "max(x)"}).err, Contains("only expressions"));
 }
 
 TEST_CASE("a quantity that there is none of is refused before anything is computed") {
