@@ -120,6 +120,41 @@ TEST_CASE("quantities of a ball on a table are those of its parabola") {
   CHECK(std::abs(y["min(y)"].get<double>()) < 1e-12);
 }
 
+TEST_CASE("quantities of autonomous orbits: a block on a belt loses nothing in contacts, and its speed averages to zero") {
+  const Json json = result({"orbit", GRAZE_DATA_DIR "/models/block-on-belt.toml", "--y", "energy_lost", "--y", "impacts", "--y",
+                            "mean(v)", "--y", "max(v)", "--y", "mean(v*x')", "--y", "mean(v^2)", "--y", "period"});
+  const Json& y = json["orbit"]["y"];
+  CHECK(y["energy_lost"] == 0.0);
+  CHECK(y["impacts"] == 0.0);
+  CHECK(y["period"] == json["orbit"]["duration"]);
+  CHECK(std::abs(y["mean(v)"].get<double>()) < 1e-12);
+  CHECK(y["mean(v*x')"].get<double>() == Approx(y["mean(v^2)"].get<double>()).epsilon(1e-14));
+  CHECK(y["max(v)"].get<double>() > 0.0);
+  CHECK_THAT(call({"orbit", GRAZE_DATA_DIR "/models/block-on-belt.toml", "--y", "max(t)"}).err, Contains("autonomous"));
+}
+
+TEST_CASE("quantities of an orbit balance: the work of the force is what damper and contact take") {
+  // What a soft contact takes is that of its own damper; energy_lost, of entry and exit speeds, has the force's work in it, too.
+  const std::string soft = "mean(k_H*b_H*v^2*max(x - r, 0)^(3/2))";
+  struct Case {
+    std::string id, setting, contact;
+  };
+  for (const Case& one : {Case{"hertz-damped", "eta=0.93", soft}, Case{"newton-elastic", "k_r=0.7", "energy_lost"},
+                          Case{"beam-hertz", "b_H=2", soft}}) {
+    INFO(one.id);
+    const Json json = result({"orbit", problem(one.id), "--set", one.setting, "--y", "mean(xi*cos(eta*t)*v)", "--y",
+                              "mean(2*b*v^2)", "--y", one.contact, "--y", "period", "--y", "mean(v)"});
+    const Json &orbit = json["orbit"], &y = orbit["y"];
+    REQUIRE(orbit["impacts"].get<int>() > 0);
+    const double T = y["period"].get<double>() / orbit["period"].get<double>();
+    const double contact = y[one.contact].get<double>() / (one.contact == soft ? 1.0 : T);
+    REQUIRE(contact > 1e-6);
+    const double work = y["mean(xi*cos(eta*t)*v)"];
+    CHECK(std::abs(work - (y["mean(2*b*v^2)"].get<double>() + contact)) < 1e-11 * (1.0 + work));
+    CHECK(std::abs(y["mean(v)"].get<double>()) < 1e-11);
+  }
+}
+
 TEST_CASE("quantities of a sweep are those of its attractors, and its states at phase 0 one by one") {
   const TemporaryFolder folder;
   const Json json = result({"sweep", problem("hertz-damped"), "--from", "0.9", "--to", "0.93", "--step", "0.01", "--y", "x",
