@@ -56,6 +56,19 @@ Problem problem_of(const Json& result) {
                           ? parse_problem(model.at("text").get<std::string>(), model.at("file").get<std::string>())
                           : make_problem(model.at("oscillator").get<std::string>(), model.at("contact").get<std::string>());
     for (const auto& [name, value] : result.at("parameters").items()) set_parameter(problem, name, value.get<double>());
+    if (result.contains("converted_from")) {
+      ConvertedFrom& from = problem.converted_from.emplace();
+      for (const auto& [name, value] : result["converted_from"].items()) {
+        if (name == "excitation")
+          from.excitation = value;
+        else if (name == "alpha")
+          from.alpha = value;
+        else if (name == "length")
+          from.length = value;
+        else
+          from.quantities.emplace_back(name, value.get<double>());
+      }
+    }
     return problem;
   } catch (const Json::exception& error) {
     throw std::invalid_argument(std::string("the result does not say which model it is of: ") + plain(error));

@@ -70,6 +70,7 @@ class Reading {
       for (std::size_t i = 0; i < states.size(); ++i) names_.emplace(states[i], graph_.state(i));
       for (std::size_t i = 0; i < problem.system.parameters.size(); ++i)
         names_.emplace(problem.system.parameters[i].name, graph_.parameter(i));
+      if (problem.converted_from) add_physical(*problem.converted_from);
     }
     scope_.find = [this](std::string_view name) -> std::optional<equations::Expression> {
       const auto found = names_.find(name);
@@ -103,6 +104,16 @@ class Reading {
   }
 
  private:
+  /// Displacement, velocity and forcing frequency in the units that the file has its quantities in.
+  void add_physical(const ConvertedFrom& from) {
+    const auto scaled = [&](const char* name, double scale) { return graph_.multiply(graph_.constant(scale), names_.at(name)); };
+    for (const auto& [name, expression] : names_) units_.emplace(name, "dimensionless");
+    names_.emplace("X", scaled("x", from.length));
+    names_.emplace("V", scaled("v", from.length * from.alpha));
+    names_.emplace("omega", scaled("eta", from.alpha));
+    units_.insert({{"X", "m"}, {"V", "m/s"}, {"omega", "rad/s"}, {"t", "dimensionless"}});
+  }
+
   Quantity read(const std::string& text) {
     Quantity one{.text = text};
     for (const Word& word : words)
@@ -143,16 +154,17 @@ class Reading {
   }
 
   std::string unit_of(const std::string& name) const {
-    if (!problem_.written) return "dimensionless";
-    const auto found = problem_.written->units.find(name);
-    return found == problem_.written->units.end() ? std::string() : found->second;
+    if (!problem_.written && !problem_.converted_from) return "dimensionless";
+    const auto& units = problem_.written ? problem_.written->units : units_;
+    const auto found = units.find(name);
+    return found == units.end() ? std::string() : found->second;
   }
 
   std::string allowed() const {
     std::string text =
-        fmt::format("a quantity is an expression E of {}, parameters{}{}, or max(E), min(E), amplitude(E) or mean(E)",
-                    fmt::join(state_columns(problem_), ", "), is_forced(problem_.system) ? ", t" : "",
-                    problem_.written ? ", definitions and outputs" : "");
+        fmt::format("a quantity is an expression E of {}{}, parameters{}{}, or max(E), min(E), amplitude(E) or mean(E)",
+                    fmt::join(state_columns(problem_), ", "), problem_.converted_from ? ", X, V, omega" : "",
+                    is_forced(problem_.system) ? ", t" : "", problem_.written ? ", definitions and outputs" : "");
     for (const Word& word : words) text += std::string(word.kind == QuantityKind::period ? " or " : ", ") + word.text;
     return text;
   }
@@ -161,6 +173,7 @@ class Reading {
   equations::Graph graph_;
   std::map<std::string, equations::Expression, std::less<>> names_;
   std::map<std::string, std::size_t, std::less<>> tables_;
+  std::map<std::string, std::string, std::less<>> units_;  // of a problem with physical quantities
   equations::Scope scope_;
   std::vector<equations::Expression> expressions_;
 };
@@ -268,16 +281,16 @@ void add_quantity_option(CLI::App& app, std::vector<std::string>& texts) {
 Quantities read_quantities(const Problem& problem, const std::vector<std::string>& texts) { return Reading(problem).read(texts); }
 
 void put_quantity_option(Json& options, const std::vector<std::string>& texts) {
-  if (!texts.empty()) options["y"] = texts;
+  for (const std::string& text : texts) options["y"].push_back(trimmed(text));
 }
 
 std::string quantity_label(const Problem& problem, const std::string& text, bool at_phase_0) {
   const Quantity one = read_quantities(problem, {text}).list.front();
   const bool phase = at_phase_0 && one.kind == QuantityKind::at_phase_0 && is_forced(problem.system);
   return text + (phase ? " at forcing phase 0" : "") +
-         (!problem.written   ? " (dimensionless)"
-          : one.unit.empty() ? ""
-                             : " / " + one.unit);
+         (one.unit.empty()              ? ""
+          : one.unit == "dimensionless" ? " (dimensionless)"
+                                        : " / " + one.unit);
 }
 
 Quantities read_expressions(const Problem& problem, const std::vector<std::string>& texts) {

@@ -9,6 +9,7 @@
 //     energy_lost                             per forcing period, in contacts
 //     period                                  the duration of the orbit
 //
+// For a problem given in physical quantities X, V and omega are displacement, velocity and forcing frequency in their units.
 // max and min of two arguments are functions within E. A name of the problem goes before a word of this list.
 #pragma once
 

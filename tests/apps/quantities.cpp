@@ -19,7 +19,7 @@ using std::numbers::pi;
 namespace {
 
 /// A linear oscillator without stop, in millimetres; the work of its force.
-constexpr const char* shaken = R"([system]
+constexpr const char* shaken = R"toml([system]
 states  = ["x", "v"]
 forcing = "omega"
 [parameters]
@@ -41,11 +41,9 @@ power = "W"
 t     = "s"
 [start]
 state = [0, 0]
-)";
+)toml";
 
-double amplitude(double omega) {
-  return 1.5 / std::hypot(1.0 - omega * omega, 0.1 * omega);
-}
+double amplitude(double omega) { return 1.5 / std::hypot(1.0 - omega * omega, 0.1 * omega); }
 
 Json result(std::vector<std::string> arguments) {
   arguments.insert(arguments.end(), {"--quiet", "--json", "-"});
@@ -235,6 +233,28 @@ TEST_CASE("expressions along a run and in a section are those of its states") {
   CHECK_THAT(call({"trajectory", problem("newton-elastic"), "--y", "max(x)"}).err, Contains("only expressions"));
 }
 
+TEST_CASE("quantities of a problem in physical units come out in them") {
+  // alpha = 5 rad/s, x = X / 0.04 m.
+  const TemporaryFolder folder;
+  const std::string file = folder.write(
+      "rig.toml",
+      "[model]\noscillator = \"linear\"\ncontact = \"hertz\"\n[physical]\nexcitation = \"force\"\nm = 4\nk = 100\nc = 2\n"
+      "F0 = 4\nomega = 4.75\nrho = 0.08\nk_h = 50000\nb_h = 0.5\n");
+  const Json json = result(
+      {"continue", file, "--to", "0.93", "--y", "max(X)", "--y", "max(x)", "--y", "max(V)", "--y", "max(v)", "--y", "omega"});
+  for (const Json& point : json["branches"][0]["points"]) {
+    const Json& y = point["y"];
+    CHECK(y["max(X)"].get<double>() == Approx(0.04 * y["max(x)"].get<double>()).epsilon(1e-13));
+    CHECK(y["max(V)"].get<double>() == Approx(0.2 * y["max(v)"].get<double>()).epsilon(1e-13));
+    CHECK(y["omega"].get<double>() == Approx(5.0 * point["value"].get<double>()).epsilon(1e-14));
+  }
+  const Picture picture = picture_of(json, "branch");
+  CHECK(picture.y_label == "max(X) / m");
+  CHECK(picture.below[0].y_label == "max(x) (dimensionless)");
+  CHECK(picture.below[1].y_label == "max(V) / m/s");
+  CHECK_THAT(call({"orbit", problem("hertz-damped"), "--y", "max(X)"}).err, Contains("unknown name 'X'"));
+}
+
 TEST_CASE("a quantity that there is none of is refused before anything is computed") {
   const TemporaryFolder folder;
   const std::string file = folder.write("shaken.toml", shaken);
@@ -249,7 +269,7 @@ TEST_CASE("a quantity that there is none of is refused before anything is comput
   refused("maxim(x)", "unknown function 'maxim'");
   refused("max(x", "not closed");
   refused("max(x)-min(x)", "2 arguments");
-  refused("", "empty");
+  refused("", "nothing stands");
   refused("impact_speed", "unknown name 'impact_speed'");
   CHECK_THAT(call({"continue", file, "--to", "1.6", "--y", "x", "--y", "x"}).err, Contains("given twice"));
   CHECK_THAT(call({"orbit", file, "--y", "max(x)", "--json", "-"}).out, Contains("\"max(x)\""));
