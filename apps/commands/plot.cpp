@@ -6,6 +6,7 @@
 #include <graze/apps/map/map_report.hpp>
 #include <graze/apps/pictures/maps.hpp>
 #include <graze/apps/pictures/pictures.hpp>
+#include <graze/apps/pictures/seen.hpp>
 #include <graze/apps/results/input_file.hpp>
 
 #include <fmt/format.h>
@@ -54,8 +55,9 @@ Picture picture_of_file(const Options& options) {
       return picture_of(parse_csv(text, options.result), options.x, options.y);
     }
     if (format != "json") throw std::invalid_argument("the name must end in .json, .csv or .h5");
-    if (!options.x.empty() || !options.y.empty()) throw std::invalid_argument("--x and --y are for CSV tables");
-    return picture_of_result(parse_json(text), options);
+    if (!options.x.empty()) throw std::invalid_argument("--x is for CSV tables");
+    const Json result = parse_json(text);
+    return picture_of_result(options.y.empty() ? result : with_quantities(result, options.y), options);
   } catch (const std::invalid_argument& error) {
     const std::string message = error.what();  // that of a table names file and line itself
     throw std::invalid_argument(message.starts_with(options.result + ":") ? message : options.result + ": " + message);
@@ -92,7 +94,9 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_texts(app, "--layer", options->layers, "K",
             "of a map: a layer, counted from 0; repeatable, up to 4 stand side by side (default: the first 4)");
   add_text(app, "--x", options->x, "COLUMN", "of a table: the horizontal axis (default: the first column of numbers)");
-  add_texts(app, "--y", options->y, "COLUMN", "of a table: a curve; repeatable (default: all columns of numbers)");
+  add_texts(app, "--y", options->y, "COLUMN",
+            "of a table: a curve (default: all columns of numbers); of a JSON result: one of its quantities (default: all); "
+            "repeatable");
   return [options](const Console& console) { return run(*options, console); };
 }
 
@@ -103,8 +107,8 @@ Command plot_command() {
           "a picture of a result",
           kinds_text(),
           {"graze plot branch.json -o branch.svg", "graze plot branch.json --plot-kind multipliers -o multipliers.png",
-           "graze plot trajectory.csv --x x --y v -o phase.pdf", "graze plot run/map.h5 -o map.png",
-           "graze plot run/map.h5 --plot-kind exponent --layer 4 --layer 5 -o exponent.png"},
+           "graze plot branch.json --y \"max(x)\" -o resonance.png", "graze plot trajectory.csv --x x --y v -o phase.pdf",
+           "graze plot run/map.h5 -o map.png", "graze plot run/map.h5 --plot-kind exponent --layer 4 --layer 5 -o exponent.png"},
           setup};
 }
 

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/pictures/seen.hpp>
+#include <graze/lib/system/parameters.hpp>
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 namespace graze::apps {
@@ -74,6 +78,20 @@ Json seen_through(const Json& result, const std::string& quantity) {
     for (Json& row : out["rows"]) row["states"] = row.contains("y") ? values_of(row, quantity) : Json::array();
   if (out.contains("columns")) see_columns(out, quantity);
   return out;
+}
+
+Json with_quantities(Json result, const std::vector<std::string>& chosen) {
+  std::vector<std::string> known;
+  if (result.contains("options") && result["options"].contains("y"))
+    known = result["options"]["y"].get<std::vector<std::string>>();
+  for (const std::string& one : chosen) {
+    if (known.empty())
+      throw std::invalid_argument(fmt::format("--y {}: this result has no quantities; compute it with --y \"{}\"", one, one));
+    if (std::find(known.begin(), known.end(), one) == known.end())
+      throw std::invalid_argument(fmt::format("--y {}: {}", one, unknown_name("quantity", one, known)));
+  }
+  result["options"]["y"] = chosen;
+  return result;
 }
 
 Picture draw_seen(const PictureKind& kind, const Json& result) {

@@ -16,6 +16,9 @@ inline constexpr const char* seen_place = "seen_place";
 /// quantity stands in the place of the second state. Of the events of a motion it is not known.
 Json seen_through(const Json& result, const std::string& quantity);
 
+/// The result with these of its quantities alone, in this order. @throws std::invalid_argument for one that it does not have.
+Json with_quantities(Json result, const std::vector<std::string>& chosen);
+
 /// The picture with the first quantity of the result, further ones below it; that of the states if it has none.
 Picture draw_seen(const PictureKind& kind, const Json& result);
 

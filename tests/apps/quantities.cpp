@@ -3,6 +3,7 @@
 #include "graze_program.hpp"
 
 #include <graze/apps/pictures/pictures.hpp>
+#include <graze/apps/pictures/seen.hpp>
 #include <graze/apps/text/table.hpp>
 
 #include <catch2/catch.hpp>
@@ -100,6 +101,12 @@ TEST_CASE("quantities of a linear oscillator along its resonance curve are those
   CHECK(picture.below[1].y_label == "mean(power) / W");
   CHECK(picture.below[6].y_label == "period / s");
   CHECK(picture.curves[0].points[0][1] == points[0]["y"]["max(x)"].get<double>());
+  const Picture chosen = picture_of(with_quantities(json, {"x", "max(x)"}), "branch");
+  CHECK(chosen.y_label == "x at forcing phase 0 / mm");
+  REQUIRE(chosen.below.size() == 1);
+  CHECK(chosen.below[0].y_label == "max(x) / mm");
+  CHECK_THROWS_WITH(with_quantities(json, {"max(y)"}), Contains("--y max(y)") && Contains("max(x)"));
+  CHECK_THROWS_WITH(with_quantities(Json::object(), {"max(x)"}), Contains("no quantities"));
 }
 
 TEST_CASE("quantities of a ball on a table are those of its parabola") {
