@@ -217,7 +217,8 @@ def two_mass_impact_pair(p):
             x1, x2, v1, v2 = y
             centre = (v1 + p["mu"] * v2) / (1 + p["mu"])
             relative = -p["k_r"] * (v2 - v1)
-            return [x1, x1 + side * p["r"], centre - p["mu"] * relative / (1 + p["mu"]), centre + relative / (1 + p["mu"])], "free"
+            share = relative / (1 + p["mu"])
+            return [x1, x1 + side * p["r"], centre - p["mu"] * share, centre + share], "free"
 
         return Event("impact", "free", lambda t, y: side * (y[1] - y[0]) - p["r"], then)
 
