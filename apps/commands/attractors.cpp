@@ -353,9 +353,10 @@ std::string overview(const Problem& problem, const Basins& basins) {
   const auto conservative = [](const CoexistingAttractor& found) { return found.attractor.conservative; };
   if (std::any_of(basins.attractors.begin(), basins.attractors.end(), conservative))
     text += "  nothing dissipates here: these are kinds of motion, not attractors\n";
-  text += fmt::format("  of {} admissible starts; {} at forcing phase 0", basins.admissible, fmt::join(names, ", "));
+  text += fmt::format("  of {} admissible starts; {} {}", basins.admissible, fmt::join(names, ", "),
+                      is_forced(problem.system) ? "at forcing phase 0" : "behind a return");
   if (basins.lost > 0) text += fmt::format("; {} lost (the motion could not be carried on)", counted(basins.lost, "start"));
-  return text + fmt::format("\n  {} forcing periods were computed for them\n", basins.periods);
+  return text + fmt::format("\n  {} {} were computed for them\n", basins.periods, periods_name(problem));
 }
 
 std::size_t starts_done(const Basins& basins) {

@@ -84,8 +84,8 @@ int run(const Options& options, const Console& console) {
     status = Status::failed;
     const Termination ended =
         attractor.termination != Termination::time ? attractor.termination : attractor.time_average.termination;
-    const bool grows = ended == Termination::escape || ended == Termination::resonance;
-    message = fmt::format("{}{}", grows ? "" : "the motion could not be carried on: ", termination_text(ended));
+    const bool is_told = ended == Termination::escape || ended == Termination::resonance || ended == Termination::no_return;
+    message = fmt::format("{}{}", is_told ? "" : "the motion could not be carried on: ", termination_text(ended));
   } else if (attractor.type != AttractorType::periodic && attractor.time_average.stop == LyapunovStop::budget &&
              options.standard_error != 0.0) {
     // Not a failure, and no other exit code: an average and its error of so many periods are a result. But it says so.

@@ -33,8 +33,7 @@ struct Options {
 };
 
 std::string motion_text(const Problem& problem, const Motion& motion, const ContactList& list, bool by_duration) {
-  std::string text = by_duration ? counted(static_cast<std::size_t>(motion.periods), "stretch of time")
-                                 : counted_periods(problem, motion.periods);
+  std::string text = by_duration ? "a time of " + rounded(motion.duration) : counted_periods(problem, motion.periods);
   if (!motion.samples.empty()) text += ", " + counted(motion.samples.size(), "sample");
   text += fmt::format(", {}; {}\n", counted(list.contacts.size(), "contact"), termination_text(motion.termination));
   text += fmt::format("  state at the end {}\n", rounded_state(motion.strobe.back(), 15));

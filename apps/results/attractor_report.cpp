@@ -147,9 +147,10 @@ std::string attractor_text(const Problem& problem, const Attractor& attractor, i
   } else if (attractor.rests) {
     text = "at rest: " + rest_text(attractor.exponents) + "\n";
   } else if (attractor.type == AttractorType::periodic) {
-    text = fmt::format("periodic, {}: exponents ln|mu| / {} of its multipliers\n", attractor_name(attractor),
-                       forced ? "(nT)"
-                              : fmt::format("{}, the time of its {}", rounded(attractor.duration, 12),
+    text = fmt::format("periodic, {}: exponents ln|mu| / {} of its multipliers{}\n", attractor_name(attractor),
+                       forced ? "(nT)" : "T",
+                       forced ? ""
+                              : fmt::format(", T = {}, the time of {}", rounded(attractor.duration, 12),
                                             counted_periods(problem, attractor.period)));
   } else if (attractor.type == AttractorType::chaotic) {
     text = fmt::format("chaotic: the first exponent is positive by {} standard errors\n",
@@ -180,9 +181,10 @@ std::string attractor_text(const Problem& problem, const Attractor& attractor, i
                         average.liouville_residual < 1e-10 ? "ok" : "FAILED");
   text += fmt::format("  averaged over {} {}: {}\n", average.periods, periods_name(problem), lyapunov_stop_text(average.stop));
   if (periodic && !average.exponents.empty()) {
-    constexpr double too_many = 5.0;
-    const double apart = std::abs(average.exponents[0] - attractor.exponents[0]) / average.standard_errors[0];
-    if (std::isfinite(apart) && apart > too_many)
+    constexpr double too_many = 5.0, rounding = 1e-13;
+    const double difference = std::abs(average.exponents[0] - attractor.exponents[0]);
+    const double apart = difference / average.standard_errors[0];
+    if (std::isfinite(apart) && apart > too_many && difference > rounding)
       text += fmt::format("  it differs from the orbit's first exponent by {} standard errors: part of it was the way there\n",
                           rounded(apart, 3));
   }

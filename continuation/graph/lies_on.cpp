@@ -25,7 +25,7 @@ std::optional<OrbitShape> corrected(const HybridSystem& system, const Vector& p,
   patient.max_iterations = 20;
   const double value = p[static_cast<Eigen::Index>(parameter)], unit = duration / guess.period;
   OrbitShape out = guess;
-  if (guess.by_events(system) && !guess.autonomous) {
+  if (guess.by_events(system)) {
     EventNodes nodes;
     for (const OrbitShape::Node& node : guess.nodes) {
       nodes.sequence.push_back(node.event);
@@ -47,9 +47,28 @@ std::optional<OrbitShape> corrected(const HybridSystem& system, const Vector& p,
   for (const OrbitShape::Node& node : guess.nodes) states.push_back(node.state);
   OrbitProblem problem(system, p, guess.period, static_cast<int>(states.size()), parameter, 1.0);
   Vector u = problem.pack(states, duration, value);
-  if (guess.autonomous) problem.equations().set_phase_reference(states.front());
   if (!correct(problem.zero_problem(), problem.parameter_direction(), u, patient).converged()) return std::nullopt;
   for (std::size_t k = 0; k < out.nodes.size(); ++k) out.nodes[k].state = problem.equations().node(u, static_cast<int>(k));
+  return out;
+}
+
+/// The same for an autonomous orbit, from states off its events and from its duration.
+std::optional<OrbitShape> corrected_autonomous(const HybridSystem& system, const Vector& p, std::size_t parameter,
+                                               const std::vector<Vector>& states, double duration) {
+  TraceOptions patient;
+  patient.max_iterations = 20;
+  OrbitProblem problem(system, p, static_cast<int>(states.size()), static_cast<int>(states.size()), parameter, 1.0);
+  Vector u = problem.pack(states, duration, p[static_cast<Eigen::Index>(parameter)]);
+  problem.equations().set_phase_reference(states.front());
+  if (!correct(problem.zero_problem(), problem.parameter_direction(), u, patient).converged()) return std::nullopt;
+  std::vector<Vector> found;
+  for (std::size_t k = 0; k < states.size(); ++k) found.push_back(problem.equations().node(u, static_cast<int>(k)));
+  return shape_of(system, p, found, problem.equations().duration(u));
+}
+
+std::vector<Vector> between(const std::vector<Vector>& a, const std::vector<Vector>& b, double s) {
+  std::vector<Vector> out = a;
+  for (std::size_t k = 0; k < a.size(); ++k) out[k] += s * (b[k] - a[k]);
   return out;
 }
 
@@ -83,7 +102,9 @@ bool lies_on(const HybridSystem& system, const Branch& branch, const std::vector
     const std::optional<AlignedShape> orbit = aligned(*here, guess);
     if (!orbit || orbit->distance > 0.5 * second->distance + rounding) continue;
     if (guess.sticks) return true;  // what follows from the ends of its sticking is settled
-    const std::optional<OrbitShape> found = corrected(system, at(value), parameter, guess, duration);
+    const std::optional<OrbitShape> found =
+        guess.autonomous ? corrected_autonomous(system, at(value), parameter, between(a.states, b.states, s), duration)
+                         : corrected(system, at(value), parameter, guess, duration);
     if (!found) continue;
     const std::optional<AlignedShape> same = aligned(*found, orbit->shape);
     if (same && same->distance < rounding) return true;

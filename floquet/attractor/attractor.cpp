@@ -51,6 +51,7 @@ void describe_orbit(Attractor& attractor, const PeriodicOrbit& orbit) {
   attractor.exponents = orbit.multipliers.exponents;
   if (orbit.multipliers.section == Section::autonomous) {
     attractor.duration = orbit.duration;
+    std::fill(attractor.exponents.end() - orbit.multipliers.trivial, attractor.exponents.end(), 0.0);
     std::stable_sort(attractor.exponents.begin(), attractor.exponents.end(), std::greater<>());  // the trivial one comes last
   }
   attractor.standard_errors.assign(attractor.exponents.size(), 0.0);
@@ -142,6 +143,12 @@ std::vector<Vector> later_states(const HybridSystem& system, const Vector& p, co
 void average(const HybridSystem& system, const Vector& p, Attractor& attractor, const LyapunovOptions& averaging,
              const AttractorOptions& options) {
   LyapunovSpectrum average = lyapunov_spectrum(system, p, attractor.state, averaging);
+  if (average.termination == Termination::no_return) {
+    attractor.termination = Termination::no_return;
+    attractor.state = average.state;
+    attractor.time_average = std::move(average);
+    return;
+  }
   // Where it was broken off says nothing: the rest may have come to something else.
   if (average.stop == LyapunovStop::interrupted) return take_average(std::move(average), options, attractor);
   std::vector<Vector> ends = later_states(system, p, average, averaging);

@@ -25,7 +25,8 @@ double growth(const Attractor& attractor, double T) {
   return attractor.type == AttractorType::chaotic ? attractor.exponents[0] * T : 0.0;
 }
 
-/// The coordinates of a mechanical system, which come first among its states, by different lengths; not into a barrier.
+}  // namespace
+
 void push_off(const HybridSystem& system, const Vector& p, int round, Vector& state) {
   const double far = 1e-4 * std::pow(10.0, round) * (1.0 + state.lpNorm<Eigen::Infinity>());
   for (const double way : {-far, far}) {
@@ -36,8 +37,6 @@ void push_off(const HybridSystem& system, const Vector& p, int round, Vector& st
     return;
   }
 }
-
-}  // namespace
 
 int longer_transient(int transient) {
   constexpr int shortest = 300;

@@ -10,6 +10,10 @@ namespace graze {
 
 class RefusedOrbits;
 
+/// Moves a state aside, farther each round: the coordinates of a mechanical system, which come first among its states, by
+/// different lengths, and not into a barrier.
+void push_off(const HybridSystem& system, const Vector& p, int round, Vector& state);
+
 /// A motion that lingers is followed on a few times, each with a longer transient.
 int longer_transient(int transient);
 /// So is, where averages are short, one that they leave undecided: it may be on a long transient.

@@ -41,9 +41,9 @@ class Frame {
       orthonormalise_with<Matrix>();
     }
     const double others = std::accumulate(growth_.begin(), growth_.end() - 1, 0.0);
-    constexpr double rounding = 1e-10;  // of a factor's entries, times what is left of the smallest direction
-    const bool is_rounding = growth_.back() < growth_.front() + std::log(rounding);
-    if (is_rounding && growth_.size() > 1 && std::isfinite(liouville) && std::isfinite(others)) {
+    constexpr double shrunk = 1e-3;  // relative to the first: the entries' own error (1e-13) would show in what is left
+    const bool shrinks = growth_.back() < growth_.front() + std::log(shrunk);
+    if (shrinks && growth_.size() > 1 && std::isfinite(liouville) && std::isfinite(others)) {
       growth_.back() = liouville - others;
       is_measured_ = false;
     }

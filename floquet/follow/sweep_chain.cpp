@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/attractor/attractor_decision.hpp>
 #include <graze/floquet/attractor/attractor_in_lanes.hpp>
 #include <graze/floquet/follow/sweep_chain.hpp>
 #include <graze/floquet/orbit/returns.hpp>
@@ -136,6 +137,10 @@ MotionTask<SweepRow> SweepChain::find(TaskSlot& lane, Begin begin, AttractorOpti
   }
   lane.hurry(false);
   co_await average_on_attractor_in_lanes(lane, system_, p, out.attractor, finding);
+  if (out.attractor.termination == Termination::no_return) {  // pushed, as noise does: rest may be unstable at the next value
+    out.end = out.attractor.state;
+    push_off(system_, p, 0, out.end);
+  }
   if (out.attractor.type == AttractorType::periodic || !cancelled()) co_await sample(lane, p, out);
   co_return out;
 }

@@ -169,7 +169,9 @@ void SweepWork::finish(Entry& entry, SweepRow row) {
   tell_news();
   // (What cut it short need not have left a trace.)
   const Attractor& attractor = row.attractor;
-  const bool broken = attractor.type != AttractorType::periodic && (broken_off(attractor.time_average.stop) || cancelled());
+  const bool rests = attractor.termination == Termination::no_return;  // a result, too
+  const bool broken =
+      attractor.type != AttractorType::periodic && !rests && (broken_off(attractor.time_average.stop) || cancelled());
   const double value = row.value;
   entry.direction->finish(entry, std::move(row), broken);
   if (!broken) tell(value);

@@ -274,3 +274,24 @@ TEST_CASE("a motion that does not return says so") {
   CHECK(attractor.termination == Termination::no_return);
   CHECK(attractor.state.norm() < 1e-6);
 }
+
+TEST_CASE("a sweep goes on behind values at which the motion comes to rest") {
+  const HybridSystem system = van_der_pol();
+  SweepOptions options;
+  options.parameter = "mu";
+  options.from = -3.0;
+  options.to = 3.0;
+  options.step = 2.0;
+  options.directions = {SweepDirection::up, SweepDirection::down};
+  options.first_transient = 100;
+  options.attractor.transient = 100;
+  options.attractor.periods_on_orbit = 0;
+  const std::vector<SweepRow> rows = sweep(system, default_parameters(system.parameters), vector({0.5, 0.0}), options);
+  REQUIRE(rows.size() == 8);
+  for (const SweepRow& row : rows) {
+    INFO("mu = " << row.value);
+    CHECK((row.attractor.type == AttractorType::periodic) == (row.value > 0.0));
+    CHECK((row.attractor.termination == Termination::no_return) == (row.value < 0.0));
+    if (row.value < 0.0) CHECK(row.attractor.state.norm() < 1e-6);
+  }
+}
