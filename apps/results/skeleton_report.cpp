@@ -213,6 +213,7 @@ Json fineness_json(const SearchFineness& fineness) {
 
 /// What fineness_json holds in a sentence.
 std::string fineness_text(const Json& search, const std::string& parameter) {
+  if (search.at("values") == 0) return "orbits are those that motions from the start settle on, and up and down from there\n";
   std::string text = fmt::format("orbits up to period {} were searched at {} values of {}, {} apart, as the ends of motions "
                                  "from {} starts each",
                                  search.at("max_period").get<int>(), search.at("values").get<int>(), parameter,

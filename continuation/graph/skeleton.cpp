@@ -25,6 +25,8 @@ constexpr std::size_t block_size = 10;  // values of the search for stable orbit
 /// low frequencies a period holds hundreds of events, and costs (and dissipates) as much as many periods do elsewhere.
 constexpr double usual_events = 16.0;
 constexpr int shortest_transient = 40, shortest_for_box = 16, fewest_values = 61, fewest_starts = 2;
+/// Returns of a transient of an autonomous system, at most.
+constexpr int longest_settle_alone = 1000;
 
 /// In a forcing period: orbits that have more are likely to belong to a series towards complete chatter.
 constexpr int few_impacts = 4;
@@ -58,16 +60,18 @@ class SeedFinder {
         low_(std::min(*options.continuation.from, options.continuation.to)),
         high_(std::max(*options.continuation.from, options.continuation.to)) {
     shrink_to_effort();
-    fineness_.values = std::max(2, options_.stable_values);
-    fineness_.spacing = (high_ - low_) / (fineness_.values - 1);
-    fineness_.starts = options_.stable_search.starts;
     fineness_.max_period = longest();
     const bool forced = is_forced(system);  // of autonomous systems orbits are found by settling alone
+    if (forced) {
+      fineness_.values = std::max(2, options_.stable_values);
+      fineness_.spacing = (high_ - low_) / (fineness_.values - 1);
+      fineness_.starts = options_.stable_search.starts;
+    }
     if (options_.families.all && forced) {
       fineness_.unstable_values = options_.searched_values;
       fineness_.unstable_period = std::min(options_.searched_period, longest());
     }
-    blocks_ = forced ? divided_up(static_cast<std::size_t>(fineness_.values), block_size) : 0;
+    blocks_ = divided_up(static_cast<std::size_t>(fineness_.values), block_size);
     found_.resize(ways + blocks_ +
                   static_cast<std::size_t>(fineness_.unstable_values) * static_cast<std::size_t>(fineness_.unstable_period));
     done_.resize(found_.size());
@@ -129,6 +133,10 @@ class SeedFinder {
       number = std::max(std::min(number, least), static_cast<int>(number / by));
     };
     StableSearchOptions& stable = options_.stable_search;
+    if (!is_forced(system_)) {  // by the general integrator alone
+      options_.settled_values = std::min(options_.settled_values, fewest_values);
+      options_.settle = std::min(options_.settle, longest_settle_alone);
+    }
     shrink(options_.settle, effort, shortest_transient);
     shrink(options_.settled_values, std::sqrt(effort), fewest_values);
     shrink(stable.settling.periods, std::sqrt(effort), shortest_transient);

@@ -25,6 +25,9 @@ OrbitShape from_events(const HybridSystem& system, const std::vector<EventRecord
     const bool node = shape.sticks ? event.kind == EventKind::release : !system.events[event.event].continuous;
     if (node) shape.nodes.push_back({event.event, event.t / unit, event.x_minus});
   }
+  // An autonomous orbit begins anywhere: where no event makes it jump, it is known by those that do not.
+  if (shape.nodes.empty() && shape.autonomous)
+    for (const EventRecord& event : events) shape.nodes.push_back({event.event, event.t / unit, event.x_minus});
   if (!shape.nodes.empty()) return shape;
   for (std::size_t k = 0; k < states.size(); ++k)
     shape.nodes.push_back({system.events.size(), static_cast<double>(k), states[k]});
@@ -94,6 +97,7 @@ bool same_orbit(const PeriodicOrbit& a, const PeriodicOrbit& b, double tolerance
   const auto all_events = [](const PeriodicOrbit& orbit) {
     OrbitShape shape;
     shape.period = orbit.period;
+    shape.autonomous = orbit.multipliers.section == Section::autonomous;
     for (const EventRecord& event : orbit.events)
       shape.nodes.push_back({event.event, event.t * orbit.period / orbit.duration, event.x_minus});
     return shape;

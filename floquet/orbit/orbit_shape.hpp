@@ -3,7 +3,8 @@
 //
 // The state at a fixed phase jumps where a hard impact passes that phase. The instants of the hard events and the states just
 // before them do not: they are the nodes of an orbit that has any. An orbit that sticks is known by the ends of its sticking
-// (between them the number of impacts is a matter of definition), one without hard events by its states at phase 0.
+// (between them the number of impacts is a matter of definition), one without hard events by its states at phase 0, or, without
+// forcing, by its other events.
 #pragma once
 
 #include <graze/floquet/orbit/periodic_orbit.hpp>

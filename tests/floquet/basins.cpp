@@ -7,7 +7,6 @@
 
 #include "support/checks.hpp"
 #include "support/two_mass_oscillator.hpp"
-#include "support/van_der_pol_stop.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -307,8 +306,6 @@ TEST_CASE("misuse of basins is refused in one sentence") {
   CHECK_THROWS_WITH(find_attractors(c.system, c.p, starts, {}, other), Catch::Contains("has 5 starts; here are 1"));
   other.outcomes = {{Fate::reached, 3}};
   CHECK_THROWS_WITH(find_attractors(c.system, c.p, starts, {}, other), Catch::Contains("names an attractor"));
-  const HybridSystem autonomous = van_der_pol_stop();
-  CHECK_THROWS_AS(find_attractors(autonomous, default_parameters(autonomous.parameters), starts), std::invalid_argument);
 }
 
 TEST_CASE("a table of contacts is made for many starts whose motions do not settle soon") {

@@ -91,9 +91,18 @@ TEST_CASE("misuse of settle is refused in a sentence") {
   const HybridSystem rigid = make_oscillator("linear", "newton");
   CHECK_THROWS_WITH(settle(rigid, parameters(rigid), vector({2.5, 0.0})),
                     "the state (2.5, 0) lies inside the barrier; start on the free side of it");
-  const HybridSystem autonomous = van_der_pol_stop();
-  CHECK_THROWS_WITH(settle(autonomous, parameters(autonomous), rest),
-                    "system van-der-pol-stop is autonomous; it has no forcing period");
+}
+
+TEST_CASE("an autonomous motion settles in returns, right behind one of them") {
+  const HybridSystem system = van_der_pol_stop();
+  const Vector p = parameters(system);
+  const Settled settled = settle(system, p, vector({0.5, 0.0}), {.periods = 100});
+  CHECK(settled.termination == Termination::time);
+  CHECK(settled.periods == 100);
+  CHECK(settled.suspected_period == 1);
+  const PeriodicOrbit orbit = shoot(system, p, std::vector<Vector>{vector({-1.5, 0.0})}, 1, {}, 5.0);
+  REQUIRE(orbit.events.size() == 1);
+  CHECK((settled.state - orbit.events.front().x_plus).norm() < 1e-10);
 }
 
 TEST_CASE("settling on a sticking orbit works") {
