@@ -151,6 +151,33 @@ TEST_CASE("autonomous systems, as text, go through every command") {
   }
 }
 
+TEST_CASE("the diagram of an autonomous system is one branch, on which its sweeps lie") {
+  const TemporaryFolder folder;
+  const std::string wheel = model("rimless-wheel");
+  const Json diagram =
+      result("diagram", wheel, {"--param", "gamma", "--from", "0.08", "--to", "0.12", "--step", "0.01", "--max-period", "2"});
+  REQUIRE(diagram["branches"].size() == 1);
+  CHECK(diagram["branches"][0]["stop"]["reason"] == "reached_bound");
+  // The time of a step is an integral over the angle: w^2 = w0^2 + 2 (cos(gamma - alpha) - cos(theta)).
+  const double alpha = pi / 8.0, c = std::cos(2.0 * alpha);
+  for (const Json& point : diagram["branches"][0]["points"]) {
+    const double gamma = point["value"];
+    const double begin = c * std::sqrt(4.0 * std::sin(gamma) * std::sin(alpha) / (1.0 - c * c));
+    constexpr int parts = 400;
+    double duration = 0.0;
+    for (int k = 0; k <= parts; ++k) {  // Simpson's rule
+      const double theta = gamma - alpha + 2.0 * alpha * k / parts;
+      const double speed = std::sqrt(begin * begin + 2.0 * (std::cos(gamma - alpha) - std::cos(theta)));
+      duration += (k == 0 || k == parts ? 1.0 : k % 2 == 1 ? 4.0 : 2.0) / speed * 2.0 * alpha / parts / 3.0;
+    }
+    CHECK(point["duration"].get<double>() == Approx(duration).epsilon(1e-7));
+  }
+  const Outcome map =
+      call({"map", wheel, "--param", "gamma:0.08:0.12:2", "--param", "alpha:0.35:0.4:2", "--quiet", "--out", folder.file("map")});
+  CHECK(map.code == 0);
+  CHECK_THAT(map.out, Contains("z = 1/1") && Contains("100.00"));
+}
+
 TEST_CASE("a period doubling without forcing is located where the period in returns doubles") {
   const TemporaryFolder folder;
   // Roessler's oscillator, seen where y rises through 0.
