@@ -151,6 +151,29 @@ TEST_CASE("autonomous systems, as text, go through every command") {
   }
 }
 
+TEST_CASE("the guide's smooth system without forcing runs as its text says") {
+  const TemporaryFolder folder;
+  const std::string guide = read_file(GRAZE_DATA_DIR "/guide/systems.md"), fence = "```toml\n";
+  const std::size_t begin = guide.find(fence, guide.find("## Without forcing")) + fence.size();
+  const std::string file = folder.write("vdp.toml", guide.substr(begin, guide.find("```", begin) - begin));
+  const Json average = result("lyapunov", file, {"--periods", "1000"});
+  const Json& attractor = average["attractor"];
+  REQUIRE(attractor["type"] == "periodic");
+  CHECK(attractor["period"] == 1);
+  CHECK(average["exponents"][0] == 0.0);
+  const double multiplier = attractor["multipliers"][0][0], exponent = std::log(multiplier) / attractor["duration"].get<double>();
+  CHECK(average["exponents"][1].get<double>() == Approx(exponent).epsilon(1e-12));
+  const Json& mean = average["time_average"];
+  for (const int i : {0, 1})
+    CHECK(std::abs(mean["exponents"][i].get<double>() - average["exponents"][i].get<double>()) <
+          5.0 * mean["standard_errors"][i].get<double>());
+  const Json down = result("poincare", file, {"--section", "down", "--points", "5"});
+  for (const Json& point : down["points"]) {
+    CHECK(std::abs(point[0].get<double>()) < 1e-12);
+    CHECK(point[1].get<double>() < 0.0);
+  }
+}
+
 TEST_CASE("the diagram of an autonomous system is one branch, on which its sweeps lie") {
   const TemporaryFolder folder;
   const std::string wheel = model("rimless-wheel");
