@@ -141,7 +141,7 @@ Picture phase_portrait(const Json& result, const std::vector<Sampled>& motions) 
 
 Picture time_series(const Json& result, const std::vector<Sampled>& motions) {
   Picture picture;
-  picture.title = result.contains(seen_quantity) ? "Motion" : "Displacement";
+  picture.title = result.contains(seen_quantity) || result.contains("states") ? "Motion" : "Displacement";
   picture.subtitle = model_title(result);
   picture.x_label = time_label(result);
   picture.y_label = state_label(result, 0, false);

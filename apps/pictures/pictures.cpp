@@ -138,7 +138,8 @@ std::string state_name(const Json& result, std::size_t state) {
 std::string state_label(const Json& result, std::size_t state, bool at_phase_0) {
   const std::string name = state_name(result, state);
   if (is_seen(result, state)) return quantity_label(problem_of(result), name, at_phase_0);
-  return fmt::format("{}{}{}", name, at_phase_0 ? " at forcing phase 0" : "", unit_behind(result, name));
+  const bool forced = !result.contains("states") || is_forced(problem_of(result).system);
+  return fmt::format("{}{}{}", name, at_phase_0 && forced ? " at forcing phase 0" : "", unit_behind(result, name));
 }
 
 }  // namespace graze::apps
