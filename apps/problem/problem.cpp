@@ -227,6 +227,19 @@ std::string state_text(const Problem& problem, const Vector& state, int digits) 
   return text;
 }
 
+namespace {
+
+/// Whether a tied parameter changes with the one of that name.
+bool follows(const equations::TiedParameter& tied, const Problem& problem, std::string_view name) {
+  Vector dp = Vector::Zero(problem.parameters.size());
+  tied.dp(problem.parameters, dp);
+  for (std::size_t i = 0; i < problem.system.parameters.size(); ++i)
+    if (problem.system.parameters[i].name == name) return dp[static_cast<Eigen::Index>(i)] != 0.0;
+  return false;
+}
+
+}  // namespace
+
 std::string describe(const Problem& problem, std::string_view except) {
   std::string text =
       problem.written ? problem.system.name : fmt::format("{} oscillator, {} contact", problem.oscillator, problem.contact);
@@ -238,8 +251,10 @@ std::string describe(const Problem& problem, std::string_view except) {
     separator = ',';
   }
   if (problem.written)
-    for (const equations::TiedParameter& tied : problem.written->tied)
+    for (const equations::TiedParameter& tied : problem.written->tied) {
+      if (follows(tied, problem, except)) continue;
       text += fmt::format("; {} = {}", tied.info.name, rounded(tied.value(problem.parameters), 8));
+    }
   return text;
 }
 

@@ -151,6 +151,26 @@ TEST_CASE("autonomous systems, as text, go through every command") {
   }
 }
 
+TEST_CASE("the system on README's first page gives its resonance curve") {
+  const TemporaryFolder folder;
+  const std::string readme = read_file(GRAZE_DATA_DIR "/../README.md"), fence = "```toml\n";
+  const std::size_t begin = readme.find(fence, readme.find("## Your own system")) + fence.size();
+  const std::string file = folder.write("mine.toml", readme.substr(begin, readme.find("```", begin) - begin));
+  const Json curve = result("continue", file, {"--from", "0.3", "--to", "1.6", "--y", "amplitude(x)", "--y", "max(x)"});
+  REQUIRE(curve["branches"].size() == 2);
+  const Json& grazing = curve["branches"][0]["special_points"].back();
+  CHECK(grazing["type"] == "GR");
+  CHECK(std::abs(grazing["y"]["max(x)"].get<double>() - 0.6) < 1e-12);
+  const Json& after = curve["branches"][1];
+  for (const Json& point : after["special_points"])
+    if (point["type"] == "LP") CHECK(std::abs(point["multipliers"][0][0].get<double>() - 1.0) < 1e-6);
+  // Away from the grazing all orbits of the second branch reach the stop, and go less far to the other side than two strokes.
+  for (const Json& point : after["points"]) {
+    CHECK(std::abs(point["y"]["max(x)"].get<double>() - 0.6) < 1e-9);
+    CHECK(point["y"]["amplitude(x)"].get<double>() < 1.1);
+  }
+}
+
 TEST_CASE("the guide's smooth system without forcing runs as its text says") {
   const TemporaryFolder folder;
   const std::string guide = read_file(GRAZE_DATA_DIR "/guide/systems.md"), fence = "```toml\n";
