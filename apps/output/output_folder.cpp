@@ -41,9 +41,16 @@ OutputFolder::OutputFolder(const OutputOptions& options, const std::string& comm
   }
   check_outputs(options, input);
   if (options.out.empty()) return;
+  is_new_ = !std::filesystem::exists(options.out, error);
   make_folder(options.out);
   check_writable_folder(options.out);
   if (!resuming_here_) lock(options.out);
+}
+
+OutputFolder::~OutputFolder() {
+  locks_.clear();
+  std::error_code error;
+  if (is_new_) std::filesystem::remove(options_.out, error);  // only if it is empty
 }
 
 void OutputFolder::lock(const std::string& folder) {

@@ -21,6 +21,9 @@ class OutputFolder {
   OutputFolder(const OutputOptions& options, const std::string& command, const std::string& input = {},
                const std::optional<std::string>& resume = std::nullopt);
 
+  /// A folder that was made for nothing, because the call was refused, does not stay.
+  ~OutputFolder();
+
   /// The result in the folder of --resume; null if that is not given.
   const Json& earlier() const { return earlier_; }
 
@@ -33,7 +36,7 @@ class OutputFolder {
 
   OutputOptions options_;
   std::string command_;
-  bool resumable_, resuming_here_ = false;
+  bool resumable_, resuming_here_ = false, is_new_ = false;
   Json earlier_;
   std::vector<std::unique_ptr<FileLock>> locks_;
 };

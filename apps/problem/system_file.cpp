@@ -178,6 +178,15 @@ class Reader {
     return value_of(need(table, key, where), key);
   }
 
+  /// Whether its events are the returns of an orbit.
+  std::size_t count_of(const toml::table& table) const {
+    const toml::node* count = table.get("count");
+    if (!count) return 0;
+    if (!count->is_integer() || **count->as_integer() < 0)
+      refuse(place(count->source()), "count must be a whole number from 0 on");
+    return static_cast<std::size_t>(**count->as_integer());
+  }
+
   void read_event(const toml::table& table, const std::string& where) {
     check_keys(table, where, {"name", "kind", "from", "to", "when", "reset", "count"});
     EventText event;
@@ -187,11 +196,7 @@ class Reader {
     event.from = optional_string(table, "from", where);
     event.to = optional_string(table, "to", where);
     event.reset = optional_string(table, "reset", where);
-    if (const toml::node* count = table.get("count")) {
-      if (!count->is_integer() || **count->as_integer() < 0)
-        refuse(place(count->source()), "count must be a whole number from 0 on");
-      event.count = static_cast<std::size_t>(**count->as_integer());
-    }
+    event.count = count_of(table);
     out_.events.push_back(std::move(event));
   }
 
@@ -223,10 +228,11 @@ class Reader {
   }
 
   void read_stop(const toml::table& table, const std::string& where) {
-    check_keys(table, where, {"name", "gap", "law"});
+    check_keys(table, where, {"name", "gap", "law", "count"});
     StopText stop;
     stop.name = string_of(table, "name", where);
     stop.gap = string_of(table, "gap", where);
+    stop.count = count_of(table);
     const toml::table& law = as_table(need(table, "law", where), "law");
     check_keys(law, "law", {"newton", "hertz", "linear", "force", "adhesion"});
     for (const auto& [key, node] : law) {
@@ -249,20 +255,21 @@ class Reader {
   }
 
   void read_friction(const toml::table& table, const std::string& where) {
-    check_keys(table, where, {"name", "speed", "normal", "law", "sticking"});
+    check_keys(table, where, {"name", "speed", "normal", "law", "sticking", "count"});
     FrictionText friction;
     friction.name = string_of(table, "name", where);
     friction.speed = string_of(table, "speed", where);
     friction.normal = required_value(table, "normal", where);
     friction.law = required_value(table, "law", where);
     friction.sticking = optional_value(table, "sticking");
+    friction.count = count_of(table);
     out_.friction.push_back(std::move(friction));
   }
 
   void read_surface(const toml::table& table, const std::string& where) {
-    check_keys(table, where, {"function", "below", "above", "sliding"});
+    check_keys(table, where, {"function", "below", "above", "sliding", "count"});
     out_.surfaces.push_back({string_of(table, "function", where), string_of(table, "below", where),
-                             string_of(table, "above", where), optional_string(table, "sliding", where)});
+                             string_of(table, "above", where), optional_string(table, "sliding", where), count_of(table)});
   }
 
   void read_start(const toml::table& table) {

@@ -15,8 +15,6 @@ namespace {
 
 const char* yes(bool value) { return value ? "yes" : "no"; }
 
-bool ends_contact(EventKind kind) { return kind == EventKind::impact || kind == EventKind::stick || kind == EventKind::leave; }
-
 std::string check_cell(double value) { return value < 0.0 ? "-" : rounded(value, 3); }
 
 std::string verdict(double value, double limit) { return value < 0.0 ? "not applicable" : value <= limit ? "ok" : "FAILED"; }
@@ -40,7 +38,7 @@ Json events_json(const std::vector<EventRecord>& events, const ContactList& list
   std::size_t ended = 0;
   for (const EventRecord& event : events) {
     Json entry = {{"tau", event.t}, {"kind", event_kind_name(event.kind)}, {"speed", event.normal_speed}};
-    if (ends_contact(event.kind)) {
+    if (ends_contact(event)) {
       const Contact& contact = list.by_exit[ended++];
       entry["restitution"] = contact.restitution;
       entry["energy_lost"] = contact.energy_lost;

@@ -42,12 +42,17 @@ RowQuantities measure(const Quantities& quantities, const Problem& problem, cons
   on_threads(threads, rows.size(), [&](std::size_t k) {
     const SweepRow& row = rows[k];
     if (row.states.empty()) return;
+    const bool forced = is_forced(problem.system), closes = row.attractor.type == AttractorType::periodic;
+    if (!forced && !closes) return;  // its returns do not say how long it is
     Vector p = problem.parameters;
     p[index] = row.value;
-    measured[k] = measure(quantities, problem.system, p,
-                          {.states = row.states,
-                           .duration = static_cast<double>(row.states.size()) * forcing_period(problem.system, p),
-                           .closes = row.attractor.type == AttractorType::periodic});
+    MeasuredMotion motion{.states = row.states, .duration = row.attractor.duration, .closes = closes};
+    if (forced) {
+      motion.duration = static_cast<double>(row.states.size()) * forcing_period(problem.system, p);
+    } else {
+      motion.states.resize(1);
+    }
+    measured[k] = measure(quantities, problem.system, p, motion);
   });
   return measured;
 }

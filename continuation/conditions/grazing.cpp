@@ -35,11 +35,14 @@ GuardAndRate guard_and_rate(const HybridSystem& system, const Guard& guard, cons
   if (guard.dp) guard.dp(at.t, at.x, p, h_dp);
   out.h = guard.value(at.t, at.x, p);
   out.rate = out.h_dx.dot(f) + (guard.dt ? guard.dt(at.t, at.x, p) : 0.0);
-  // The guard's own curvature is left out: it makes Newton's matrix inexact, not the solution.
+  const auto change = [&](double dt, const Vector& dx, const Vector& dp) {
+    return transversality_change(guard, at.t, at.x, f, p, dt, dx, dp);
+  };
   out.rate_dx = f_dx.transpose() * out.h_dx;
-  out.rate_dt = out.h_dx.dot(f_dt);
+  for (Eigen::Index i = 0; i < n; ++i) out.rate_dx[i] += change(0.0, Vector::Unit(n, i), {});
+  out.rate_dt = out.h_dx.dot(f_dt) + change(1.0, {}, {});
   out.h_dp = h_dp[index];
-  out.rate_dp = out.h_dx.dot(f_dp.col(index));
+  out.rate_dp = out.h_dx.dot(f_dp.col(index)) + change(0.0, {}, Vector::Unit(p.size(), index));
   return out;
 }
 

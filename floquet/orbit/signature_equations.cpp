@@ -100,18 +100,24 @@ double SignatureEquations::speed(const Vector& u, int k) {
 }
 
 Vector SignatureEquations::speed_gradient(const Vector& u, int k) {
-  // The guard's own curvature is left out: barriers are flat.
   const Mode& mode = system().modes[event(k).from];
   const Vector x = state(u, k);
-  Vector gradient(n_), f_dt = Vector::Zero(n_), out = Vector::Zero(unknowns() + 1);
+  const double t = time(u, k);
+  const auto active = static_cast<Eigen::Index>(active_);
+  Vector f(n_), gradient(n_), f_dt = Vector::Zero(n_), out = Vector::Zero(unknowns() + 1);
   Matrix f_dx(n_, n_), f_dp = Matrix::Zero(n_, parameters().size());
-  event(k).guard.dx(time(u, k), x, parameters(), gradient);
-  mode.field_dx(time(u, k), x, parameters(), f_dx);
-  mode.field_dp(time(u, k), x, parameters(), f_dp);
-  if (mode.field_dt) mode.field_dt(time(u, k), x, parameters(), f_dt);
-  out[k * (n_ + 1)] = gradient.dot(f_dt);
+  event(k).guard.dx(t, x, parameters(), gradient);
+  propagator_.field(event(k).from, t, x, f);
+  mode.field_dx(t, x, parameters(), f_dx);
+  mode.field_dp(t, x, parameters(), f_dp);
+  if (mode.field_dt) mode.field_dt(t, x, parameters(), f_dt);
+  const auto change = [&](double dt, const Vector& dx, const Vector& dp) {
+    return transversality_change(event(k).guard, t, x, f, parameters(), dt, dx, dp);
+  };
+  out[k * (n_ + 1)] = gradient.dot(f_dt) + change(1.0, {}, {});
   out.segment(k * (n_ + 1) + 1, n_) = f_dx.transpose() * gradient;
-  out[unknowns()] = gradient.dot(f_dp.col(static_cast<Eigen::Index>(active_)));
+  for (int i = 0; i < n_; ++i) out[k * (n_ + 1) + 1 + i] += change(0.0, Vector::Unit(n_, i), {});
+  out[unknowns()] = gradient.dot(f_dp.col(active)) + change(0.0, {}, Vector::Unit(parameters().size(), active));
   return out;
 }
 

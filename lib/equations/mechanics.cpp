@@ -596,12 +596,17 @@ class Mechanics {
       event->continuous = contact.begins_softly;
     } else if (status == closed && contact.states == 3) {
       if (EventPiece* event =
-              add(at, contact, " leave", EventKind::leave, graph_.negate(contact.force), changed(at.status, c, apart)))
+              add(at, contact, " leave", EventKind::leave, graph_.negate(contact.force), changed(at.status, c, apart))) {
         event->continuous = true;
+        event->effective_mass = mass_of(contact);
+        event->opening_rate = contact.rate;
+      }
       add(at, contact, " open", EventKind::leave, contact.gap, changed(at.status, c, open));
     } else if (status == closed) {
-      if (EventPiece* event = add(at, contact, " leave", EventKind::leave, contact.gap, changed(at.status, c, open)))
+      if (EventPiece* event = add(at, contact, " leave", EventKind::leave, contact.gap, changed(at.status, c, open))) {
         event->continuous = contact.begins_softly;
+        event->effective_mass = mass_of(contact);
+      }
     } else {
       if (EventPiece* event = add(at, contact, " open", EventKind::other, contact.gap, changed(at.status, c, open)))
         event->continuous = true;

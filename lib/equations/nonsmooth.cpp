@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <utility>
 
 namespace graze::equations {
 
@@ -83,7 +84,7 @@ struct SplitMode {
   Splitter splitter;
   std::vector<Signs> representatives;       ///< of each new mode
   std::map<Signs, std::size_t> class_of;    ///< the new mode of a combination, counted within this mode
-  std::vector<std::vector<bool>> decisive;  ///< which signs make a difference in a new mode
+  std::vector<std::vector<bool>> decisive;  ///< which signs lead from a new mode to another one
   std::size_t first = 0;                    ///< index of the first new mode
 };
 
@@ -197,36 +198,54 @@ class Separation {
     for (const Signs& one : combinations)
       for (const Expression part : parts) values[one].push_back(splitter.resolved(part, one));
     const std::size_t count = splitter.switches.size();
-    // A sign is decisive if it changes an expression of the mode, or the argument of another one that does.
-    const auto decisive = [&](const Signs& at) {
-      std::vector<bool> out(count, false);
-      for (bool changed = true; changed;) {
-        changed = false;
-        for (std::size_t i = 0; i < count; ++i) {
+    // A sign matters if it changes an expression of the mode anywhere, or the argument of another one that matters.
+    std::vector<bool> matters(count, false);
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (std::size_t i = 0; i < count; ++i)
+        for (const Signs& at : combinations) {
           const Signs other = flipped(at, i);
-          if (out[i] || !values.contains(other)) continue;
+          if (matters[i] || !values.contains(other)) continue;
           bool makes_difference = values.at(at) != values.at(other);
           for (std::size_t j = i + 1; j < count; ++j)
-            if (out[j]) makes_difference = makes_difference || splitter.argument(j, at) != splitter.argument(j, other);
-          if (makes_difference) out[i] = changed = true;
+            makes_difference = makes_difference || (matters[j] && splitter.argument(j, at) != splitter.argument(j, other));
+          if (makes_difference) matters[i] = changed = true;
         }
+    }
+    // Combinations are one mode if they have the same expressions and arguments, and the same modes behind each sign.
+    std::map<Signs, std::size_t> part_of;
+    std::map<std::vector<Expression>, std::size_t> with_expressions;
+    for (const Signs& at : combinations) {
+      std::vector<Expression> key = values.at(at);
+      for (std::size_t i = 0; i < count; ++i)
+        if (matters[i]) key.push_back(splitter.argument(i, at));
+      part_of[at] = with_expressions.emplace(std::move(key), with_expressions.size()).first->second;
+    }
+    for (std::size_t parts_before = 0, parts_now = with_expressions.size(); parts_now != parts_before;) {
+      std::map<std::vector<std::pair<int, std::size_t>>, std::size_t> with_neighbours;
+      std::map<Signs, std::size_t> finer;
+      for (const Signs& at : combinations) {
+        std::vector<std::pair<int, std::size_t>> key{{0, part_of[at]}};
+        for (std::size_t i = 0; i < count; ++i) {
+          const auto other = part_of.find(flipped(at, i));
+          const bool leads_away = other != part_of.end() && other->second != part_of[at];
+          key.emplace_back(leads_away ? at[i] : 0, leads_away ? other->second : 0);
+        }
+        finer[at] = with_neighbours.emplace(std::move(key), with_neighbours.size()).first->second;
       }
-      return out;
-    };
+      parts_before = std::exchange(parts_now, with_neighbours.size());
+      part_of = std::move(finer);
+    }
+    std::map<std::size_t, std::size_t> number_of_part;
     for (const Signs& one : combinations) {
-      if (mode.class_of.contains(one)) continue;
-      const std::size_t number = mode.representatives.size();
-      const std::vector<bool> matters = decisive(one);
+      const auto [part, is_new] = number_of_part.emplace(part_of[one], mode.representatives.size());
+      mode.class_of[one] = part->second;
+      if (!is_new) continue;
       mode.representatives.push_back(one);
-      mode.decisive.push_back(matters);
-      // All that differ from it in signs that make no difference.
-      std::vector<Signs> open{one};
-      while (!open.empty()) {
-        const Signs at = open.back();
-        open.pop_back();
-        if (!mode.class_of.emplace(at, number).second) continue;
-        for (std::size_t i = 0; i < count; ++i)
-          if (!matters[i] && values.contains(flipped(at, i))) open.push_back(flipped(at, i));
+      mode.decisive.emplace_back(count, false);
+      for (std::size_t i = 0; i < count; ++i) {
+        const auto other = part_of.find(flipped(one, i));
+        mode.decisive.back()[i] = other != part_of.end() && other->second != part_of[one];
       }
     }
     if (mode.representatives.size() > most_split_modes) refuse_number(m);

@@ -47,6 +47,7 @@ struct EventPiece {
   std::optional<AccumulationPiece> accumulation = {};
   std::optional<AlternativePiece> otherwise = {};
   std::optional<Expression> effective_mass = {};
+  std::optional<Expression> opening_rate = {};
   std::optional<Expression> restitution = {};  ///< of the parameters: the volume changes by its square
 };
 

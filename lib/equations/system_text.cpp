@@ -719,6 +719,7 @@ class Builder {
   /// What mechanics and surfaces know of an event.
   void add_contact(const EventPiece& piece, Event& event) {
     if (piece.effective_mass) event.effective_mass = scalar_function(graph_, *piece.effective_mass);
+    if (piece.opening_rate) event.opening_rate = scalar_function(graph_, *piece.opening_rate);
     if (piece.restitution && !event.log_volume_change) {
       const ScalarFunction restitution = scalar_function(graph_, *piece.restitution);
       event.log_volume_change = [restitution](const Vector& p) { return 2.0 * std::log(std::abs(restitution(0.0, {}, p))); };

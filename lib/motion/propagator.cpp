@@ -71,7 +71,7 @@ std::optional<Termination> Propagator::period_end(const HybridState& state) cons
 }
 
 double Propagator::guard_acceleration(const Guard& guard, std::size_t mode, double t, const Vector& x, const Vector& f) {
-  // d2h/dt2 = D_x h (f_x f + f_t); curvature of the guard itself is left out (barriers are flat or at rest).
+  // d2h/dt2 = D_x h (f_x f + f_t), and what a curved or moving guard adds.
   const Mode& description = system_->modes[mode];
   description.field_dx(t, x, p_, f_dx_);
   if (description.field_dt) {
@@ -81,7 +81,7 @@ double Propagator::guard_acceleration(const Guard& guard, std::size_t mode, doub
   }
   f_dt_.noalias() += f_dx_ * f;
   guard.dx(t, x, p_, gradient_);
-  return gradient_.dot(f_dt_);
+  return gradient_.dot(f_dt_) + transversality_change(guard, t, x, f, p_, 1.0, f);
 }
 
 bool Propagator::active_at_start(const HybridState& state, std::size_t index) {
@@ -201,7 +201,9 @@ void Propagator::cross(HybridState& state, std::size_t index, double t_end, Sens
   record_.normal_speed = transversality(event.guard, state.t, record_.x_minus, f_minus_, p_);
   flows_[event.to].field(state.t, state.x, f_plus_);
   plus_known_ = true;
-  record_.exit_speed = -transversality(event.guard, state.t, state.x, f_plus_, p_);
+  record_.exit_speed = event.opening_rate               ? event.opening_rate(state.t, state.x, p_)
+                       : event.kind == EventKind::leave ? record_.normal_speed
+                                                        : -transversality(event.guard, state.t, state.x, f_plus_, p_);
   if (event.accumulation && accumulate(state, event, t_end, sensitivity)) return;
   if (sensitivity == Sensitivity::none) return;
   const std::span<const std::size_t> active =

@@ -128,6 +128,11 @@ Matrix sample(const HybridSystem& system, const Vector& p, const Trajectory& tra
   return rows;
 }
 
+bool ends_contact(const EventRecord& event) {
+  if (event.kind == EventKind::stick) return event.x_plus != event.x_minus;
+  return event.kind == EventKind::impact || event.kind == EventKind::leave;
+}
+
 std::vector<Contact> contacts(const std::vector<EventRecord>& events) {
   std::vector<Contact> list;
   const auto finish = [](Contact& contact, double mass) {
@@ -141,6 +146,7 @@ std::vector<Contact> contacts(const std::vector<EventRecord>& events) {
     switch (event.kind) {
     case EventKind::impact:
     case EventKind::stick: {
+      if (!ends_contact(event)) break;
       Contact contact;
       contact.t_entry = contact.t_exit = event.t;
       contact.entry_speed = event.normal_speed;
@@ -164,12 +170,12 @@ std::vector<Contact> contacts(const std::vector<EventRecord>& events) {
         contact.entry_speed = contact.restitution = contact.t_entry = std::numeric_limits<double>::quiet_NaN();
         contact.energy_lost = std::numeric_limits<double>::quiet_NaN();
         contact.t_exit = event.t;
-        contact.exit_speed = event.normal_speed;
+        contact.exit_speed = event.exit_speed;
         list.push_back(contact);
         break;
       }
       list.back().t_exit = event.t;
-      list.back().exit_speed = event.normal_speed;
+      list.back().exit_speed = event.exit_speed;
       finish(list.back(), event.mass);
       open = false;
       break;
@@ -190,9 +196,7 @@ ContactsOfCycle contacts_of_cycle(const std::vector<EventRecord>& events, double
   }
   std::vector<Contact> complete = contacts(twice);
   std::erase_if(complete, [](const Contact& contact) { return !contact.complete; });
-  const auto count = std::count_if(events.begin(), events.end(), [](const EventRecord& event) {
-    return event.kind == EventKind::impact || event.kind == EventKind::stick || event.kind == EventKind::leave;
-  });
+  const auto count = std::count_if(events.begin(), events.end(), ends_contact);
   ContactsOfCycle cycle;
   cycle.by_entry.assign(complete.begin(), complete.begin() + count);
   cycle.by_exit.assign(complete.end() - count, complete.end());

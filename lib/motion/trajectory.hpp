@@ -18,8 +18,9 @@ struct EventRecord {
   Vector x_minus, x_plus;
   std::size_t mode_plus = 0;
   double normal_speed = 0.0;
-  double mass = 1.0;          ///< Event::effective_mass there
-  double exit_speed = 0.0;    ///< -dh/dt just after, along the field after (hard impact: speed of departure)
+  double mass = 1.0;  ///< Event::effective_mass there
+  double exit_speed =
+      0.0;  ///< of departure: -dh/dt along the field after a hard impact, the gap's rate at the end of a soft contact
   SaltationMatrix saltation;  ///< if sensitivity was asked for
 };
 
@@ -58,6 +59,10 @@ struct Contact {
   double energy_lost = 0.0;                    ///< m (entry_speed^2 - exit_speed^2) / 2 with EventRecord::mass
   bool complete = false;                       ///< entry and exit both lie within the run
 };
+
+/// Whether a contact ends with the event: an impact, complete chatter, the end of a soft contact. Dry friction that holds what
+/// slid ends none: nothing jumps there.
+bool ends_contact(const EventRecord& event);
 
 /// The contacts of a run, in order (from events of kind impact, or enter followed by leave).
 std::vector<Contact> contacts(const std::vector<EventRecord>& events);

@@ -127,6 +127,8 @@ struct Event {
   /// Mass that meets the barrier, 1 / (W^T M^-1 W) with the gap's gradient W: energies are half of it times normal speeds
   /// squared. Empty: 1, energies are then per unit mass.
   ScalarFunction effective_mass;
+  /// Of an event that ends a soft contact: the rate at which its gap opens. Empty: the rate of the guard, which is the gap.
+  ScalarFunction opening_rate = {};
   /// ln|det S| where a law knows it (Newton: ln k_r^2), for Liouville's identity; empty: taken from S.
   std::function<double(const Vector& p)> log_volume_change;
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/lib/system/saltation.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -18,6 +19,21 @@ double transversality(const Guard& guard, double t, const Vector& x, const Vecto
   Vector gradient(x.size());
   guard.dx(t, x, p, gradient);
   return gradient.dot(f) + (guard.dt ? guard.dt(t, x, p) : 0.0);
+}
+
+double transversality_change(const Guard& guard, double t, const Vector& x, const Vector& f, const Vector& p, double dt,
+                             const Vector& dx, const Vector& dp) {
+  if (guard.level) return 0.0;
+  double scale = std::abs(dt);
+  if (dx.size() > 0) scale = std::max(scale, dx.lpNorm<Eigen::Infinity>() / (1.0 + x.lpNorm<Eigen::Infinity>()));
+  if (dp.size() > 0) scale = std::max(scale, dp.lpNorm<Eigen::Infinity>());
+  if (!(scale > 0.0)) return 0.0;
+  const double step = 3e-4 / scale;
+  const auto at = [&](double s) {
+    const Vector there = dx.size() > 0 ? Vector(x + s * dx) : x, with = dp.size() > 0 ? Vector(p + s * dp) : p;
+    return transversality(guard, t + s * dt, there, f, with);
+  };
+  return (8.0 * (at(step) - at(-step)) - (at(2.0 * step) - at(-2.0 * step))) / (12.0 * step);
 }
 
 SaltationMatrix saltation(const Event& event, const Crossing& crossing, const Vector& p, std::span<const std::size_t> active) {

@@ -43,4 +43,10 @@ void saltation(const Event& event, const Crossing& crossing, const Vector& p, st
 /// The transversality c = D_t h + D_x h f- alone.
 double transversality(const Guard& guard, double t, const Vector& x, const Vector& f, const Vector& p);
 
+/// Derivative of the transversality in the direction (dt, dx, dp) with f held: what the guard's own curvature, or its motion,
+/// adds to derivatives of dh/dt. Exactly zero for a level. By differences of fourth order, to some 1e-11 of the guard's scale;
+/// empty dx or dp: none.
+double transversality_change(const Guard& guard, double t, const Vector& x, const Vector& f, const Vector& p, double dt,
+                             const Vector& dx = {}, const Vector& dp = {});
+
 }  // namespace graze

@@ -195,3 +195,18 @@ TEST_CASE("a command ends after --time with what there is, and says so") {
     CHECK_THAT(misuse.err, Contains("--time is ") && Contains("allowed is > 0"));
   }
 }
+
+TEST_CASE("a call that is refused leaves no folder behind (fixed)") {
+  const TemporaryFolder folder;
+  const std::string out = folder.file("results"), good = GRAZE_DATA_DIR "/problems/newton-elastic.toml";
+  const std::vector<std::vector<std::string>> refused = {{"orbit", folder.file("not-there.toml")},
+                                                         {"orbit", good, "--start", "3,0"},
+                                                         {"sweep", good, "--from", "0.9", "--to", "0.91", "--y", "max(q)"},
+                                                         {"continue", good, "--param", "q", "--to", "1"}};
+  for (std::vector<std::string> command : refused) {
+    command.insert(command.end(), {"--out", out});
+    INFO(fmt::format("{}", fmt::join(command, " ")));
+    CHECK(call(command).code == 2);
+    CHECK(!fs::exists(out));
+  }
+}

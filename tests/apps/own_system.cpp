@@ -171,6 +171,13 @@ TEST_CASE("the system on README's first page gives its resonance curve") {
   }
 }
 
+TEST_CASE("a block that dry friction holds has no contact (fixed)") {
+  const Json orbit = result("orbit", model("block-on-belt"));
+  CHECK(orbit["orbit"]["contacts"].empty());
+  const auto is_stick = [](const Json& event) { return event["kind"] == "stick"; };
+  CHECK(std::count_if(orbit["orbit"]["events"].begin(), orbit["orbit"]["events"].end(), is_stick) == 1);
+}
+
 TEST_CASE("the guide's smooth system without forcing runs as its text says") {
   const TemporaryFolder folder;
   const std::string guide = read_file(GRAZE_DATA_DIR "/guide/systems.md"), fence = "```toml\n";
@@ -503,4 +510,44 @@ TEST_CASE("graze models NAME prints the file of a model") {
   CHECK(outcome.code == 0);
   CHECK(outcome.out == read_file(model("duffing-two-stops")));
   CHECK_THAT(call({"models", "duffing-two-stop"}).err, Contains("did you mean \"duffing-two-stops\"?"));
+}
+
+TEST_CASE("a spring with a damper as a stop takes the energy that its damper turns into heat (fixed)") {
+  const TemporaryFolder folder;
+  const std::string file = folder.write("stop.toml", R"toml([system]
+forcing = "w"
+[parameters]
+w = 0.8
+[mechanics]
+coordinates = ["x"]
+velocities = ["v"]
+mass = [[2]]
+damping = [[0.1]]
+stiffness = [[2]]
+force = ["1.5*cos(w*t)"]
+[[stops]]
+name = "right"
+gap = "0.5 - x"
+law = { linear = [40, 3] }
+)toml");
+  const Json orbit =
+      result("orbit", file, {"--y", "mean(v*1.5*cos(w*t))", "--y", "mean(0.1*v^2)", "--y", "energy_lost"})["orbit"];
+  REQUIRE(!orbit["contacts"].empty());
+  double kinetic = 0.0;
+  for (const Json& contact : orbit["contacts"]) {
+    CHECK(contact["restitution"].get<double>() < 1.0);
+    CHECK(contact["restitution"].get<double>() > 0.0);
+    const double in = contact["entry_speed"], out = contact["exit_speed"];
+    kinetic += 0.5 * 2.0 * (in * in - out * out);
+  }
+  const auto y = [&](const char* name) {
+    const Json& value = orbit["y"][name];
+    return value.is_array() ? value[0].get<double>() : value.get<double>();
+  };
+  CHECK(y("energy_lost") == Approx(kinetic).epsilon(1e-12));
+  // What the force puts in and the free damper does not take goes into the stop, but for what stays in its spring and the other
+  // one.
+  const double taken = (y("mean(v*1.5*cos(w*t))") - y("mean(0.1*v^2)")) * orbit["duration"].get<double>();
+  CHECK(taken > 0.0);
+  CHECK(std::abs(y("energy_lost") - taken) < 0.2 * taken);
 }

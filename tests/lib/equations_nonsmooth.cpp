@@ -91,7 +91,8 @@ TEST_CASE("abs, max, min and clamp, also inside one another, have the field of t
       "max(x, min(v, 0.5))", [](double, const Vector& x, const Vector&) { return std::max(x[0], std::min(x[1], 0.5)); }, 4);
   // On one side the speed does not matter.
   force(
-      "max(x, 0)*abs(v)", [](double, const Vector& x, const Vector&) { return std::max(x[0], 0.0) * std::abs(x[1]); }, 3);
+      "max(x, 0)*abs(v)", [](double, const Vector& x, const Vector&) { return std::max(x[0], 0.0) * std::abs(x[1]); },
+      4);  // which sign v has left of x = 0 says where the motion comes out
   // A parameter's sign is no event.
   force(
       "abs(b)*x + max(b, xi)",
@@ -176,4 +177,47 @@ TEST_CASE("a reset that does not tell the branch behind it leads to the branch w
   }
   REQUIRE_THAT(check_transition(system, parameters(system, {{"xi", 1.5}}), 0.0, 6.0, vector({0.2, 1.2}), 1e-7, 1e-5),
                all_agree());
+}
+
+TEST_CASE("nests of nonsmooth functions move as the expression as it stands (fixed)") {
+  const auto zone = [](double x, double half) { return x > half ? x - half : x < -half ? x + half : 0.0; };
+  const std::vector<std::pair<std::string, std::function<double(double)>>> nests = {
+      {"max(0.2, max(x, 0))", [](double x) { return std::max(0.2, std::max(x, 0.0)); }},
+      {"max(max(x, 0), 0.2)", [](double x) { return std::max(std::max(x, 0.0), 0.2); }},
+      {"max(0.2, 2*max(x, 0))", [](double x) { return std::max(0.2, 2.0 * std::max(x, 0.0)); }},
+      {"max(0.2, abs(abs(x) - 0.1))", [](double x) { return std::max(0.2, std::abs(std::abs(x) - 0.1)); }},
+      {"min(-0.2, -max(x, 0))", [](double x) { return std::min(-0.2, -std::max(x, 0.0)); }},
+      {"max(0.2, deadzone(x, 0.3))", [&](double x) { return std::max(0.2, zone(x, 0.3)); }},
+      {"0.3*sign(max(x, 0) - 0.2)", [](double x) { return std::max(x, 0.0) > 0.2 ? 0.3 : -0.3; }},
+      {"0.3*step(max(x, 0) - 0.2)", [](double x) { return std::max(x, 0.0) > 0.2 ? 0.3 : 0.0; }},
+      {"max(min(x, 0.2), max(2*abs(x) - 1, 0))*x",
+       [](double x) { return std::max(std::min(x, 0.2), std::max(2.0 * std::abs(x) - 1.0, 0.0)) * x; }},
+      {"clamp(abs(x), 0.1, max(0.5, x/2))", [](double x) { return std::clamp(std::abs(x), 0.1, std::max(0.5, 0.5 * x)); }}};
+  for (const auto& [text, force] : nests) {
+    INFO(text);
+    const equations::TextSystem read = equations::make_system(forced(text).system);
+    const Vector p = default_parameters(read.system.parameters);
+    const double T = forcing_period(read.system, p);
+    const Trajectory run = simulate(read.system, p, 0.0, vector({0.0, 0.3}), {.t_end = 2.0 * T});
+    REQUIRE(run.termination == Termination::time);
+    REQUIRE(!run.events.empty());
+    // Runge and Kutta's steps of fourth order; a step over a corner costs its third power, one over a jump its first.
+    constexpr int steps = 400000;
+    const double h = 2.0 * T / steps;
+    const auto rate = [&](double t, double x, double v) {
+      return std::pair{v, p[1] * std::cos(p[0] * t) - 2.0 * p[2] * v - x - force(x)};
+    };
+    double x = 0.0, v = 0.3;
+    for (int k = 0; k < steps; ++k) {
+      const double t = k * h;
+      const auto [x1, v1] = rate(t, x, v);
+      const auto [x2, v2] = rate(t + 0.5 * h, x + 0.5 * h * x1, v + 0.5 * h * v1);
+      const auto [x3, v3] = rate(t + 0.5 * h, x + 0.5 * h * x2, v + 0.5 * h * v2);
+      const auto [x4, v4] = rate(t + h, x + h * x3, v + h * v3);
+      x += h / 6.0 * (x1 + 2.0 * x2 + 2.0 * x3 + x4);
+      v += h / 6.0 * (v1 + 2.0 * v2 + 2.0 * v3 + v4);
+    }
+    REQUIRE(std::abs(run.x[0] - x) < 1e-4);
+    REQUIRE(std::abs(run.x[1] - v) < 1e-4);
+  }
 }
