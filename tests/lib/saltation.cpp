@@ -232,3 +232,19 @@ TEST_CASE("saltation with guards and resets that depend on time and parameters a
   // Steps of 1e-4: truncation h^4 times fifth derivatives, rounding 1e-14/1e-4.
   REQUIRE_THAT(check_transition(system, p, 0.2, 2.2, x0, 1e-9), all_agree());
 }
+
+TEST_CASE("what a curved or a moving guard adds to second derivatives is that of its formula") {
+  // h = sqrt(x^2 + y^2) - R sin(w t): with f held, D(h_x f + h_t) along (dt, dx, dR) in closed form.
+  Guard guard;
+  guard.value = [](double t, const Vector& x, const Vector& p) { return x.norm() - p[0] * std::sin(p[1] * t); };
+  guard.dx = [](double, const Vector& x, const Vector&, Vector& out) { out = x / x.norm(); };
+  guard.dt = [](double t, const Vector&, const Vector& p) { return -p[0] * p[1] * std::cos(p[1] * t); };
+  const double t = 0.7, R = 1.3, w = 2.1;
+  const Vector x{{0.8, -0.5}}, f{{0.4, 1.1}}, d{{-0.3, 0.9}}, p{{R, w}};
+  const double r = x.norm();
+  const double bent = (f.dot(d) - x.dot(f) * x.dot(d) / (r * r)) / r;
+  CHECK(std::abs(transversality_change(guard, t, x, f, p, 0.0, d) - bent) < 1e-10);
+  CHECK(std::abs(transversality_change(guard, t, x, f, p, 1.0) - R * w * w * std::sin(w * t)) < 1e-10);
+  CHECK(std::abs(transversality_change(guard, t, x, f, p, 0.0, {}, Vector{{1.0, 0.0}}) + w * std::cos(w * t)) < 1e-10);
+  CHECK(transversality_change(make_level_guard({.coordinate = 0, .level = 0, .sign = 1.0}), t, x, f, p, 1.0, d) == 0.0);
+}
