@@ -57,7 +57,7 @@ int run(const Options& given, const Console& console) {
     throw std::invalid_argument("--duration is for systems without forcing; give the length of the run by --periods");
   if (options.duration && !(*options.duration > 0.0))
     throw std::invalid_argument(fmt::format("--duration is {}; allowed is > 0", exact(*options.duration)));
-  // What need not return has no transient of so many returns: it is recorded from its start on.
+  // A run of a given length need not return at all: by default no returns are taken off before it.
   if (options.duration && !options.start.settle) options.start.settle = 0;
   Json asked = options_json(problem, options.start);
   asked["periods"] = options.periods;

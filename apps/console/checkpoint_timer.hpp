@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// CheckpointTimer: what takes long is looked at now and then, so that what there is can be written while it goes on: kill -9 and
-// a power cut cost what came since. What can only be looked at when it has stopped is stopped at the end of each stint, as Ctrl-C
-// would stop it, and gone on with. Stopping and writing cost something too; stints are long against that.
+// CheckpointTimer: work that takes long is looked at now and then, so that its results so far can be written while it goes on:
+// kill -9 and a power cut cost only what came after the last look. Work that can be looked at only when it has stopped is stopped
+// at the end of each stint, as Ctrl-C would stop it, and then continued. A stint is long against the time that this takes.
 #pragma once
 
 #include <atomic>

@@ -208,8 +208,6 @@ std::optional<Measured> run_along(const Quantities& quantities, const HybridSyst
     functions.evaluate(system, run.segments.front().mode, 0.0, start, p, values.data(), rates.data());
     for (std::size_t f = 0; f < functions.size(); ++f) out.starts[f].push_back(values[f]);
     for (EventRecord event : run.events) {
-      // Friction that holds a sliding mass is no contact; the end of a chatter has the kind of its impacts here.
-      if (system.events[event.event].kind == EventKind::stick) continue;
       event.t += static_cast<double>(k) * unit;
       out.events.push_back(std::move(event));
     }

@@ -21,7 +21,7 @@ struct BranchQuantities {
   std::vector<QuantityValues> points, special_points;
 };
 
-/// Of all branches of one run, on so many threads; empty if there are no quantities.
+/// Measures the quantities on all points of these branches, on `threads` threads. Empty if there are no quantities.
 std::vector<BranchQuantities> measure(const Quantities& quantities, const HybridSystem& system,
                                       const std::vector<Branch>& branches, int threads);
 

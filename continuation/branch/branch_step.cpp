@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/branch/branch_step.hpp>
 #include <graze/continuation/conditions/test_function.hpp>
-#include <graze/lib/motion/transition.hpp>
+#include <graze/floquet/orbit/mirror.hpp>
 
 #include <algorithm>
 #include <array>
@@ -36,11 +36,9 @@ double asymmetry(const HybridSystem& system, const Branch& branch, const BranchP
   Vector p = branch.parameters;
   p[static_cast<Eigen::Index>(parameter_index(system.parameters, branch.parameter))] = point.value;
   Propagator propagator(system, p);
-  Transition transition;
-  const Vector& start = point.states[static_cast<std::size_t>(branch.period / 2)];
-  carry(propagator, 0.0, 0.5 * forcing_period(system, p), start, {.sensitivity = Sensitivity::none}, transition);
-  if (transition.termination != Termination::time) return std::nan("");
-  return (transition.x1 + point.state()).lpNorm<Eigen::Infinity>() / (1.0 + point.state().lpNorm<Eigen::Infinity>());
+  const auto mirrored = mirrored_state(propagator, point.states[static_cast<std::size_t>(branch.period / 2)]);
+  if (!mirrored) return std::nan("");
+  return (*mirrored - point.state()).lpNorm<Eigen::Infinity>() / (1.0 + point.state().lpNorm<Eigen::Infinity>());
 }
 
 bool skips_something(const BranchPoint& last, const BranchPoint& next) {

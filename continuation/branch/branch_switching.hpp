@@ -27,8 +27,9 @@ std::optional<BranchStart> doubled_start(const SpecialPoint& pd, OrbitProblem& p
 
 /// At a branch point: the other branch through it, on the side +1 or -1 (of a pitchfork: its two halves). The kernel of the
 /// equations' Jacobian is spanned by the tangents of both branches; the start is pushed along what is normal to that of `branch`,
-/// on which `bp` was met, and corrected there. Empty where no orbit with as many impacts is found.
-std::optional<BranchStart> crossing_start(const SpecialPoint& bp, const Branch& branch, OrbitProblem& problem, int side,
+/// on which `bp` was met, and corrected there. Empty where no orbit with as many impacts is found. `states`: the equations of the
+/// branch, in states.
+std::optional<BranchStart> crossing_start(const SpecialPoint& bp, const Branch& branch, OrbitProblem& states, int side,
                                           const TraceOptions& options);
 
 /// Contacts that may touch together.

@@ -12,40 +12,6 @@ namespace {
 /// Rounding of one evaluation of the equations, relative to 1 + |x| (as for multipliers).
 constexpr double rounding = 1e-14;
 
-/// h and dh/dt of a guard along a mode's field, with their gradients in x, and derivatives in t and one parameter.
-struct GuardAndRate {
-  double h, rate;
-  Vector h_dx, rate_dx;
-  double rate_dt, h_dp, rate_dp;
-};
-
-GuardAndRate guard_and_rate(const HybridSystem& system, const Guard& guard, const Touch& at, const Vector& p,
-                            std::size_t parameter) {
-  const auto n = static_cast<Eigen::Index>(system.states), index = static_cast<Eigen::Index>(parameter);
-  const Mode& mode = system.modes[at.mode];
-  Vector f(n), f_dt = Vector::Zero(n), h_dp = Vector::Zero(p.size());
-  Matrix f_dx(n, n), f_dp = Matrix::Zero(n, p.size());
-  mode.field(at.t, at.x, p, f);
-  mode.field_dx(at.t, at.x, p, f_dx);
-  mode.field_dp(at.t, at.x, p, f_dp);
-  if (mode.field_dt) mode.field_dt(at.t, at.x, p, f_dt);
-  GuardAndRate out;
-  out.h_dx.resize(n);
-  guard.dx(at.t, at.x, p, out.h_dx);
-  if (guard.dp) guard.dp(at.t, at.x, p, h_dp);
-  out.h = guard.value(at.t, at.x, p);
-  out.rate = out.h_dx.dot(f) + (guard.dt ? guard.dt(at.t, at.x, p) : 0.0);
-  const auto change = [&](double dt, const Vector& dx, const Vector& dp) {
-    return transversality_change(guard, at.t, at.x, f, p, dt, dx, dp);
-  };
-  out.rate_dx = f_dx.transpose() * out.h_dx;
-  for (Eigen::Index i = 0; i < n; ++i) out.rate_dx[i] += change(0.0, Vector::Unit(n, i), {});
-  out.rate_dt = out.h_dx.dot(f_dt) + change(1.0, {}, {});
-  out.h_dp = h_dp[index];
-  out.rate_dp = out.h_dx.dot(f_dp.col(index)) + change(0.0, {}, Vector::Unit(p.size(), index));
-  return out;
-}
-
 /// The linear response of the periodic orbit to the weak impact's impulse, per unit of its speed: where the orbit with the impact
 /// lies.
 void analyse(OrbitProblem& problem, const GrazingGuess& guess, const GuardAndRate& at, const Matrix& jacobian,
@@ -227,7 +193,7 @@ LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const 
     }
     const Touch& touch = equations.stretch(j).touch;
     const Vector p = equations.parameters();
-    const GuardAndRate at = guard_and_rate(system, guard, touch, p, problem.parameter());
+    const GuardAndRate at = guard_and_rate(guard, system.modes[touch.mode], touch.t, touch.x, p, problem.parameter());
     const Vector x_dp = equations.fixed_time_dp(j, touch.Phi, touch.Psi);
     Matrix A = Matrix::Zero(unknowns + 1, unknowns + 1);
     A.topLeftCorner(unknowns - 1, unknowns) = jacobian;

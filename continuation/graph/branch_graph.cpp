@@ -239,7 +239,7 @@ class Graph {
     if (!mode_at(system_, 0.0, end.orbit.state, p)) return;
     const Attractor attractor = approach_attractor(system_, p, end.orbit.state, settling);
     if (!attractor.orbit || attractor.orbit->isolated_impacts >= attractor.orbit->impacts) return;
-    add_seed({is_forced(system_) ? *attractor.orbit : seen_at_nodes(*attractor.orbit)}, generation);
+    add_seed({seen_at_nodes(*attractor.orbit)}, generation);
   }
 
   /// The partner born on the grazing at the end of this branch, or null.
@@ -307,22 +307,24 @@ class Graph {
 
   double value_of(const PeriodicOrbit& orbit) const { return orbit.parameters[static_cast<Eigen::Index>(parameter_)]; }
 
-  /// Branches from the seed `except` do not count.
-  bool is_known(const std::vector<Vector>& states, double value, int except = 0) const {
+  /// The branch on which an orbit lies. Those from the seed `except` do not count.
+  std::optional<std::size_t> branch_through(const std::vector<Vector>& states, double value, int except = 0) const {
     for (std::size_t k = 0; k < graph_.branches.size(); ++k)
-      if ((except == 0 || seeds_[k] != except) && lies_on(system_, graph_.branches[k], states, value)) return true;
-    return false;
+      if ((except == 0 || seeds_[k] != except) && lies_on(system_, graph_.branches[k], states, value)) return k;
+    return std::nullopt;
+  }
+
+  bool is_known(const std::vector<Vector>& states, double value, int except = 0) const {
+    return branch_through(states, value, except).has_value();
   }
 
   /// The branch on which the mirror image of such an orbit lies, if that is another orbit.
   std::optional<std::size_t> mirror_of(const std::vector<Vector>& states, double value) const {
-    Vector p = graph_.branches.empty() ? Vector{} : graph_.branches.front().parameters;
-    if (p.size() == 0) return std::nullopt;
+    if (!may_be_mirrored_ || graph_.branches.empty()) return std::nullopt;
+    Vector p = graph_.branches.front().parameters;
     p[static_cast<Eigen::Index>(parameter_)] = value;
     const std::vector<Vector> image = mirror_image(system_, p, states);
-    for (std::size_t k = 0; !image.empty() && k < graph_.branches.size(); ++k)
-      if (lies_on(system_, graph_.branches[k], image, value)) return k;
-    return std::nullopt;
+    return image.empty() ? std::nullopt : branch_through(image, value);
   }
 
   bool is_known(const GrazingEdge& edge) const {
@@ -490,7 +492,7 @@ class Graph {
       if (branch.points.size() <= 4) break;
       const BranchPoint& inside = branch.points[branch.points.size() * quarter / 4];
       if (is_known(inside.states, inside.value)) return;
-      if (const auto mirror = may_be_mirrored_ ? mirror_of(inside.states, inside.value) : std::nullopt) {
+      if (const auto mirror = mirror_of(inside.states, inside.value)) {
         graph_.branches[*mirror].mirrored = true;
         return;
       }

@@ -3,11 +3,11 @@
 //
 // From its seeds everything is followed that hangs together with them: doubled branches (and back from a doubled branch to the
 // one it was born on), branches that cross at a branch point, and the orbits beyond a grazing of a hard contact. Of two branches
-// that are mirror images of each other (floquet/orbit/mirror.hpp) one is kept, and marked so. These are the orbits with one impact more or less, and
-// up to max_multiple the families of m times their period that are born there: with the weak impact once in m turns, or in all
-// but one of them. (Others, with the impact in some of the turns, are counted and listed as not followed.) A family of orbits is
-// kept once, whichever way it was reached: a new branch is compared with those already there, orbit by orbit and up to a shift in
-// time.
+// that are mirror images of each other (floquet/orbit/mirror.hpp) one is kept, and marked so. These are the orbits with one
+// impact more or less, and up to max_multiple the families of m times their period that are born there: with the weak impact once
+// in m turns, or in all but one of them. (Others, with the impact in some of the turns, are counted and listed as not followed.)
+// A family of orbits is kept once, whichever way it was reached: a new branch is compared with those already there, orbit by
+// orbit and up to a shift in time.
 //
 // FamilyChoice says how much of this is followed and kept.
 //
@@ -49,7 +49,7 @@ struct FamilyChoice {
   /// False: kept are the branches that are stable somewhere, their parents (and theirs), what is born where a stable stretch
   /// ends, and the family on the other side of a grazing that ends one. And not all that may lead to more of them is followed:
   bool all = true;
-  /// Branches that lie beyond unstable orbits are followed until so many branches in a row were stable nowhere. (In the six
+  /// Branches that lie beyond unstable orbits are followed until this many branches in a row were stable nowhere. (In the six
   /// shipped problems the longest run that leads to a stable branch has 37.)
   int patience = 64;
   /// Orbits with more impacts in a forcing period, complete chatters not counted, are not followed: at low frequencies there are

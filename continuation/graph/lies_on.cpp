@@ -18,11 +18,30 @@ OrbitShape between(const OrbitShape& a, const OrbitShape& b, double s) {
   return out;
 }
 
-/// Newton from a guess at that value of the parameter (in `p`), in the coordinates in which it is given; empty where it fails.
+/// More steps than a tracer takes: the guess lies between two orbits, not next to one.
+TraceOptions patient() {
+  TraceOptions options;
+  options.max_iterations = 20;
+  return options;
+}
+
+/// Newton from states at equally spaced times, at that value of the parameter (in `p`); the duration is changed where there is no
+/// forcing. False: it fails.
+bool correct_states(const HybridSystem& system, const Vector& p, int period, std::size_t parameter, std::vector<Vector>& states,
+                    double& duration) {
+  const int count = static_cast<int>(states.size());
+  OrbitProblem problem(system, p, period, count, parameter, 1.0);
+  Vector u = problem.pack(states, duration, p[static_cast<Eigen::Index>(parameter)]);
+  if (problem.equations().autonomous()) problem.equations().set_phase_reference(states.front());
+  if (!correct(problem.zero_problem(), problem.parameter_direction(), u, patient()).converged()) return false;
+  for (int k = 0; k < count; ++k) states[static_cast<std::size_t>(k)] = problem.equations().node(u, k);
+  duration = problem.equations().duration(u);
+  return true;
+}
+
+/// The orbit of a guess, corrected in the coordinates in which it is given; empty where that fails.
 std::optional<OrbitShape> corrected(const HybridSystem& system, const Vector& p, std::size_t parameter, const OrbitShape& guess,
                                     double duration) {
-  TraceOptions patient;
-  patient.max_iterations = 20;
   const double value = p[static_cast<Eigen::Index>(parameter)], unit = duration / guess.period;
   OrbitShape out = guess;
   if (guess.by_events(system)) {
@@ -34,7 +53,7 @@ std::optional<OrbitShape> corrected(const HybridSystem& system, const Vector& p,
     }
     SignatureProblem problem(system, p, guess.period, nodes.sequence, parameter, 1.0);
     Vector u = problem.pack(nodes, value);
-    if (!correct(problem.zero_problem(), problem.parameter_direction(), u, patient).converged() || problem.violation(u))
+    if (!correct(problem.zero_problem(), problem.parameter_direction(), u, patient()).converged() || problem.violation(u))
       return std::nullopt;
     nodes = problem.unpack(u);
     for (std::size_t k = 0; k < out.nodes.size(); ++k) {
@@ -45,25 +64,16 @@ std::optional<OrbitShape> corrected(const HybridSystem& system, const Vector& p,
   }
   std::vector<Vector> states;
   for (const OrbitShape::Node& node : guess.nodes) states.push_back(node.state);
-  OrbitProblem problem(system, p, guess.period, static_cast<int>(states.size()), parameter, 1.0);
-  Vector u = problem.pack(states, duration, value);
-  if (!correct(problem.zero_problem(), problem.parameter_direction(), u, patient).converged()) return std::nullopt;
-  for (std::size_t k = 0; k < out.nodes.size(); ++k) out.nodes[k].state = problem.equations().node(u, static_cast<int>(k));
+  if (!correct_states(system, p, guess.period, parameter, states, duration)) return std::nullopt;
+  for (std::size_t k = 0; k < out.nodes.size(); ++k) out.nodes[k].state = states[k];
   return out;
 }
 
 /// The same for an autonomous orbit, from states off its events and from its duration.
 std::optional<OrbitShape> corrected_autonomous(const HybridSystem& system, const Vector& p, std::size_t parameter,
-                                               const std::vector<Vector>& states, double duration) {
-  TraceOptions patient;
-  patient.max_iterations = 20;
-  OrbitProblem problem(system, p, static_cast<int>(states.size()), static_cast<int>(states.size()), parameter, 1.0);
-  Vector u = problem.pack(states, duration, p[static_cast<Eigen::Index>(parameter)]);
-  problem.equations().set_phase_reference(states.front());
-  if (!correct(problem.zero_problem(), problem.parameter_direction(), u, patient).converged()) return std::nullopt;
-  std::vector<Vector> found;
-  for (std::size_t k = 0; k < states.size(); ++k) found.push_back(problem.equations().node(u, static_cast<int>(k)));
-  return shape_of(system, p, found, problem.equations().duration(u));
+                                               std::vector<Vector> states, double duration) {
+  if (!correct_states(system, p, static_cast<int>(states.size()), parameter, states, duration)) return std::nullopt;
+  return shape_of(system, p, states, duration);
 }
 
 std::vector<Vector> between(const std::vector<Vector>& a, const std::vector<Vector>& b, double s) {

@@ -197,8 +197,8 @@ class SeedFinder {
         if (attractor.termination != Termination::time) continue;
         // A return lies on a guard, which may be elsewhere at the next value.
         std::optional<PeriodicOrbit> orbit;
-        if (attractor.orbit) orbit = is_forced(system_) ? *attractor.orbit : seen_at_nodes(*attractor.orbit);
-        if (way != 0) previous = orbit && !is_forced(system_) ? orbit->state : attractor.state;
+        if (attractor.orbit) orbit = seen_at_nodes(*attractor.orbit);
+        if (way != 0) previous = orbit ? orbit->state : attractor.state;
         if (orbit) found.push_back(std::move(*orbit));
         break;
       }

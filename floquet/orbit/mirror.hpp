@@ -5,9 +5,13 @@
 
 #include <graze/lib/motion/transition.hpp>
 
+#include <optional>
 #include <vector>
 
 namespace graze {
+
+/// -x(T/2) of the motion from x at forcing phase 0. Empty where it cannot be carried there.
+std::optional<Vector> mirrored_state(Propagator& propagator, const Vector& x);
 
 /// Of the orbit through these states at forcing phase 0: the states of its mirror image at forcing phase 0. Empty if that is no
 /// orbit of the system, or a motion cannot be carried on.

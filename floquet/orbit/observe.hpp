@@ -3,7 +3,7 @@
 // its watch is closed; an autonomous motion from return to return. A Watch has open(), state() (at forcing phase 0) and
 // see(termination, state), which is told of every period while it is open; one that is carried side by side has quiet_periods(),
 // too, how many periods it need not be told of next if they do not end in one of the ellipses that the LaneCarrier knows, and
-// leave_out(periods): so many were.
+// leave_out(periods), which tells it how many were left out.
 #pragma once
 
 #include <graze/lib/tasks/task_pool.hpp>

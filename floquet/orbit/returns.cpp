@@ -81,6 +81,7 @@ PeriodicOrbit seen_at_returns(const HybridSystem& system, PeriodicOrbit orbit, c
 }
 
 PeriodicOrbit seen_at_nodes(PeriodicOrbit orbit) {
+  if (orbit.multipliers.section != Section::autonomous) return orbit;
   orbit.period = 1;
   orbit.state = orbit.nodes.front();
   orbit.states = {orbit.state};

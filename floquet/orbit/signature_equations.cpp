@@ -100,24 +100,12 @@ double SignatureEquations::speed(const Vector& u, int k) {
 }
 
 Vector SignatureEquations::speed_gradient(const Vector& u, int k) {
-  const Mode& mode = system().modes[event(k).from];
-  const Vector x = state(u, k);
-  const double t = time(u, k);
-  const auto active = static_cast<Eigen::Index>(active_);
-  Vector f(n_), gradient(n_), f_dt = Vector::Zero(n_), out = Vector::Zero(unknowns() + 1);
-  Matrix f_dx(n_, n_), f_dp = Matrix::Zero(n_, parameters().size());
-  event(k).guard.dx(t, x, parameters(), gradient);
-  propagator_.field(event(k).from, t, x, f);
-  mode.field_dx(t, x, parameters(), f_dx);
-  mode.field_dp(t, x, parameters(), f_dp);
-  if (mode.field_dt) mode.field_dt(t, x, parameters(), f_dt);
-  const auto change = [&](double dt, const Vector& dx, const Vector& dp) {
-    return transversality_change(event(k).guard, t, x, f, parameters(), dt, dx, dp);
-  };
-  out[k * (n_ + 1)] = gradient.dot(f_dt) + change(1.0, {}, {});
-  out.segment(k * (n_ + 1) + 1, n_) = f_dx.transpose() * gradient;
-  for (int i = 0; i < n_; ++i) out[k * (n_ + 1) + 1 + i] += change(0.0, Vector::Unit(n_, i), {});
-  out[unknowns()] = gradient.dot(f_dp.col(active)) + change(0.0, {}, Vector::Unit(parameters().size(), active));
+  const GuardAndRate at =
+      guard_and_rate(event(k).guard, system().modes[event(k).from], time(u, k), state(u, k), parameters(), active_);
+  Vector out = Vector::Zero(unknowns() + 1);
+  out[k * (n_ + 1)] = at.rate_dt;
+  out.segment(k * (n_ + 1) + 1, n_) = at.rate_dx;
+  out[unknowns()] = at.rate_dp;
   return out;
 }
 

@@ -154,7 +154,7 @@ struct Symbols {
 /// texts than `limit` bytes end in "...".
 std::string to_text(const Graph& graph, Expression e, const Symbols& symbols, std::size_t limit = 1U << 20U);
 
-/// "sin", "atan2", ...; empty for what is not written as a function.
+/// The name that a function has in texts: "sin", "atan2", .... Empty for an operation with a sign of its own, such as +.
 std::string function_name(Operation operation);
 
 }  // namespace graze::equations

@@ -236,11 +236,8 @@ class Separation {
       parts_before = std::exchange(parts_now, with_neighbours.size());
       part_of = std::move(finer);
     }
-    std::map<std::size_t, std::size_t> number_of_part;
     for (const Signs& one : combinations) {
-      const auto [part, is_new] = number_of_part.emplace(part_of[one], mode.representatives.size());
-      mode.class_of[one] = part->second;
-      if (!is_new) continue;
+      if (part_of[one] < mode.representatives.size()) continue;  // they are numbered as they are met
       mode.representatives.push_back(one);
       mode.decisive.emplace_back(count, false);
       for (std::size_t i = 0; i < count; ++i) {
@@ -248,6 +245,7 @@ class Separation {
         mode.decisive.back()[i] = other != part_of.end() && other->second != part_of[one];
       }
     }
+    mode.class_of = std::move(part_of);
     if (mode.representatives.size() > most_split_modes) refuse_number(m);
     for (std::size_t number = 0; number < mode.representatives.size(); ++number) {
       const Signs& one = mode.representatives[number];

@@ -36,6 +36,32 @@ double transversality_change(const Guard& guard, double t, const Vector& x, cons
   return (8.0 * (at(step) - at(-step)) - (at(2.0 * step) - at(-2.0 * step))) / (12.0 * step);
 }
 
+GuardAndRate guard_and_rate(const Guard& guard, const Mode& mode, double t, const Vector& x, const Vector& p,
+                            std::size_t parameter) {
+  const Eigen::Index n = x.size(), index = static_cast<Eigen::Index>(parameter);
+  Vector f(n), f_dt = Vector::Zero(n), h_dp = Vector::Zero(p.size());
+  Matrix f_dx(n, n), f_dp = Matrix::Zero(n, p.size());
+  mode.field(t, x, p, f);
+  mode.field_dx(t, x, p, f_dx);
+  mode.field_dp(t, x, p, f_dp);
+  if (mode.field_dt) mode.field_dt(t, x, p, f_dt);
+  GuardAndRate out;
+  out.h_dx.resize(n);
+  guard.dx(t, x, p, out.h_dx);
+  if (guard.dp) guard.dp(t, x, p, h_dp);
+  out.h = guard.value(t, x, p);
+  out.rate = out.h_dx.dot(f) + (guard.dt ? guard.dt(t, x, p) : 0.0);
+  const auto change = [&](double dt, const Vector& dx, const Vector& dp) {
+    return transversality_change(guard, t, x, f, p, dt, dx, dp);
+  };
+  out.rate_dx = f_dx.transpose() * out.h_dx;
+  for (Eigen::Index i = 0; i < n; ++i) out.rate_dx[i] += change(0.0, Vector::Unit(n, i), {});
+  out.rate_dt = out.h_dx.dot(f_dt) + change(1.0, {}, {});
+  out.h_dp = h_dp[index];
+  out.rate_dp = out.h_dx.dot(f_dp.col(index)) + change(0.0, {}, Vector::Unit(p.size(), index));
+  return out;
+}
+
 SaltationMatrix saltation(const Event& event, const Crossing& crossing, const Vector& p, std::span<const std::size_t> active) {
   SaltationMatrix result;
   saltation(event, crossing, p, active, result);

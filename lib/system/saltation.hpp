@@ -49,4 +49,13 @@ double transversality(const Guard& guard, double t, const Vector& x, const Vecto
 double transversality_change(const Guard& guard, double t, const Vector& x, const Vector& f, const Vector& p, double dt,
                              const Vector& dx = {}, const Vector& dp = {});
 
+/// h and dh/dt of a guard along a mode's field, with their gradients in x, and derivatives in t and one parameter.
+struct GuardAndRate {
+  double h = 0.0, rate = 0.0;
+  Vector h_dx, rate_dx;
+  double rate_dt = 0.0, h_dp = 0.0, rate_dp = 0.0;
+};
+GuardAndRate guard_and_rate(const Guard& guard, const Mode& mode, double t, const Vector& x, const Vector& p,
+                            std::size_t parameter);
+
 }  // namespace graze

@@ -67,6 +67,15 @@ Cycle runge_kutta_cycle(double mu) {
 
 double sum(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
+/// Of a system of two states at its default values, after short transients.
+std::vector<SweepRow> up_and_down(const HybridSystem& system, SweepOptions options, int first_transient) {
+  options.directions = {SweepDirection::up, SweepDirection::down};
+  options.first_transient = first_transient;
+  options.attractor.transient = 100;
+  options.attractor.periods_on_orbit = 0;
+  return sweep(system, default_parameters(system.parameters), vector({0.5, 0.0}), options);
+}
+
 }  // namespace
 
 TEST_CASE("the map from return to return is the derivative of its differences") {
@@ -235,16 +244,7 @@ TEST_CASE("a sweep of an autonomous system counts returns, on one thread or two"
 
 TEST_CASE("the stop of an autonomous system may move from value to value") {
   const HybridSystem system = van_der_pol_stop();
-  SweepOptions options;
-  options.parameter = "r";
-  options.from = 0.8;
-  options.to = 1.2;
-  options.step = 0.1;
-  options.directions = {SweepDirection::up, SweepDirection::down};
-  options.first_transient = 200;
-  options.attractor.transient = 100;
-  options.attractor.periods_on_orbit = 0;
-  const std::vector<SweepRow> rows = sweep(system, default_parameters(system.parameters), vector({0.5, 0.0}), options);
+  const std::vector<SweepRow> rows = up_and_down(system, {.parameter = "r", .from = 0.8, .to = 1.2, .step = 0.1}, 200);
   REQUIRE(rows.size() == 10);
   for (const SweepRow& row : rows) {
     CHECK(row.attractor.type == AttractorType::periodic);
@@ -277,16 +277,7 @@ TEST_CASE("a motion that does not return says so") {
 
 TEST_CASE("a sweep goes on behind values at which the motion comes to rest") {
   const HybridSystem system = van_der_pol();
-  SweepOptions options;
-  options.parameter = "mu";
-  options.from = -3.0;
-  options.to = 3.0;
-  options.step = 2.0;
-  options.directions = {SweepDirection::up, SweepDirection::down};
-  options.first_transient = 100;
-  options.attractor.transient = 100;
-  options.attractor.periods_on_orbit = 0;
-  const std::vector<SweepRow> rows = sweep(system, default_parameters(system.parameters), vector({0.5, 0.0}), options);
+  const std::vector<SweepRow> rows = up_and_down(system, {.parameter = "mu", .from = -3.0, .to = 3.0, .step = 2.0}, 100);
   REQUIRE(rows.size() == 8);
   for (const SweepRow& row : rows) {
     INFO("mu = " << row.value);
