@@ -123,7 +123,7 @@ void widen(std::array<Axis, 2>& axes, const Plane& plane, const Options& options
 
 /// Where the motions are: as wide as the motion without barrier and as the clearance, up to the barrier, and as the attractors.
 std::array<Axis, 2> built_in_axes(const Problem& problem) {
-  const Vector& p = problem.parameters;
+  const Vector p = built_in_parameters(problem);
   const Vector steady = steady_response(p);
   const double eta = p[oscillator_parameter::eta], r = p[oscillator_parameter::r];
   double size = std::max(std::hypot(steady[0], steady[1] / eta), std::abs(r));
@@ -148,7 +148,7 @@ std::array<Axis, 2> axes_of_motion(const Plane& plane, const Problem& problem) {
 }
 
 std::array<Axis, 2> default_axes(const Plane& plane, const Options& options, const Problem& problem, const Console& console) {
-  std::array<Axis, 2> axes = problem.written ? axes_of_motion(plane, problem) : built_in_axes(problem);
+  std::array<Axis, 2> axes = is_built_in(problem) ? built_in_axes(problem) : axes_of_motion(plane, problem);
   widen(axes, plane, options, problem, console);
   if (!options.random)  // the middles of the cells
     for (Axis& axis : axes) {
@@ -207,10 +207,10 @@ void check_starts(const Problem& problem, const Matrix& starts) {
   };
   if (std::none_of(starts.colwise().begin(), starts.colwise().end(), admissible))
     throw std::invalid_argument(
-        problem.written
-            ? "no start is admissible: all lie beyond a stop; give other ranges by --x and --v, or other states by --start"
-            : fmt::format("no start is admissible: all lie beyond the barrier, r = {}; give --x with values below it",
-                          exact(parameter(problem, "r"))));
+        is_built_in(problem)
+            ? fmt::format("no start is admissible: all lie beyond the barrier, r = {}; give --x with values below it",
+                          exact(parameter(problem, "r")))
+            : "no start is admissible: all lie beyond a stop; give other ranges by --x and --v, or other states by --start");
 }
 
 /// What stands for a start in "basins": the attractor's id, null beyond a barrier, 0 if the motion was lost, -1 if it was not
@@ -239,7 +239,7 @@ StartOutcome outcome_of(const Json& code) {
 Json basins_json(const Problem& problem, const Plane& plane, const Options& options, const std::array<Axis, 2>& axes,
                  const Matrix& starts, const std::vector<StartOutcome>& outcomes) {
   Json json;
-  if (problem.written) json["plane"] = plane.name;
+  if (!is_built_in(problem)) json["plane"] = plane.name;
   const auto codes = [&](std::size_t begin, std::size_t end) {
     Json::array_t list;
     list.reserve(end - begin);
@@ -384,7 +384,7 @@ BasinOptions basin_options(const Options& options, const Console& console, Progr
 
 Json described(const Problem& problem, const Plane& plane, const Options& options, const std::array<Axis, 2>& axes) {
   Json json = {{"problem", options.start.file}, {"set", options.start.settings}};
-  if (problem.written) json.update({{"plane", plane.name}, {"start", to_json(plane.others)}});
+  if (!is_built_in(problem)) json.update({{"plane", plane.name}, {"start", to_json(plane.others)}});
   for (std::size_t i = 0; i < 2; ++i) {
     json[plane.name[i]] = {axes[i].from, axes[i].to};
     if (!options.random) json[plane.name[i]].push_back(axes[i].count);

@@ -87,7 +87,7 @@ int run(const Options& given, const Console& console) {
   const OutputFolder folder(options.output, "continue", options.orbit.start.file);
   if (options.max_step && !(*options.max_step > 0.0))
     throw std::invalid_argument(fmt::format("--max-step {}: must be > 0, for example 0.01", *options.max_step));
-  Problem problem = open_problem(options.orbit.start, console);
+  Problem problem = open_problem(options.orbit.start, console, {options.parameter});
   options.parameter = parameter_name(problem, options.parameter);
   check_parameter_name(problem, options.parameter);
   const Quantities quantities = read_quantities(problem, options.quantities);
@@ -156,7 +156,8 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_text(app, "--param", options->parameter, "NAME", "continuation parameter (default: the forcing frequency)");
   add_number(app, "--from", options->from, "where it starts (default: the problem's own value)");
   add_number(app, "--to", options->to, "where it is to end", Need::required);
-  add_count(app, "--switch", options->switches, 0, "generations of branches born at period doublings and branch points that are followed (default 1)");
+  add_count(app, "--switch", options->switches, 0,
+            "generations of branches born at period doublings and branch points that are followed (default 1)");
   add_count(app, "--multiples", options->multiples, 1,
             "at grazings of a hard contact, follow families of up to N times the period too (default 1: none)");
   add_flag(app, "--both", options->both, "also follow the branch the other way, around a fold, as far as the range goes");

@@ -58,7 +58,7 @@ std::vector<PeriodicOrbit> impactless(const Problem& problem, const std::string&
   for (int i = 0; i < values; ++i) {
     Problem at = problem;
     set_parameter(at, name, from + i * (to - from) / (values - 1));
-    const Vector guess = at.written ? rest_state(at, at.parameters) : steady_response(at.parameters);
+    const Vector guess = is_built_in(at) ? steady_response(built_in_parameters(at)) : rest_state(at, at.parameters);
     if (!mode_at(at.system, 0.0, guess, at.parameters)) continue;
     PeriodicOrbit orbit = shoot(at.system, at.parameters, guess, 1);
     if (orbit.converged() && orbit.impacts == 0) list.push_back(std::move(orbit));
@@ -300,7 +300,7 @@ int run(const Options& given, const Console& console) {
   check_plot_kind(options);
   const OutputFolder folder(options.output, "diagram", options.start.file, options.resume);
   earlier.result = folder.earlier();
-  const Problem problem = open_problem(options.start, console);
+  const Problem problem = open_problem(options.start, console, {options.parameter});
   options.parameter = parameter_name(problem, options.parameter);
   check_options(options, problem);
   const Quantities quantities = read_quantities(problem, options.quantities);

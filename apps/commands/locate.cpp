@@ -192,7 +192,7 @@ std::string remark(const Located& located, const Options& options, double reach)
 int run(const Options& given, const Console& console) {
   Options options = given;
   const OutputFolder folder(options.output, "locate", options.orbit.start.file);
-  Problem problem = open_problem(options.orbit.start, console);
+  Problem problem = open_problem(options.orbit.start, console, {options.parameter});
   options.parameter = parameter_name(problem, options.parameter);
   const double reach = options.reach.value_or(default_reach(*options.near));
   if (!(reach > 0.0)) throw std::invalid_argument(fmt::format("--reach {}: must be > 0, for example 0.01", reach));

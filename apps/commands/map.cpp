@@ -65,7 +65,9 @@ MapPlan plan_from(const Options& options, const Console& console) {
     throw std::invalid_argument(
         fmt::format("--param is {}; a map is over two parameters, for example --param eta:0.65:0.95:200 --param r:1:3:150",
                     options.parameters.empty() ? "not given" : "given " + counted(options.parameters.size(), "time")));
-  plan.problem = open_problem(options.start, console);
+  std::vector<std::string> names;
+  for (const std::string& text : options.parameters) names.push_back(text.substr(0, text.find(':')));
+  plan.problem = open_problem(options.start, console, names);
   plan.grid = {parse_parameter(plan.problem, options.parameters[0]), parse_parameter(plan.problem, options.parameters[1])};
   if (!options.starts.empty()) plan.starts.clear();
   for (const std::string& text : options.starts) {

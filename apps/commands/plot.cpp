@@ -7,6 +7,7 @@
 #include <graze/apps/pictures/maps.hpp>
 #include <graze/apps/pictures/pictures.hpp>
 #include <graze/apps/pictures/seen.hpp>
+#include <graze/apps/problem/head.hpp>
 #include <graze/apps/results/input_file.hpp>
 
 #include <fmt/format.h>
@@ -23,15 +24,33 @@ namespace graze::apps {
 namespace {
 
 struct Options {
-  std::string result, output, kind, x;
+  std::string result, output, kind, x, plane;
   std::vector<std::string> y, layers;
 };
 
 Picture picture_of_map_file(const Options& options) {
   if (!options.x.empty() || !options.y.empty()) throw std::invalid_argument("--x and --y are for CSV tables");
+  if (!options.plane.empty()) throw std::invalid_argument("--plane is for motions and orbits; a map has none");
   MapFile file(options.result);
   return picture_of_map(
       file.plan(), [&file](int row) { return file.row(row); }, options.kind, layer_numbers(options.layers));
+}
+
+/// The result with the states that --plane names as the axes of its phase portrait.
+Json with_plane(Json result, const std::string& given) {
+  const std::vector<std::string> known = state_columns(problem_of(result));
+  const std::size_t comma = given.find(',');
+  StatePair plane{};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const std::string name = i == 0 ? given.substr(0, comma) : comma == std::string::npos ? "" : given.substr(comma + 1);
+    const auto found = std::find(known.begin(), known.end(), name);
+    if (found == known.end())
+      throw std::invalid_argument(fmt::format("--plane {}: must be two states, such as {},{}; the states are {}", given, known[0],
+                                              known[1 % known.size()], fmt::join(known, ", ")));
+    plane[i] = static_cast<std::size_t>(found - known.begin());
+  }
+  result[seen_plane] = plane;
+  return result;
 }
 
 Picture picture_of_result(const Json& result, const Options& options) {
@@ -52,12 +71,16 @@ Picture picture_of_file(const Options& options) {
         throw std::invalid_argument("--plot-kind is for JSON results; of a table, --x and --y choose columns");
       if (!options.layers.empty())
         throw std::invalid_argument("--layer is for maps as .h5 or .json; of a table, --x and --y choose columns");
+      if (!options.plane.empty())
+        throw std::invalid_argument("--plane is for JSON results; of a table, --x and --y choose columns");
       return picture_of(parse_csv(text, options.result), options.x, options.y);
     }
     if (format != "json") throw std::invalid_argument("the name must end in .json, .csv or .h5");
     if (!options.x.empty()) throw std::invalid_argument("--x is for CSV tables");
-    const Json result = parse_json(text);
-    return picture_of_result(options.y.empty() ? result : with_quantities(result, options.y), options);
+    Json result = parse_json(text);
+    if (!options.y.empty()) result = with_quantities(std::move(result), options.y);
+    if (!options.plane.empty()) result = with_plane(std::move(result), options.plane);
+    return picture_of_result(result, options);
   } catch (const std::invalid_argument& error) {
     const std::string message = error.what();  // that of a table names file and line itself
     throw std::invalid_argument(message.starts_with(options.result + ":") ? message : options.result + ": " + message);
@@ -93,6 +116,9 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_text(app, "--plot-kind", options->kind, "KIND", "what it shows (default: the first of its schema)");
   add_texts(app, "--layer", options->layers, "K",
             "of a map: a layer, counted from 0; repeatable, up to 4 stand side by side (default: the first 4)");
+  add_text(app, "--plane", options->plane, "A,B",
+           "of motions and orbits: the states on the axes of a phase portrait, the first that of a time series (default: a "
+           "position and its velocity)");
   add_text(app, "--x", options->x, "COLUMN", "of a table: the horizontal axis (default: the first column of numbers)");
   add_texts(app, "--y", options->y, "COLUMN",
             "of a table: a curve (default: all columns of numbers); of a JSON result: one of its quantities (default: all); "
@@ -107,8 +133,9 @@ Command plot_command() {
           "a picture of a result",
           kinds_text(),
           {"graze plot branch.json -o branch.svg", "graze plot branch.json --plot-kind multipliers -o multipliers.png",
-           "graze plot branch.json --y \"max(x)\" -o resonance.png", "graze plot trajectory.csv --x x --y v -o phase.pdf",
-           "graze plot run/map.h5 -o map.png", "graze plot run/map.h5 --plot-kind exponent --layer 4 --layer 5 -o exponent.png"},
+           "graze plot orbit.json --plane x2,v2 -o second_mass.png", "graze plot branch.json --y \"max(x)\" -o resonance.png",
+           "graze plot trajectory.csv --x x --y v -o phase.pdf", "graze plot run/map.h5 -o map.png",
+           "graze plot run/map.h5 --plot-kind exponent --layer 4 --layer 5 -o exponent.png"},
           setup};
 }
 

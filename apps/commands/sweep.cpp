@@ -50,7 +50,7 @@ int run(const Options& given, const Console& console) {
   Options options = given;
   if (!options.resume.empty() && options.output.out.empty()) options.output.out = options.resume;
   const OutputFolder folder(options.output, "sweep", options.start.file, options.resume);
-  const Problem problem = open_problem(options.start, console);
+  const Problem problem = open_problem(options.start, console, {options.parameter});
   options.parameter = parameter_name(problem, options.parameter);
   if (!(*options.from < *options.to))
     throw std::invalid_argument(fmt::format("--from {} and --to {}: a sweep needs from < to; --direction down goes the other way",

@@ -58,15 +58,15 @@ std::vector<double> values_of(const Options& options, const Problem& problem) {
 
 /// The parameters of Hertz contact whose hard limit is asked for.
 Vector hertz_parameters(const Problem& problem) {
-  if (problem.contact == "hertz") return problem.parameters;
+  if (problem.contact == "hertz") return built_in_parameters(problem);
   const HybridSystem hertz = make_oscillator(problem.oscillator, "hertz");
   Vector p = default_parameters(hertz.parameters);
-  p.head(oscillator_parameter::law) = problem.parameters.head(oscillator_parameter::law);
+  p.head(oscillator_parameter::law) = built_in_parameters(problem).head(oscillator_parameter::law);
   return p;
 }
 
 void check_hard_limit(const Problem& problem, const Options& options) {
-  if (problem.written)
+  if (!is_built_in(problem))
     throw std::invalid_argument(
         "--hard-limit is for the built-in oscillators; a system written as text has no stiffness that it knows");
   if (problem.contact == "newton") {
@@ -225,7 +225,7 @@ std::string sentence(const std::vector<std::string>& complaints) {
 int run(const Options& given, const Console& console) {
   Options options = given;
   const OutputFolder folder(options.output, "verify", options.orbit.start.file);
-  const Problem problem = open_problem(options.orbit.start, console);
+  const Problem problem = open_problem(options.orbit.start, console, {options.parameter});
   options.parameter = parameter_name(problem, options.parameter);
   const std::vector<double> values = values_of(options, problem);
   const bool range = values.size() > 1;

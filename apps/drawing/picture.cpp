@@ -195,9 +195,8 @@ std::string barriers(const Picture& picture) {
     const std::string to = barrier.vertical ? at + ", graph 1" : "graph 1, first " + at;
     s += fmt::format("set arrow from {} to {} nohead front lc rgb '#b22222' lw 1.8\n", from, to);
     if (barrier.shaded)
-      s += fmt::format(
-          "set object {} rectangle from {} to graph 1, graph 1 behind fc rgb '#b22222' fs transparent solid 0.07 noborder\n",
-          object++, from);
+      s += fmt::format("set object {} rectangle from {} to {} behind fc rgb '#b22222' fs transparent solid 0.07 noborder\n",
+                       object++, barrier.above ? from : "graph 0, graph 0", barrier.above ? "graph 1, graph 1" : to);
   }
   return s;
 }

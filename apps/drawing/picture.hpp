@@ -43,6 +43,7 @@ struct Barrier {
   double position = 0.0;
   std::string text;  ///< in the legend; empty: it is not there
   bool shaded = false;
+  bool above = true;  ///< whether what lies beyond it, and is shaded, is on the side of larger values
 };
 
 /// A field of coloured cells below everything else, at least two each way, round equally spaced values of x and y.

@@ -253,11 +253,11 @@ void write_layers(hid_t file, const MapPlan& plan, hid_t layer, hid_t component)
 void write_head(hid_t file, const MapPlan& plan, const Json& head) {
   set_attribute(file, "schema", std::string(head.at("schema")));
   set_attribute(file, "graze", std::string(program_version));
-  if (plan.problem.written) {
-    set_attribute(file, "system", plan.problem.system.name);
-  } else {
+  if (is_built_in(plan.problem)) {
     set_attribute(file, "oscillator", plan.problem.oscillator);
     set_attribute(file, "contact", plan.problem.contact);
+  } else {
+    set_attribute(file, "system", plan.problem.system.name);
   }
   set_attribute(file, "units", std::string("dimensionless"));
   set_attribute(file, "options", flat(head.at("options")));

@@ -98,9 +98,7 @@ std::string layer_name(const MapPlan& plan, int layer) {
 }
 
 std::string map_model(const MapPlan& plan) {
-  std::string text = plan.problem.written
-                         ? plan.problem.system.name
-                         : fmt::format("{} oscillator, {} contact", plan.problem.oscillator, plan.problem.contact);
+  std::string text = title(plan.problem);
   char separator = ':';
   const auto& parameters = plan.problem.system.parameters;
   for (std::size_t i = 0; i < parameters.size(); ++i) {

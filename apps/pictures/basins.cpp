@@ -122,7 +122,7 @@ Picture draw_basins(const Json& result) {
   const double lost = result.at("lost"), admissible = result.at("admissible");
   if (lost > 0.0) picture.curves.push_back(legend_entry(fmt::format("lost: {} %", percent(lost / admissible)), lost_colour));
   // The barrier where it is in sight; then it stays inside the picture.
-  for (const Barrier& barrier : barriers_of(result, true)) {
+  for (const Barrier& barrier : barriers_of(result, plane.state[0], true)) {
     if (!(barrier.position > x.low - 0.1 * (x.high - x.low) && barrier.position < x.high + 0.5 * (x.high - x.low))) continue;
     picture.barriers.push_back(barrier);
     x.take(barrier.position);

@@ -56,7 +56,7 @@ Picture draw_diagram(const Json& result) {
     if (std::any_of(samples.begin(), samples.end(), [&](const Curve& curve) { return curve.colour == sweep_colour(direction); }))
       picture.curves.push_back(legend_line(axes, std::string("sweep ") + direction, Stroke::dots, sweep_colour(direction), 1.0));
   for (Curve& line : skeleton_legend(parts, axes, branch_widths)) picture.curves.push_back(std::move(line));
-  for (const Barrier& barrier : barriers_of(result, false))
+  for (const Barrier& barrier : barriers_of(result, 0, false))
     if (axes.y[0] < barrier.position && barrier.position < axes.y[1]) picture.barriers.push_back(barrier);
   axes.rows = upper_lines - 5.0 - legend_rows(picture.curves.size() + picture.barriers.size());
   picture.curves.insert(picture.curves.end(), samples.begin(), samples.end());

@@ -23,34 +23,42 @@ constexpr std::size_t most_samples_per_period = 2400, most_samples = 9000;  // o
 
 struct Sampled {
   std::string title;
-  std::vector<std::array<double, 3>> rows;  ///< tau, x, x'
+  std::vector<std::array<double, 3>> rows;  ///< tau, and the states of the plane: x, x'
   std::vector<std::array<double, 2>> strobe;
 };
 
 /// Puts the states just before and after each event between the samples: an impact turns x' over in no time.
-void insert_events(Sampled& motion, const Json& events) {
+void insert_events(Sampled& motion, const Json& events, const StatePair& plane) {
   std::vector<std::array<double, 3>> rows;
   std::size_t next = 0;
   for (const Json& event : events) {
     const double tau = event.at("tau");
     while (next < motion.rows.size() && motion.rows[next][0] <= tau) rows.push_back(motion.rows[next++]);
-    for (const char* side : {"before", "after"}) rows.push_back({tau, event.at(side).at(0), event.at(side).at(1)});
+    for (const char* side : {"before", "after"}) rows.push_back({tau, event.at(side).at(plane[0]), event.at(side).at(plane[1])});
   }
   rows.insert(rows.end(), motion.rows.begin() + static_cast<std::ptrdiff_t>(next), motion.rows.end());
   motion.rows = std::move(rows);
 }
 
+std::array<double, 2> in_plane(const Vector& x, const StatePair& plane) {
+  return {x[static_cast<Eigen::Index>(plane[0])], x[static_cast<Eigen::Index>(plane[1])]};
+}
+std::array<double, 3> in_plane(double tau, const Vector& x, const StatePair& plane) {
+  const std::array<double, 2> both = in_plane(x, plane);
+  return {tau, both[0], both[1]};
+}
+
 /// An orbit of a result, run through again from its state.
-Sampled sampled_orbit(const Problem& problem, const Json& orbit, const std::string& name) {
+Sampled sampled_orbit(const Problem& problem, const Json& orbit, const StatePair& plane, const std::string& name) {
   const int period = orbit.at("period");
   const Vector state = vector_from(orbit.at("state"));
   const Motion motion = run_motion(problem.system, problem.parameters, state,
                                    {.periods = period, .samples = samples_per_period, .stretch = orbit.value("duration", 0.0)});
   Sampled out;
-  for (const Vector& row : motion.samples) out.rows.push_back({row[0], row[1], row[2]});
-  insert_events(out, events_json(motion.events, contacts_of_run(motion.events)));
+  for (const Vector& row : motion.samples) out.rows.push_back(in_plane(row[0], row.tail(row.size() - 1), plane));
+  insert_events(out, events_json(motion.events, contacts_of_run(motion.events)), plane);
   for (int k = 0; k < std::min<int>(period, static_cast<int>(motion.strobe.size())); ++k)
-    out.strobe.push_back({motion.strobe[static_cast<std::size_t>(k)][0], motion.strobe[static_cast<std::size_t>(k)][1]});
+    out.strobe.push_back(in_plane(motion.strobe[static_cast<std::size_t>(k)], plane));
   out.title = fmt::format("{}{}", name, z_label_of(orbit));
   if (orbit.contains("stable")) out.title += orbit["stable"].get<bool>() ? ", stable" : ", unstable";
   return out;
@@ -58,21 +66,22 @@ Sampled sampled_orbit(const Problem& problem, const Json& orbit, const std::stri
 
 std::vector<Sampled> orbits_of(const Json& result) {
   const Problem problem = problem_of(result);
+  const StatePair plane = portrait_plane(result);
   std::vector<Sampled> list;
   if (result.contains("orbits") && !result["orbits"].empty()) {
     const std::size_t count = result["orbits"].size();
     for (const Json& orbit : result["orbits"])
-      list.push_back(sampled_orbit(problem, orbit, count == 1 ? "" : fmt::format("orbit {}: ", list.size() + 1)));
+      list.push_back(sampled_orbit(problem, orbit, plane, count == 1 ? "" : fmt::format("orbit {}: ", list.size() + 1)));
   } else {
     const Json& orbit = result.at("orbit");
     if (orbit.is_null()) throw std::invalid_argument("this result holds no orbit: none was found");
-    list.push_back(sampled_orbit(problem, orbit, ""));
+    list.push_back(sampled_orbit(problem, orbit, plane, ""));
   }
   return list;
 }
 
 /// A short contact is a polygon in few samples: each period is run through again from its state at phase 0.
-void sample_more_finely(Sampled& motion, const Json& result) {
+void sample_more_finely(Sampled& motion, const Json& result, const StatePair& plane) {
   const auto periods = result.at("periods").get<std::size_t>();
   const std::size_t finer = std::min(most_samples_per_period, most_samples / std::max<std::size_t>(periods, 1));
   if (result.contains(seen_quantity) || periods == 0 || finer == 0 || motion.rows.size() > finer * periods) return;
@@ -87,7 +96,7 @@ void sample_more_finely(Sampled& motion, const Json& result) {
                                     {.periods = 1, .samples = static_cast<int>(finer), .stretch = stretch});
     if (T > 0.0) begin = T * static_cast<double>(k);
     for (std::size_t i = 0; i < finer && i < again.samples.size(); ++i)
-      rows.push_back({begin + again.samples[i][0], again.samples[i][1], again.samples[i][2]});
+      rows.push_back(in_plane(begin + again.samples[i][0], again.samples[i].tail(again.samples[i].size() - 1), plane));
     begin += again.duration;
   }
   if (rows.empty()) return;
@@ -100,10 +109,11 @@ void sample_more_finely(Sampled& motion, const Json& result) {
 
 Sampled trajectory_of(const Json& result) {
   Sampled out;
-  for (const Json& row : result.at("samples")) out.rows.push_back({row.at(0), row.at(1), row.at(2)});
-  sample_more_finely(out, result);
-  insert_events(out, result.at("events"));
-  for (const Json& state : result.at("stroboscopic")) out.strobe.push_back({state.at(0), state.at(1)});
+  const StatePair plane = portrait_plane(result);
+  for (const Json& row : result.at("samples")) out.rows.push_back({row.at(0), row.at(1 + plane[0]), row.at(1 + plane[1])});
+  sample_more_finely(out, result, plane);
+  insert_events(out, result.at("events"), plane);
+  for (const Json& state : result.at("stroboscopic")) out.strobe.push_back({state.at(plane[0]), state.at(plane[1])});
   return out;
 }
 
@@ -111,9 +121,10 @@ Picture phase_portrait(const Json& result, const std::vector<Sampled>& motions) 
   Picture picture;
   picture.title = "Phase portrait";
   picture.subtitle = model_title(result);
-  picture.x_label = state_label(result, 0, false);
-  picture.y_label = state_label(result, 1, false);
-  picture.barriers = barriers_of(result, true);
+  const StatePair plane = portrait_plane(result);
+  picture.x_label = state_label(result, plane[0], false);
+  picture.y_label = state_label(result, plane[1], false);
+  picture.barriers = barriers_of(result, plane[0], true);
   Range across;
   for (const Barrier& barrier : picture.barriers) across.take(barrier.position);
   Curve strobe;
@@ -144,12 +155,13 @@ Picture time_series(const Json& result, const std::vector<Sampled>& motions) {
   picture.title = result.contains(seen_quantity) || result.contains("states") ? "Motion" : "Displacement";
   picture.subtitle = model_title(result);
   picture.x_label = time_label(result);
-  picture.y_label = state_label(result, 0, false);
-  picture.barriers = barriers_of(result, false);
+  const std::size_t shown = portrait_plane(result)[0];
+  picture.y_label = state_label(result, shown, false);
+  picture.barriers = barriers_of(result, shown, false);
   for (Barrier& barrier : picture.barriers) barrier.shaded = false;
   for (std::size_t i = 0; i < motions.size(); ++i) {
     Curve curve;
-    curve.title = motions[i].title.empty() ? state_name(result, 0) : motions[i].title;
+    curve.title = motions[i].title.empty() ? state_name(result, shown) : motions[i].title;
     curve.colour = colour_of(i);
     for (const auto& row : motions[i].rows) curve.points.push_back({row[0], row[1], 0.0});
     picture.curves.push_back(std::move(curve));
@@ -176,7 +188,7 @@ Picture draw_point(const Json& result) {
   const std::string name = result.at("options").at("param");
   Json there = result;  // its parameters are those of the model: the point has its own value of one of them
   there["parameters"][name] = point.at("value");
-  Sampled motion = sampled_orbit(problem_of(there), point, point.at("label").get<std::string>() + ": ");
+  Sampled motion = sampled_orbit(problem_of(there), point, portrait_plane(there), point.at("label").get<std::string>() + ": ");
   Picture picture = phase_portrait(there, {motion});
   picture.title = fmt::format("{} at {} = {}", point["label"].get<std::string>(), name, rounded(point["value"], 13));
   return picture;
@@ -204,7 +216,7 @@ Picture draw_section(const Json& result) {
   }
   picture.curves.push_back(std::move(curve));
   // Drawn where it is in sight: it must not squeeze the section into a corner.
-  for (const Barrier& barrier : barriers_of(result, true)) {
+  for (const Barrier& barrier : barriers_of(result, 0, true)) {
     if (impacts || !(barrier.position < highest + 0.5 * (highest - lowest))) continue;
     picture.barriers.push_back(barrier);
     lowest = std::min(lowest, barrier.position);

@@ -4,6 +4,8 @@
 #include <graze/apps/problem/head.hpp>
 #include <graze/apps/quantities/quantities.hpp>
 #include <graze/apps/text/number.hpp>
+#include <graze/lib/equations/functions.hpp>
+#include <graze/lib/equations/structure.hpp>
 
 #include <fmt/format.h>
 
@@ -106,19 +108,46 @@ bool is_seen(const Json& result, std::size_t state) {
 
 }  // namespace
 
-std::vector<Barrier> barriers_of(const Json& result, bool vertical) {
-  if (result.contains("states") || is_seen(result, 0)) return {};
-  const double r = result.at("parameters").at("r").get<double>();
-  return {{vertical, r, fmt::format("barrier x = r = {}", rounded(r, 6)), true}};
+std::vector<Barrier> barriers_of(const Json& result, std::size_t state, bool vertical) {
+  if (is_seen(result, state)) return {};
+  const Problem problem = problem_of(result);
+  equations::Graph graph = *problem.written->graph;
+  std::vector<Barrier> list;
+  for (std::size_t i = 0; i < problem.system.events.size(); ++i) {
+    if (!begins_contact(problem.system.events[i].kind)) continue;
+    const equations::Expression guard = problem.written->events[i].guard;
+    const auto level = equations::solve_guard(graph, guard, problem.system.states, [&](std::size_t one) { return one == state; });
+    if (!level || equations::dependence(graph, level->value).moves()) continue;
+    const equations::Expression both[] = {level->value, graph.derivative(guard, graph.state(state))};
+    const Vector nowhere = Vector::Zero(static_cast<Eigen::Index>(problem.system.states));
+    const std::vector<double> found = equations::values(graph, both, 0.0, nowhere, problem.parameters);
+    const auto known = [&](const Barrier& other) { return other.position == found[0] && other.above == (found[1] > 0.0); };
+    if (std::any_of(list.begin(), list.end(), known)) continue;  // of another mode
+    const std::string text = is_built_in(problem)
+                                 ? fmt::format("barrier x = r = {}", rounded(found[0], 6))
+                                 : fmt::format("stop at {} = {}", state_columns(problem)[state], rounded(found[0], 6));
+    list.push_back({vertical, found[0], text, true, found[1] > 0.0});
+  }
+  return list;
+}
+
+StatePair portrait_plane(const Json& result) {
+  if (result.contains(seen_plane)) return result[seen_plane].get<StatePair>();
+  const Problem problem = problem_of(result);
+  for (const equations::ModeExpressions& mode : problem.written->modes)
+    for (std::size_t j = 1; j < problem.system.states; ++j)
+      if (mode.field[0] == problem.written->graph->state(j)) return {0, j};
+  return {0, 1};
 }
 
 namespace {
 
 /// What stands behind a name on an axis: " / mm", " (dimensionless)".
 std::string unit_behind(const Json& result, const std::string& name) {
-  if (!result.contains("states")) return " (dimensionless)";
   const Problem problem = problem_of(result);
   const auto unit = problem.written->units.find(name);
+  if (is_built_in(problem) && (unit == problem.written->units.end() || unit->second == "dimensionless"))
+    return " (dimensionless)";
   return unit == problem.written->units.end() ? std::string() : " / " + unit->second;
 }
 

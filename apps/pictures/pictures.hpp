@@ -51,8 +51,17 @@ std::string colour_of(std::size_t series);
 /// The title that all pictures of a model have: its kind and its parameters but `except`.
 std::string model_title(const Json& result, const std::string& except = {});
 
-/// The barrier of a built-in oscillator, at x = r; none of a system written as text, whose barriers may be anywhere.
-std::vector<Barrier> barriers_of(const Json& result, bool vertical);
+/// The barriers that stand still before one of the states: where a contact begins at a value of it that depends on parameters
+/// alone.
+std::vector<Barrier> barriers_of(const Json& result, std::size_t state, bool vertical);
+
+/// The states on the axes of a phase portrait: the first one and its rate if that is a state (position and velocity), else the
+/// first two. `--plane` chooses others.
+using StatePair = std::array<std::size_t, 2>;
+StatePair portrait_plane(const Json& result);
+
+/// The member of a result in which `graze plot --plane` puts two states by their numbers.
+inline constexpr const char* seen_plane = "seen_plane";
 
 /// Names for axes: "eta (dimensionless)"; of a system written as text "A / mm", or the plain name where no unit is given.
 std::string parameter_label(const Json& result, const std::string& name);

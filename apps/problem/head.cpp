@@ -13,23 +13,23 @@ Json result_head(const std::string& schema, const std::string& command, const Pr
   head["schema"] = "graze." + schema;
   head["graze"] = program_version;
   head["command"] = command;
-  if (problem.written) {
+  if (is_built_in(problem)) {
+    head["model"] = {{"oscillator", problem.oscillator}, {"contact", problem.contact}};
+  } else {
     head["model"] = {{"system", problem.system.name}, {"file", problem.file}, {"text", problem.text}};
     head["states"] = state_columns(problem);
-  } else {
-    head["model"] = {{"oscillator", problem.oscillator}, {"contact", problem.contact}};
   }
   for (std::size_t i = 0; i < problem.system.parameters.size(); ++i)
     head["parameters"][problem.system.parameters[i].name] = problem.parameters[static_cast<Eigen::Index>(i)];
-  if (problem.written)
-    for (const equations::TiedParameter& tied : problem.written->tied)
-      head["tied"][tied.info.name] = tied.value(problem.parameters);
+  for (const equations::TiedParameter& tied : problem.written->tied)
+    head["tied"][tied.info.name] = tied.value(problem.parameters);
   if (problem.converted_from) {
     const ConvertedFrom& from = *problem.converted_from;
     Json& quantities = head["converted_from"] = {{"excitation", from.excitation}};
     for (const auto& [name, value] : from.quantities) quantities[name] = value;
     head["converted_from"]["alpha"] = from.alpha;
     head["converted_from"]["length"] = from.length;
+    if (!from.chosen.empty()) head["converted_from"]["varied"] = from.chosen;
   }
   head["options"] = std::move(options);
   return head;
@@ -55,9 +55,9 @@ Problem problem_of(const Json& result) {
     Problem problem = model.contains("text")
                           ? parse_problem(model.at("text").get<std::string>(), model.at("file").get<std::string>())
                           : make_problem(model.at("oscillator").get<std::string>(), model.at("contact").get<std::string>());
-    for (const auto& [name, value] : result.at("parameters").items()) set_parameter(problem, name, value.get<double>());
     if (result.contains("converted_from")) {
       ConvertedFrom& from = problem.converted_from.emplace();
+      std::vector<std::string> chosen;
       for (const auto& [name, value] : result["converted_from"].items()) {
         if (name == "excitation")
           from.excitation = value;
@@ -65,10 +65,16 @@ Problem problem_of(const Json& result) {
           from.alpha = value;
         else if (name == "length")
           from.length = value;
+        else if (name == "varied")
+          chosen = value.get<std::vector<std::string>>();
         else
           from.quantities.emplace_back(name, value.get<double>());
       }
+      vary_quantities(problem, chosen);
     }
+    std::vector<std::pair<std::string, double>> values;
+    for (const auto& [name, value] : result.at("parameters").items()) values.emplace_back(name, value.get<double>());
+    set_parameters(problem, values);
     return problem;
   } catch (const Json::exception& error) {
     throw std::invalid_argument(std::string("the result does not say which model it is of: ") + plain(error));

@@ -18,18 +18,23 @@ namespace graze::apps {
 
 namespace {
 
+const equations::TiedParameter* find_tied(const Problem& problem, std::string_view name) {
+  for (const equations::TiedParameter& tied : problem.written->tied)
+    if (tied.info.name == name) return &tied;
+  return nullptr;
+}
+
 Eigen::Index index_of(const Problem& problem, std::string_view name) {
   try {
     return static_cast<Eigen::Index>(parameter_index(problem.system.parameters, name));
   } catch (const std::invalid_argument& error) {
-    if (problem.written) {
-      for (const equations::TiedParameter& tied : problem.written->tied)
-        if (tied.info.name == name)
-          throw std::invalid_argument(fmt::format(
-              "{} is an expression of other parameters in {}; set those, or give it a value there", name, problem.file));
-      throw;
-    }
-    throw std::invalid_argument(error.what() + owner_of(name, problem.contact));
+    if (find_tied(problem, name))
+      throw std::invalid_argument(
+          problem.converted_from
+              ? fmt::format("{} follows from the physical quantity that is varied; set that", name)
+              : fmt::format("{} is an expression of other parameters in {}; set those, or give it a value there", name,
+                            problem.file));
+    throw std::invalid_argument(error.what() + (is_built_in(problem) ? owner_of(name, problem.contact) : ""));
   }
 }
 
@@ -45,25 +50,75 @@ bool is_physical(std::string_view name) {
 
 }  // namespace
 
+namespace {
+
+/// Takes a built-in system; eta is then bounded by what motions are computed for, if anybody waits for them.
+void take_system(Problem& problem, equations::TextSystem written) {
+  for (ParameterInfo& info : written.system.parameters)
+    if (info.name == "eta") {
+      info.lower = slowest_forcing;
+      info.lower_open = false;
+    }
+  for (equations::TiedParameter& tied : written.tied)
+    if (tied.info.name == "eta") {
+      tied.info.lower = slowest_forcing;
+      tied.info.lower_open = false;
+    }
+  problem.system = written.system;
+  problem.parameters = default_parameters(problem.system.parameters);
+  problem.written = std::make_shared<const equations::TextSystem>(std::move(written));
+}
+
+}  // namespace
+
 Problem make_problem(const std::string& oscillator, const std::string& contact) {
   Problem problem;
   problem.oscillator = oscillator;
   problem.contact = contact;
-  problem.system = make_oscillator(oscillator, contact);
-  ParameterInfo& eta = problem.system.parameters[parameter_index(problem.system.parameters, "eta")];
-  eta.lower = slowest_forcing;  // motions could be computed for slower forcing, if anybody waited for them
-  eta.lower_open = false;
-  problem.parameters = default_parameters(problem.system.parameters);
+  take_system(problem, read_oscillator(oscillator_kind(oscillator), contact_law(contact)));
   return problem;
 }
 
-double parameter(const Problem& problem, std::string_view name) { return problem.parameters[index_of(problem, name)]; }
+double parameter(const Problem& problem, std::string_view name) {
+  const equations::TiedParameter* const tied = find_tied(problem, name);
+  return tied ? tied->value(problem.parameters) : problem.parameters[index_of(problem, name)];
+}
 
-void set_parameter(Problem& problem, std::string_view name, double value) {
+Vector built_in_parameters(const Problem& problem) {
+  std::vector<ParameterInfo> infos = oscillator_parameters();
+  const ContactLaw& law = contact_law(problem.contact);
+  infos.insert(infos.end(), law.parameters.begin(), law.parameters.end());
+  Vector out(static_cast<Eigen::Index>(infos.size()));
+  for (std::size_t i = 0; i < infos.size(); ++i) out[static_cast<Eigen::Index>(i)] = parameter(problem, infos[i].name);
+  return out;
+}
+
+namespace {
+
+void assign(Problem& problem, std::string_view name, double value) {
   Vector changed = problem.parameters;
   changed[index_of(problem, name)] = value;
   check_parameters(problem.system.parameters, changed);
   problem.parameters = changed;
+}
+
+void check_tied(const Problem& problem, const Vector& parameters) {
+  for (const equations::TiedParameter& tied : problem.written->tied)
+    check_parameters({tied.info}, Vector{{tied.value(parameters)}});
+}
+
+}  // namespace
+
+void set_parameter(Problem& problem, std::string_view name, double value) {
+  Problem changed = problem;
+  assign(changed, name, value);
+  check_tied(problem, changed.parameters);
+  problem.parameters = changed.parameters;
+}
+
+void set_parameters(Problem& problem, const std::vector<std::pair<std::string, double>>& values) {
+  for (const auto& [name, value] : values) assign(problem, name, value);
+  check_tied(problem, problem.parameters);
 }
 
 std::string parameter_name(const Problem& problem, const std::string& given) {
@@ -129,19 +184,50 @@ void set_quantity(Problem& problem, std::pair<std::string, double>& quantity, do
   ConvertedFrom& from = *problem.converted_from;
   const ExcitationKind& kind = excitation_kind(from.excitation);
   check_parameters({quantity_info(kind, quantity.first)}, Vector{{value}});
-  const auto converted = [&] {
-    return kind.convert(std::map<std::string, double>(from.quantities.begin(), from.quantities.end()));
-  };
-  const Dimensionless before = converted();
+  const auto converted = [&] { return to_dimensionless(kind, Values(from.quantities.begin(), from.quantities.end())); };
+  const Values before = converted();
   quantity.second = value;
-  const Dimensionless after = converted();
-  from.alpha = after.alpha;
-  from.length = after.length;
+  const Values after = converted();
+  from.alpha = after.at("alpha");
+  from.length = after.at("length");
   for (const std::string& name : from.obtained)
-    if (const double now = *find_value(after, name); now != *find_value(before, name)) set_parameter(problem, name, now);
+    if (const double now = after.at(name); now != before.at(name)) assign(problem, name, now);
 }
 
 }  // namespace
+
+void vary_quantities(Problem& problem, const std::vector<std::string>& chosen) {
+  if (chosen.empty()) return;
+  ConvertedFrom& from = *problem.converted_from;
+  const std::vector<ParameterInfo> before = problem.system.parameters;
+  const Vector values = problem.parameters;
+  take_system(problem,
+              read_oscillator(oscillator_kind(problem.oscillator), contact_law(problem.contact), excitation_kind(from.excitation),
+                              Values(from.quantities.begin(), from.quantities.end()), chosen));
+  from.chosen = chosen;
+  for (std::size_t i = 0; i < before.size(); ++i)
+    if (!find_tied(problem, before[i].name))
+      problem.parameters[index_of(problem, before[i].name)] = values[static_cast<Eigen::Index>(i)];
+}
+
+void choose_quantities(Problem& problem, const std::vector<std::string>& names) {
+  std::vector<std::string> chosen;
+  for (const std::string& name : names)
+    if (given_quantity(problem, name)) chosen.push_back(name);
+  if (chosen.empty()) return;
+  const Problem before = problem;
+  vary_quantities(problem, chosen);
+  constexpr double roundings = 1e-14;
+  for (std::size_t i = 0; i < before.system.parameters.size(); ++i) {
+    const std::string& name = before.system.parameters[i].name;
+    const double set = before.parameters[static_cast<Eigen::Index>(i)], given = parameter(problem, name);
+    if (std::abs(given - set) > roundings * std::abs(set))
+      throw std::invalid_argument(
+          fmt::format("--param {0}: {1} is {2} by --set and {3} by [physical], and it changes with {0}; set "
+                      "the quantities of [physical] instead",
+                      fmt::join(chosen, ", "), name, exact(set), exact(given)));
+  }
+}
 
 void apply_settings(Problem& problem, const std::vector<std::string>& settings) {
   for (const std::string& setting : settings) {
@@ -158,8 +244,9 @@ void apply_settings(Problem& problem, const std::vector<std::string>& settings) 
       }
       index_of(problem, name);  // a wrong name is the better thing to say where both are wrong
       if (!value) throw std::invalid_argument(no_number(setting.substr(equals + 1)));
-      set_parameter(problem, name, *value);
+      assign(problem, name, *value);
       std::erase(problem.defaulted, name);
+      if (&setting == &settings.back()) check_tied(problem, problem.parameters);  // when all are set
     } catch (const std::invalid_argument& error) {
       throw std::invalid_argument(fmt::format("--set {}: {}", setting, error.what()));
     }
@@ -168,7 +255,7 @@ void apply_settings(Problem& problem, const std::vector<std::string>& settings) 
 
 Vector start_state(const Problem& problem, const std::optional<Vector>& given) {
   const Vector wanted = given ? *given : problem.start ? *problem.start : rest_state(problem, problem.parameters);
-  if (!given && !problem.start && !problem.written) return wanted;
+  if (!given && !problem.start && is_built_in(problem)) return wanted;
   try {
     initial_mode(problem.system, 0.0, wanted, problem.parameters);
   } catch (const std::invalid_argument& error) {
@@ -176,8 +263,8 @@ Vector start_state(const Problem& problem, const std::optional<Vector>& given) {
                                : problem.start ? problem.file + ": [start] state"
                                                : problem.file + " gives no [start] state, and rest";
     const std::string allowed = !wanted.allFinite() ? fmt::format("; give {} that are", wanted.size() == 2 ? "two" : "numbers")
-                                : problem.written   ? "; give another by --start"
-                                                    : fmt::format(", x <= r = {}", exact(parameter(problem, "r")));
+                                : !is_built_in(problem) ? "; give another by --start"
+                                                        : fmt::format(", x <= r = {}", exact(parameter(problem, "r")));
     throw std::invalid_argument(fmt::format("{}: {}{}", source, error.what(), allowed));
   }
   return wanted;
@@ -185,7 +272,10 @@ Vector start_state(const Problem& problem, const std::optional<Vector>& given) {
 
 Vector rest_state(const Problem& problem, const Vector& parameters) {
   Vector rest = Vector::Zero(static_cast<Eigen::Index>(problem.system.states));
-  if (!problem.written) rest[0] = std::min(0.0, parameters[index_of(problem, "r")]);
+  if (!is_built_in(problem)) return rest;
+  Problem at = problem;
+  at.parameters = parameters;
+  rest[0] = std::min(0.0, parameter(at, "r"));
   return rest;
 }
 
@@ -216,7 +306,7 @@ std::string counted_periods(const Problem& problem, std::int64_t count) {
 std::vector<std::string> state_columns(const Problem& problem) { return state_names(problem.system); }
 
 std::vector<std::string> state_headings(const Problem& problem) {
-  return problem.written ? state_names(problem.system) : std::vector<std::string>{"x", "x'"};
+  return is_built_in(problem) ? std::vector<std::string>{"x", "x'"} : state_names(problem.system);
 }
 
 std::string state_text(const Problem& problem, const Vector& state, int digits) {
@@ -240,9 +330,13 @@ bool follows(const equations::TiedParameter& tied, const Problem& problem, std::
 
 }  // namespace
 
+std::string title(const Problem& problem) {
+  return is_built_in(problem) ? fmt::format("{} oscillator, {} contact", problem.oscillator, problem.contact)
+                              : problem.system.name;
+}
+
 std::string describe(const Problem& problem, std::string_view except) {
-  std::string text =
-      problem.written ? problem.system.name : fmt::format("{} oscillator, {} contact", problem.oscillator, problem.contact);
+  std::string text = title(problem);
   char separator = ':';
   for (std::size_t i = 0; i < problem.system.parameters.size(); ++i) {
     const std::string& name = problem.system.parameters[i].name;
@@ -250,11 +344,9 @@ std::string describe(const Problem& problem, std::string_view except) {
     text += fmt::format("{} {} = {}", separator, name, rounded(problem.parameters[static_cast<Eigen::Index>(i)], 8));
     separator = ',';
   }
-  if (problem.written)
-    for (const equations::TiedParameter& tied : problem.written->tied) {
-      if (follows(tied, problem, except)) continue;
+  for (const equations::TiedParameter& tied : problem.written->tied)
+    if (!follows(tied, problem, except))
       text += fmt::format("; {} = {}", tied.info.name, rounded(tied.value(problem.parameters), 8));
-    }
   return text;
 }
 
@@ -298,7 +390,7 @@ void read_physical(TomlSection& section, Problem& problem) {
 
   ConvertedFrom from;
   from.excitation = kind.name;
-  std::map<std::string, double> values;
+  Values values;
   const bool cubic = problem.oscillator == "cantilever";
   const auto read = [&](const ParameterInfo& info, bool required) {
     const std::optional<double> value = section.number(info.name);
@@ -328,16 +420,16 @@ void read_physical(TomlSection& section, Problem& problem) {
   }
   section.finish();
 
-  const Dimensionless converted = kind.convert(values);
-  from.alpha = converted.alpha;
-  from.length = converted.length;
+  const Values converted = to_dimensionless(kind, values);
+  from.alpha = converted.at("alpha");
+  from.length = converted.at("length");
   for (std::size_t i = 0; i < problem.system.parameters.size(); ++i) {
     const ParameterInfo& info = problem.system.parameters[i];
     double& target = problem.parameters[static_cast<Eigen::Index>(i)];
     if (std::find(dimensionless.begin(), dimensionless.end(), info.name) != dimensionless.end()) {
       target = values.at(info.name);
     } else if (info.name != "beta" || cubic) {  // the linear oscillator keeps beta = 0, as a beam too
-      target = checked(section.where(), info, *find_value(converted, info.name));
+      target = checked(section.where(), info, converted.at(info.name));
       from.obtained.push_back(info.name);
     }
   }

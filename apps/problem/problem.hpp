@@ -31,6 +31,7 @@ struct ConvertedFrom {
   std::vector<std::string> units;     ///< one per quantity
   double alpha = 0.0, length = 0.0;   ///< tau = alpha t, x = X / length
   std::vector<std::string> obtained;  ///< names of the parameters they gave
+  std::vector<std::string> chosen;    ///< those that are parameters of the system, by --param
 };
 
 /// Of an orbit, in forcing periods: its matrices grow with the square.
@@ -43,7 +44,7 @@ struct Problem {
   std::string file;
   std::string oscillator, contact;                       ///< of a built-in system
   std::string text;                                      ///< of a file with a system of its own, whole
-  std::shared_ptr<const equations::TextSystem> written;  ///< and what it says; null: built-in
+  std::shared_ptr<const equations::TextSystem> written;  ///< what the text says, a built-in system's too
   HybridSystem system;
   Vector parameters;
   std::vector<std::string> defaulted;  ///< parameters that neither the file nor a setting gives
@@ -51,6 +52,9 @@ struct Problem {
   std::optional<Vector> start;
   std::optional<int> settle, period;
 };
+
+/// Whether the system is of the built-in family, rather than a file's own.
+inline bool is_built_in(const Problem& problem) { return problem.text.empty(); }
 
 Problem load_problem(const std::string& file);
 
@@ -60,10 +64,17 @@ Problem parse_problem(std::string_view text, const std::string& file);
 /// A model with its default parameters. @throws std::invalid_argument for unknown names.
 Problem make_problem(const std::string& oscillator, const std::string& contact);
 
+/// The value of a parameter, of one that is tied to others, too.
 double parameter(const Problem& problem, std::string_view name);
+
+/// Of a built-in system: its dimensionless parameters in the order of make_oscillator, whichever are tied to physical quantities.
+Vector built_in_parameters(const Problem& problem);
 
 /// @throws std::invalid_argument for a parameter the model does not have, or a value out of its range.
 void set_parameter(Problem& problem, std::string_view name, double value);
+
+/// Several at once.
+void set_parameters(Problem& problem, const std::vector<std::pair<std::string, double>>& values);
 
 /// The same for a value given by an option such as "--from", which the message then names.
 void set_parameter(Problem& problem, std::string_view name, double value, const std::string& option);
@@ -71,6 +82,13 @@ void set_parameter(Problem& problem, std::string_view name, double value, const 
 /// The parameter that was given by --param; empty: the forcing frequency. @throws std::invalid_argument if it is empty and the
 /// system has none.
 std::string parameter_name(const Problem& problem, const std::string& given);
+
+/// Makes physical quantities among the names, of a file that gives its parameters so, parameters of the system; what depends on
+/// them is tied to them. Other names are left to check_parameter_name. @throws std::invalid_argument where a dimensionless
+/// parameter was set to another value than the quantities give.
+void choose_quantities(Problem& problem, const std::vector<std::string>& names);
+/// The same for quantities that are known to be given, whatever the dimensionless parameters were.
+void vary_quantities(Problem& problem, const std::vector<std::string>& chosen);
 
 /// @throws std::invalid_argument for a parameter that was given by --param and that the model does not have.
 void check_parameter_name(const Problem& problem, std::string_view name);
@@ -105,7 +123,10 @@ std::string_view periods_name(const Problem& problem);
 /// "x = 1.5   x' = 0.2".
 std::string state_text(const Problem& problem, const Vector& state, int digits);
 
-/// "linear oscillator with hertz contact: b = 0.05, ..., k_H = 100", without the parameter called `except`.
+/// "linear oscillator, hertz contact", or the name of the file's own system.
+std::string title(const Problem& problem);
+
+/// "linear oscillator, hertz contact: b = 0.05, ..., k_H = 100", without the parameter called `except`.
 std::string describe(const Problem& problem, std::string_view except = {});
 
 }  // namespace graze::apps

@@ -61,17 +61,11 @@ std::optional<std::pair<std::size_t, std::string>> argument_of(const std::string
 class Reading {
  public:
   explicit Reading(const Problem& problem) : problem_(problem) {
-    if (problem.written) {
-      graph_ = *problem.written->graph;
-      names_ = problem.written->names;
-      tables_ = problem.written->tables;
-    } else {
-      const std::vector<std::string> states = state_columns(problem);
-      for (std::size_t i = 0; i < states.size(); ++i) names_.emplace(states[i], graph_.state(i));
-      for (std::size_t i = 0; i < problem.system.parameters.size(); ++i)
-        names_.emplace(problem.system.parameters[i].name, graph_.parameter(i));
-      if (problem.converted_from) add_physical(*problem.converted_from);
-    }
+    graph_ = *problem.written->graph;
+    names_ = problem.written->names;
+    tables_ = problem.written->tables;
+    units_ = problem.written->units;
+    if (is_built_in(problem)) name_units();
     scope_.find = [this](std::string_view name) -> std::optional<equations::Expression> {
       const auto found = names_.find(name);
       return found == names_.end() ? std::nullopt : std::optional(found->second);
@@ -104,14 +98,20 @@ class Reading {
   }
 
  private:
-  /// Displacement, velocity and forcing frequency in the units that the file has its quantities in.
-  void add_physical(const ConvertedFrom& from) {
-    const auto scaled = [&](const char* name, double scale) { return graph_.multiply(graph_.constant(scale), names_.at(name)); };
-    for (const auto& [name, expression] : names_) units_.emplace(name, "dimensionless");
-    names_.emplace("X", scaled("x", from.length));
-    names_.emplace("V", scaled("v", from.length * from.alpha));
-    names_.emplace("omega", scaled("eta", from.alpha));
-    units_.insert({{"X", "m"}, {"V", "m/s"}, {"omega", "rad/s"}, {"t", "dimensionless"}});
+  /// Of a built-in system; with displacement, velocity and forcing frequency in the units that the file has its quantities in.
+  void name_units() {
+    for (const char* name : {"x", "v", "t"}) units_.emplace(name, "dimensionless");
+    if (!problem_.converted_from) return;
+    const ConvertedFrom& from = *problem_.converted_from;
+    const auto value = [&](const char* name, double constant) {
+      const auto found = names_.find(name);
+      return found == names_.end() ? graph_.constant(constant) : found->second;
+    };
+    const equations::Expression alpha = value("alpha", from.alpha), length = value("length", from.length);
+    names_.emplace("X", graph_.multiply(length, names_.at("x")));
+    names_.emplace("V", graph_.multiply(graph_.multiply(length, alpha), names_.at("v")));
+    names_.emplace("omega", graph_.multiply(alpha, names_.at("eta")));
+    units_.insert({{"X", "m"}, {"V", "m/s"}, {"omega", "rad/s"}});
   }
 
   Quantity read(const std::string& text) {
@@ -154,17 +154,16 @@ class Reading {
   }
 
   std::string unit_of(const std::string& name) const {
-    if (!problem_.written && !problem_.converted_from) return "dimensionless";
-    const auto& units = problem_.written ? problem_.written->units : units_;
-    const auto found = units.find(name);
-    return found == units.end() ? std::string() : found->second;
+    if (is_built_in(problem_) && !problem_.converted_from) return "dimensionless";  // expressions of several names, too
+    const auto found = units_.find(name);
+    return found == units_.end() ? std::string() : found->second;
   }
 
   std::string allowed() const {
     std::string text =
         fmt::format("a quantity is an expression E of {}{}, parameters{}{}, or max(E), min(E), amplitude(E) or mean(E)",
                     fmt::join(state_columns(problem_), ", "), problem_.converted_from ? ", X, V, omega" : "",
-                    is_forced(problem_.system) ? ", t" : "", problem_.written ? ", definitions and outputs" : "");
+                    is_forced(problem_.system) ? ", t" : "", is_built_in(problem_) ? "" : ", definitions and outputs");
     for (const Word& word : words) text += std::string(word.kind == QuantityKind::period ? " or " : ", ") + word.text;
     return text;
   }
@@ -173,7 +172,7 @@ class Reading {
   equations::Graph graph_;
   std::map<std::string, equations::Expression, std::less<>> names_;
   std::map<std::string, std::size_t, std::less<>> tables_;
-  std::map<std::string, std::string, std::less<>> units_;  // of a problem with physical quantities
+  std::map<std::string, std::string, std::less<>> units_;
   equations::Scope scope_;
   std::vector<equations::Expression> expressions_;
 };

@@ -109,11 +109,25 @@ BranchStop stop_from(const std::string& name) {
   throw std::invalid_argument(fmt::format("a branch stopped for the reason \"{}\", which is not known", name));
 }
 
+namespace {
+
+Symmetry symmetry_from(const Json& json) {
+  const Json& rows = json.at("matrix");
+  const auto n = static_cast<Eigen::Index>(rows.size());
+  Symmetry out{Matrix(n, n), json.at("shift")};
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index j = 0; j < n; ++j)
+      out.matrix(i, j) = rows.at(static_cast<std::size_t>(i)).at(static_cast<std::size_t>(j)).get<double>();
+  return out;
+}
+
+}  // namespace
+
 Branch branch_from(const Json& json, const Problem& problem, const std::string& parameter) {
   const std::size_t index = parameter_index(problem.system.parameters, parameter);
   Branch branch;
   branch.id = json.at("id");
-  branch.mirrored = json.value("mirrored", false);
+  if (json.value("mirrored", false)) branch.mirrored = symmetry_from(json.at("mirror"));
   if (!json.at("parent").is_null())
     branch.parent = BranchParent{json["parent"].at("branch").get<int>(), json["parent"].at("label").get<std::string>()};
   branch.period = json.at("period");

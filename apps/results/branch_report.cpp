@@ -158,7 +158,11 @@ Json branch_json(const Branch& branch) {
   Json out = {{"id", branch.id}, {"parent", nullptr}, {"period", branch.period}};
   reserve_members(out, 12);
   if (branch.parent) out["parent"] = {{"branch", branch.parent->branch}, {"label", branch.parent->label}};
-  if (branch.mirrored) out["mirrored"] = true;
+  if (branch.mirrored) {
+    out["mirrored"] = true;
+    out["mirror"] = {{"matrix", Json::array()}, {"shift", branch.mirrored->shift}};
+    for (const auto& row : branch.mirrored->matrix.rowwise()) out["mirror"]["matrix"].push_back(to_json(Vector(row.transpose())));
+  }
   out["stop"] = {{"reason", branch_stop_name(branch.stop)}, {"at", branch.stop_value}, {"message", branch.message}};
   out["points"] = Json::array();
   for (const BranchPoint& point : branch.points) out["points"].push_back(point_json(point));
@@ -197,7 +201,8 @@ std::string branch_text(const Problem& problem, const Branch& branch, std::size_
                         const BranchQuantities& measured) {
   std::string text = fmt::format("branch {}: period {}, {}", branch.id, branch.period, counted(branch.points.size(), "point"));
   if (branch.parent) text += fmt::format(", born at {} of branch {}", branch.parent->label, branch.parent->branch);
-  if (branch.mirrored) text += "; its mirror image, x(t) -> -x(t + T/2), is a branch too";
+  if (branch.mirrored)
+    text += fmt::format("; its mirror image, {}, is a branch too", symmetry_text(problem.system, *branch.mirrored));
   text += "\n";
   if (!branch.points.empty()) text += aligned(points_table(problem, branch, most, measured));
   if (branch.points.size() > most)

@@ -88,7 +88,7 @@ void add_orbit_options(CLI::App& app, OrbitOptions& options) {
   add_count(app, "--seed", options.seed, 0, "of the global search (default 1)");
 }
 
-Problem open_problem(const StartOptions& options, const Console& console) {
+Problem open_problem(const StartOptions& options, const Console& console, const std::vector<std::string>& varied) {
   Problem problem = load_problem(options.file);
   apply_settings(problem, options.settings);
   if (!problem.defaulted.empty()) {
@@ -106,6 +106,7 @@ Problem open_problem(const StartOptions& options, const Console& console) {
     console.note(fmt::format("{}: {} excitation, tau = {} t, x = X / {}: {}", options.file, from.excitation, exact(from.alpha),
                              exact(from.length), list));
   }
+  choose_quantities(problem, varied);
   return problem;
 }
 

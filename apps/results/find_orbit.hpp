@@ -43,7 +43,8 @@ void add_start_options(CLI::App& app, StartOptions& options);
 void add_orbit_options(CLI::App& app, OrbitOptions& options);
 
 /// The problem with its settings applied; notes on defaults and on the conversion of units go to the console.
-Problem open_problem(const StartOptions& options, const Console& console);
+/// Physical quantities among `varied`, names given by --param, become parameters.
+Problem open_problem(const StartOptions& options, const Console& console, const std::vector<std::string>& varied = {});
 
 /// --start, else the file's state, else rest. @throws std::invalid_argument, see start_state.
 Vector start_state(const Problem& problem, const StartOptions& options);

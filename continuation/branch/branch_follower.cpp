@@ -152,7 +152,7 @@ Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& 
   const std::optional<Verdict> end = end_of_range(problem, before, after);
   if (end == Verdict::reject) return Verdict::reject;
   BranchPoint point = problem.branch_point(after.u, branch.points.back().arclength + after.arclength - before.arclength);
-  if (!point.multipliers.valid || leaves_branch(system_, branch, point)) return Verdict::reject;
+  if (!point.multipliers.valid || leaves_branch(system_, symmetries_, branch, point)) return Verdict::reject;
   // Where a chatter becomes incomplete infinitely many impacts come apart, each with a grazing of its own.
   const bool sticks = point.isolated_impacts < point.impacts;
   const bool switches = sticks != (branch.points.back().isolated_impacts < branch.points.back().impacts);
@@ -222,7 +222,7 @@ Verdict BranchFollower::monitor_signature(SignatureProblem& problem, const Curve
   refused_ = problem.violation(after.u);
   if (refused_) return reaches_grazing(problem, before, after, branch) ? Verdict::stop : Verdict::reject;
   BranchPoint point = problem.branch_point(after.u, branch.points.back().arclength + after.arclength - before.arclength);
-  if (!point.multipliers.valid || leaves_branch(system_, branch, point)) return Verdict::reject;
+  if (!point.multipliers.valid || leaves_branch(system_, symmetries_, branch, point)) return Verdict::reject;
   if (const auto part = goes_through_half(problem, before.u, after.u)) return end_at_half(problem, before, *part, after, branch);
   if (!take(problem, before, after, std::move(point), {}, branch)) return Verdict::reject;
   return end.value_or(Verdict::go_on);
@@ -379,6 +379,7 @@ std::optional<BranchStart> BranchFollower::sticks_from_here(OrbitProblem& proble
 }
 
 std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const BranchStart& start, Branch& branch) {
+  symmetries_ = flight_symmetries(system_, branch.parameters);
   interrupted_ = returned_ = chatter_ends_ = clear_of_soft_ = false;
   fastest_ = 0.0;
   refused_.reset();

@@ -84,6 +84,7 @@ class BranchFollower {
   const ContinuationOptions& options_;
   double low_, high_;
   bool hard_contacts_ = false;
+  std::vector<Symmetry> symmetries_;  // where the branch begins
   // Of the branch being followed.
   Vector last_;  ///< unknowns of its last point
   bool interrupted_ = false, returned_ = false, chatter_ends_ = false;

@@ -30,13 +30,14 @@ bool may_be_symmetric(const Signature& signature) {
   return true;
 }
 
-/// How far the orbit is from its mirror image half its (odd) period later, relative to 1 + |x|. NaN where the motion cannot be
-/// carried there.
-double asymmetry(const HybridSystem& system, const Branch& branch, const BranchPoint& point) {
+/// How far the orbit is from its mirror image, half its (odd) period later if the symmetry has a shift, relative to 1 + |x|. NaN
+/// where the motion cannot be carried there.
+double asymmetry(const HybridSystem& system, const Symmetry& symmetry, const Branch& branch, const BranchPoint& point) {
   Vector p = branch.parameters;
   p[static_cast<Eigen::Index>(parameter_index(system.parameters, branch.parameter))] = point.value;
   Propagator propagator(system, p);
-  const auto mirrored = mirrored_state(propagator, point.states[static_cast<std::size_t>(branch.period / 2)]);
+  const std::size_t half = symmetry.shift == 0.0 ? 0 : static_cast<std::size_t>(branch.period / 2);
+  const auto mirrored = mirrored_state(propagator, symmetry, point.states[half]);
   if (!mirrored) return std::nan("");
   return (*mirrored - point.state()).lpNorm<Eigen::Infinity>() / (1.0 + point.state().lpNorm<Eigen::Infinity>());
 }
@@ -49,23 +50,28 @@ bool skips_something(const BranchPoint& last, const BranchPoint& next) {
   return std::abs(a[0] - b[0]) > 1 || std::abs(a[1] - b[1]) > 1 || std::abs(a[2] - b[2]) > 2;
 }
 
-bool changes_symmetry(const HybridSystem& system, const Branch& branch, const BranchPoint& next) {
+bool changes_symmetry(const HybridSystem& system, const Symmetry& symmetry, const Branch& branch, const BranchPoint& next) {
   // Between the two a small enough step ends, if symmetry is lost without a branch point: by the parameter itself, or at a
   // branch point that was met exactly.
   constexpr double symmetric = 1e-8, broken = 1e-5;
   const BranchPoint& last = branch.points.back();
-  if (!is_forced(system) || branch.period % 2 == 0) return false;
   if (last.signature.events.size() != next.signature.events.size()) return false;
-  if (!may_be_symmetric(last.signature) || !may_be_symmetric(next.signature)) return false;
-  const double before = asymmetry(system, branch, last);
-  if (before < symmetric) return asymmetry(system, branch, next) > broken;
-  return before > broken && asymmetry(system, branch, next) < symmetric;
+  if (symmetry.shift != 0.0) {
+    if (branch.period % 2 == 0) return false;
+    if (!may_be_symmetric(last.signature) || !may_be_symmetric(next.signature)) return false;
+  }
+  const double before = asymmetry(system, symmetry, branch, last);
+  if (before < symmetric) return asymmetry(system, symmetry, branch, next) > broken;
+  return before > broken && asymmetry(system, symmetry, branch, next) < symmetric;
 }
 
 }  // namespace
 
-bool leaves_branch(const HybridSystem& system, const Branch& branch, const BranchPoint& next) {
-  return skips_something(branch.points.back(), next) || changes_symmetry(system, branch, next);
+bool leaves_branch(const HybridSystem& system, std::span<const Symmetry> symmetries, const Branch& branch,
+                   const BranchPoint& next) {
+  return skips_something(branch.points.back(), next) ||
+         std::any_of(symmetries.begin(), symmetries.end(),
+                     [&](const Symmetry& symmetry) { return changes_symmetry(system, symmetry, branch, next); });
 }
 
 std::optional<double> goes_through_half(const BranchProblem& problem, const Vector& before, const Vector& after) {

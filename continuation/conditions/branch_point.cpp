@@ -22,6 +22,7 @@ TestFunction branch_point_test() {
     return std::copysign(product.real(), product.real() * turning);
   };
   test.confirm = [](const TestPoint& before, const TestPoint& after) {
+    if (stands_still(before, after)) return false;
     const auto turning = [](const TestPoint& point) { return point.curve.tangent[point.curve.tangent.size() - 1] > 0.0; };
     const bool passes = (real_beyond(before, 1) + real_beyond(after, 1)) % 2 == 1, turns = turning(before) != turning(after);
     return passes != turns;

@@ -11,7 +11,7 @@ TestFunction fold_test() {
   test.summary = "fold: the parameter's component of the tangent passes zero (a multiplier passes +1)";
   test.value = [](const TestPoint& point) { return point.curve.tangent[point.curve.tangent.size() - 1]; };
   test.confirm = [](const TestPoint& before, const TestPoint& after) {
-    return (real_beyond(before, 1) + real_beyond(after, 1)) % 2 == 1;
+    return !stands_still(before, after) && (real_beyond(before, 1) + real_beyond(after, 1)) % 2 == 1;
   };
   test.distance = [](const BranchPoint& point) { return nearest_multiplier(point, 1.0); };
   test.locate = [](BranchProblem& problem, const Vector& u, const TestPoint&) {

@@ -42,6 +42,10 @@ TestFunction neimark_sacker_test();
 /// All test functions, in the order in which they are evaluated.
 const std::vector<TestFunction>& test_functions();
 
+/// Whether the parameter stands still, but for rounding: the branch is a family of orbits at one value (of a conservative
+/// system), each with a multiplier +1, on which neither a fold nor a branch point is to be seen.
+bool stands_still(const TestPoint& before, const TestPoint& after);
+
 /// Nontrivial multipliers of a point.
 std::vector<std::complex<double>> nontrivial(const FloquetMultipliers& multipliers);
 

@@ -10,6 +10,14 @@ const std::vector<TestFunction>& test_functions() {
   return list;
 }
 
+bool stands_still(const TestPoint& before, const TestPoint& after) {
+  constexpr double rounding = 1e-9;  // of a tangent
+  const auto still = [](const TestPoint& point) {
+    return std::abs(point.curve.tangent[point.curve.tangent.size() - 1]) < rounding;
+  };
+  return still(before) && still(after);
+}
+
 std::vector<std::complex<double>> nontrivial(const FloquetMultipliers& multipliers) {
   return {multipliers.values.begin(),
           multipliers.values.end() - std::min<std::ptrdiff_t>(multipliers.trivial, std::ssize(multipliers.values))};

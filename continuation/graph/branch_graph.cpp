@@ -318,13 +318,17 @@ class Graph {
     return branch_through(states, value, except).has_value();
   }
 
-  /// The branch on which the mirror image of such an orbit lies, if that is another orbit.
-  std::optional<std::size_t> mirror_of(const std::vector<Vector>& states, double value) const {
-    if (!may_be_mirrored_ || graph_.branches.empty()) return std::nullopt;
+  /// The branch on which a mirror image of such an orbit lies, if that is another orbit, and the symmetry.
+  std::optional<std::pair<std::size_t, Symmetry>> mirror_of(const std::vector<Vector>& states, double value) const {
+    if (graph_.branches.empty()) return std::nullopt;
     Vector p = graph_.branches.front().parameters;
     p[static_cast<Eigen::Index>(parameter_)] = value;
-    const std::vector<Vector> image = mirror_image(system_, p, states);
-    return image.empty() ? std::nullopt : branch_through(image, value);
+    for (const Symmetry& symmetry : symmetries(system_, p)) {
+      const std::vector<Vector> image = mirror_image(system_, p, symmetry, states);
+      if (image.empty()) continue;
+      if (const auto branch = branch_through(image, value)) return std::pair(*branch, symmetry);
+    }
+    return std::nullopt;
   }
 
   bool is_known(const GrazingEdge& edge) const {
@@ -493,7 +497,7 @@ class Graph {
       const BranchPoint& inside = branch.points[branch.points.size() * quarter / 4];
       if (is_known(inside.states, inside.value)) return;
       if (const auto mirror = mirror_of(inside.states, inside.value)) {
-        graph_.branches[*mirror].mirrored = true;
+        graph_.branches[mirror->first].mirrored = mirror->second;
         return;
       }
     }
@@ -593,9 +597,6 @@ class Graph {
   }
 
   const HybridSystem& system_;
-  /// One barrier has no other one opposite.
-  bool may_be_mirrored_ = is_forced(system_) && std::count_if(system_.events.begin(), system_.events.end(),
-                                                              [](const Event& event) { return begins_contact(event.kind); }) != 1;
   ContinuationOptions options_;
   FamilyChoice choice_;
   std::size_t parameter_;

@@ -4,6 +4,7 @@
 
 #include <graze/continuation/problems/special_point.hpp>
 #include <graze/floquet/orbit/orbit_shape.hpp>
+#include <graze/lib/system/symmetry.hpp>
 
 #include <limits>
 #include <optional>
@@ -64,10 +65,11 @@ struct Branch {
   std::vector<BranchPoint> points;
   std::vector<SpecialPoint> special_points;  ///< in the order met
   BranchStop stop = BranchStop::not_run;
-  double stop_value = 0.0;    ///< of the parameter, at the last good point
-  std::string message;        ///< the reason in a sentence
-  bool mirrored = false;      ///< its mirror image (floquet/orbit/mirror.hpp) is another branch, which is not listed
-  double time_carried = 0.0;  ///< dimensionless time through which motion was computed for it: its cost
+  double stop_value = 0.0;  ///< of the parameter, at the last good point
+  std::string message;      ///< the reason in a sentence
+  /// Its mirror image under this symmetry (floquet/orbit/mirror.hpp) is another branch, which is not listed.
+  std::optional<Symmetry> mirrored = {};
+  double time_carried = 0.0;                ///< dimensionless time through which motion was computed for it: its cost
   std::optional<BranchPoint> first_failed;  ///< what was tried last, where the branch broke off
 };
 

@@ -5,22 +5,23 @@
 
 namespace graze {
 
-std::optional<Vector> mirrored_state(Propagator& propagator, const Vector& x) {
+std::optional<Vector> mirrored_state(Propagator& propagator, const Symmetry& symmetry, const Vector& x) {
+  if (symmetry.shift == 0.0) return Vector(symmetry.matrix * x);
   const double T = forcing_period(propagator.system(), propagator.parameters());
   Transition transition;
-  carry(propagator, 0.0, 0.5 * T, x, {.sensitivity = Sensitivity::none}, transition);
+  carry(propagator, 0.0, symmetry.shift * T, x, {.sensitivity = Sensitivity::none}, transition);
   if (transition.termination != Termination::time) return std::nullopt;
-  return Vector(-transition.x1);
+  return Vector(symmetry.matrix * transition.x1);
 }
 
-std::vector<Vector> mirror_image(const HybridSystem& system, const Vector& p, const std::vector<Vector>& states) {
-  if (!is_forced(system)) return {};
+std::vector<Vector> mirror_image(const HybridSystem& system, const Vector& p, const Symmetry& symmetry,
+                                 const std::vector<Vector>& states) {
   const double T = forcing_period(system, p);
   Propagator propagator(system, p);
   Transition transition;
   std::vector<Vector> image;
   for (const Vector& state : states) {
-    const std::optional<Vector> mirrored = mirrored_state(propagator, state);
+    const std::optional<Vector> mirrored = mirrored_state(propagator, symmetry, state);
     if (!mirrored || !mode_at(system, 0.0, *mirrored, p)) return {};
     image.push_back(*mirrored);
   }

@@ -30,9 +30,8 @@ double loss_function(double w) {
   return sum;
 }
 
-void attach_limit(HybridSystem& system) {
-  contact_law("newton").attach(system);
-  Event& impact = system.events.front();
+/// Puts the reset of the limit in the place of Newton's.
+void restitute(Event& impact) {
   impact.reset = {};
   impact.reset.map = [](double, const Vector& x, const Vector& p, Vector& out) {
     out[0] = p[r];
@@ -332,8 +331,11 @@ HybridSystem make_hard_limit(const OscillatorKind& kind) {
   law_of_limit.formula = "x'+ = -e(b_H x'-) x'- at x = r; x <= r always";
   law_of_limit.hard = true;
   law_of_limit.parameters = {contact_law("hertz").parameters[b_H - law]};
-  law_of_limit.attach = attach_limit;
-  return make_oscillator(kind, law_of_limit);
+  law_of_limit.stop = "newton";
+  law_of_limit.values = {"1"};
+  HybridSystem system = make_oscillator(kind, law_of_limit);
+  restitute(system.events.front());
+  return system;
 }
 
 double contact_restitution(const HybridSystem& system, const Vector& p, double t, double speed, const FlowOptions& options) {

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <span>
 
 namespace graze::equations {
 
@@ -80,41 +81,66 @@ std::optional<Oscillator> read_oscillator(Graph& graph, const std::vector<Expres
   return out;
 }
 
-/// Hertz's contact where each coefficient is a parameter as it stands.
+/// Coefficients as functions of the parameters, with their derivatives.
+class CoefficientFunctions {
+ public:
+  CoefficientFunctions(Graph& graph, std::span<const Expression> coefficients) {
+    std::vector<Expression> outputs(coefficients.begin(), coefficients.end());
+    for (std::size_t i = 0; i < coefficients.size(); ++i)
+      for (const std::size_t parameter : dependence(graph, coefficients[i]).parameters) {
+        entries_.push_back({i, parameter});
+        outputs.push_back(graph.derivative(coefficients[i], graph.parameter(parameter)));
+      }
+    tape_ = std::make_shared<const Tape>(graph, outputs);
+  }
+
+  template <std::size_t count> void evaluate(const Vector& p, std::array<double, count>& value, Matrix& dp) const {
+    std::vector<double> workspace(tape_->workspace()), all(tape_->outputs());
+    tape_->evaluate<double>(0.0, nullptr, p.data(), workspace.data(), all.data());
+    std::copy_n(all.begin(), count, value.begin());
+    dp = Matrix::Zero(count, p.size());
+    for (std::size_t i = 0; i < entries_.size(); ++i)
+      dp(static_cast<Eigen::Index>(entries_[i].coefficient), static_cast<Eigen::Index>(entries_[i].parameter)) = all[count + i];
+  }
+
+ private:
+  struct Entry {
+    std::size_t coefficient, parameter;
+  };
+  std::vector<Entry> entries_;
+  std::shared_ptr<const Tape> tape_;
+};
+
+/// a / b of two coefficients: a parameter as it stands where the quotient is one.
+Expression quotient(Graph& graph, Expression a, Expression b, std::size_t parameters) {
+  for (std::size_t i = 0; i < parameters; ++i)
+    if (is_zero(graph, graph.subtract(a, graph.multiply(b, graph.parameter(i))))) return graph.parameter(i);
+  return graph.divide(a, b);
+}
+
+/// Hertz's contact with an oscillator of natural frequency 1, at a barrier that is a parameter.
 StructureAt hertz_structure(Graph& graph, const Oscillator& oscillator, std::size_t parameters) {
   const auto level = recognise_level(graph, *oscillator.depth);
   const auto& q = oscillator.coefficient;
   if (!level || level->coordinate != 0 || level->sign < 0.0 || !oscillator.contact) return {};
   if (!is_zero(graph, graph.subtract(q[C::stiffness], graph.constant(1.0))) || !is_zero(graph, q[C::constant])) return {};
-  std::array<std::optional<std::size_t>, H::count> found;
   const Expression stiffness = graph.negate(*oscillator.contact);
-  found[H::damping] = as_parameter(graph, q[C::damping]);
-  found[H::beta] = as_parameter(graph, q[C::cubic]);
-  found[H::amplitude] = as_parameter(graph, q[C::amplitude]);
-  found[H::frequency] = as_parameter(graph, q[C::frequency]);
-  found[H::barrier] = level->level;
-  found[H::stiffness] = as_parameter(graph, stiffness);
-  if (oscillator.contact_speed)
-    for (std::size_t i = 0; i < parameters && !found[H::contact_damping]; ++i)
-      if (is_zero(graph, graph.add(*oscillator.contact_speed, graph.multiply(stiffness, graph.parameter(i)))))
-        found[H::contact_damping] = i;
-  // A part that is missing has the value 0 and belongs to no parameter.
-  constexpr std::size_t none = static_cast<std::size_t>(-1);
-  if (!found[H::beta] && is_zero(graph, q[C::cubic])) found[H::beta] = none;
-  if (!found[H::damping] && is_zero(graph, q[C::damping])) found[H::damping] = none;
-  if (!found[H::contact_damping] && !oscillator.contact_speed) found[H::contact_damping] = none;
-  if (!std::all_of(found.begin(), found.end(), [](const auto& one) { return one.has_value(); })) return {};
-  H hertz;
-  for (std::size_t i = 0; i < H::count; ++i) {
-    hertz.parameter[i] = *found[i];
-    // The flow takes a parameter for one coefficient.
-    if (*found[i] != none && std::find(found.begin(), found.begin() + i, found[i]) != found.begin() + i) return {};
-  }
-  return [hertz](const Vector& p) -> ModeStructure {
-    H out = hertz;
-    for (std::size_t i = 0; i < H::count; ++i)
-      out.value[i] = hertz.parameter[i] == none ? 0.0 : p[static_cast<Eigen::Index>(hertz.parameter[i])];
-    return out;
+  const Expression contact_damping = oscillator.contact_speed
+                                         ? quotient(graph, *oscillator.contact_speed, *oscillator.contact, parameters)
+                                         : graph.constant(0.0);
+  std::array<Expression, H::count> coefficient;
+  coefficient[H::damping] = q[C::damping];
+  coefficient[H::beta] = q[C::cubic];
+  coefficient[H::amplitude] = q[C::amplitude];
+  coefficient[H::frequency] = q[C::frequency];
+  coefficient[H::barrier] = graph.parameter(level->level);
+  coefficient[H::stiffness] = stiffness;
+  coefficient[H::contact_damping] = contact_damping;
+  return [functions = CoefficientFunctions(graph, coefficient)](const Vector& p) -> ModeStructure {
+    H hertz;
+    functions.evaluate(p, hertz.value, hertz.dp);
+    if (!std::isfinite(hertz.value[H::contact_damping])) return GeneralField{};  // the quotient of two coefficients that vanish
+    return hertz;
   };
 }
 
@@ -126,28 +152,10 @@ StructureAt recognise_structure(Graph& graph, const std::vector<Expression>& fie
   if (!oscillator) return {};
   if (oscillator->depth) return hertz_structure(graph, *oscillator, parameters);
   const auto& q = oscillator->coefficient;
-  struct Entry {
-    std::size_t coefficient, parameter;
-  };
-  std::vector<Entry> entries;
-  std::vector<Expression> outputs(q.begin(), q.end());
-  for (std::size_t i = 0; i < C::count; ++i) {
-    for (const std::size_t parameter : dependence(graph, q[i]).parameters) {
-      entries.push_back({i, parameter});
-      outputs.push_back(graph.derivative(q[i], graph.parameter(parameter)));
-    }
-  }
-  const auto tape = std::make_shared<const Tape>(graph, outputs);
   const bool has_cubic = !is_zero(graph, q[C::cubic]);
-  return [tape, entries, has_cubic](const Vector& p) -> ModeStructure {
-    std::vector<double> workspace(tape->workspace()), value(tape->outputs());
-    tape->evaluate<double>(0.0, nullptr, p.data(), workspace.data(), value.data());
+  return [functions = CoefficientFunctions(graph, q), has_cubic](const Vector& p) -> ModeStructure {
     C cubic;
-    std::copy_n(value.begin(), C::count, cubic.value.begin());
-    cubic.dp = Matrix::Zero(C::count, p.size());
-    for (std::size_t i = 0; i < entries.size(); ++i)
-      cubic.dp(static_cast<Eigen::Index>(entries[i].coefficient), static_cast<Eigen::Index>(entries[i].parameter)) =
-          value[C::count + i];
+    functions.evaluate(p, cubic.value, cubic.dp);
     if (has_cubic && cubic.value[C::cubic] != 0.0) return cubic;
     LinearOscillator linear;
     linear.damping = cubic.value[C::damping];

@@ -32,8 +32,14 @@ constexpr double period_tolerance = 1e-8;
 /// or curved one leaves over many periods.
 constexpr double constraint_tolerance = 1e-10;
 
+/// A constraint of a mode, and how far from it a state may be, relative to 1 + |x|.
+struct Constraint {
+  ScalarFunction value;
+  double tolerance = constraint_tolerance;
+};
+
 /// The mode of a state by the guards of each mode (see system_text.hpp).
-InitialMode mode_by_guards(const HybridSystem& system, const std::vector<std::vector<ScalarFunction>>& constraints) {
+InitialMode mode_by_guards(const HybridSystem& system, const std::vector<std::vector<Constraint>>& constraints) {
   std::vector<VectorFunction> fields;
   std::vector<std::vector<Guard>> guards(system.modes.size());
   for (const Mode& mode : system.modes) fields.push_back(mode.field);
@@ -53,7 +59,7 @@ InitialMode mode_by_guards(const HybridSystem& system, const std::vector<std::ve
     const double size = 1.0 + x.lpNorm<Eigen::Infinity>();
     const auto keeps_constraints = [&](std::size_t mode) {
       return std::all_of(constraints[mode].begin(), constraints[mode].end(),
-                         [&](const ScalarFunction& one) { return std::abs(one(t, x, p)) <= constraint_tolerance * size; });
+                         [&](const Constraint& one) { return std::abs(one.value(t, x, p)) <= one.tolerance * size; });
     };
     const auto goes_on_in = [&](std::size_t mode) {
       return keeps_constraints(mode) && std::all_of(guards[mode].begin(), guards[mode].end(), [&](const Guard& guard) {
@@ -670,7 +676,12 @@ class Builder {
       out_.system.modes.push_back(std::move(mode));
       out_.modes.push_back({piece.field});
       constraints_.emplace_back();
-      for (const Expression one : piece.constraints) constraints_.back().push_back(scalar_function(graph_, one));
+      for (const Expression one : piece.constraints) {
+        // One state has a value that stands still: the motion in the mode keeps it exactly.
+        const auto fixed = solve_guard(graph_, one, states(), [](std::size_t) { return true; });
+        const bool exact = fixed && !dependence(graph_, fixed->value).moves();
+        constraints_.back().push_back({scalar_function(graph_, one), exact ? guard_tolerance : constraint_tolerance});
+      }
     }
   }
 
@@ -915,7 +926,7 @@ class Builder {
 
   const SystemText& text_;
   std::vector<Text> state_texts_;
-  std::vector<std::vector<ScalarFunction>> constraints_;  // of each mode
+  std::vector<std::vector<Constraint>> constraints_;  // of each mode
   TextSystem out_;
   Graph& graph_;
   std::map<std::string, std::string, std::less<>> kinds_;  // name -> state, parameter, definition, output

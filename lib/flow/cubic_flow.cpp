@@ -149,15 +149,7 @@ bool CubicFlow::applies(const HybridSystem& system, std::size_t mode) {
 
 CubicFlow::CubicFlow(const HybridSystem& system, std::size_t mode, const Vector& p, std::span<const std::size_t> active,
                      const CubicOscillator& oscillator, const FlowOptions& options)
-    : oscillator_(oscillator), options_(options) {
-  Matrix dp(C::count, static_cast<Eigen::Index>(active.size()));
-  for (std::size_t i = 0; i < active.size(); ++i)
-    dp.col(static_cast<Eigen::Index>(i)) = oscillator.dp.col(static_cast<Eigen::Index>(active[i]));
-  for (std::size_t i = 0; i < C::count; ++i)
-    if (!dp.row(static_cast<Eigen::Index>(i)).isZero(0.0)) sources_.push_back(i);
-  source_dp_.resize(static_cast<Eigen::Index>(sources_.size()), dp.cols());
-  for (std::size_t i = 0; i < sources_.size(); ++i)
-    source_dp_.row(static_cast<Eigen::Index>(i)) = dp.row(static_cast<Eigen::Index>(sources_[i]));
+    : oscillator_(oscillator), options_(options), sources_(oscillator.dp, active) {
   barriers_ = detail::level_barriers(system, mode, p);
 }
 
@@ -169,12 +161,12 @@ void CubicFlow::field(double t, const Vector& x, Vector& out) const {
 }
 
 void CubicFlow::carry(const FlowTask& task, const Vector& x0, Segment& out) const {
-  if (task.sensitivity != Sensitivity::state_and_parameters || sources_.empty()) {
+  if (task.sensitivity != Sensitivity::state_and_parameters || sources_.coefficients.empty()) {
     carry_with<1>(task, x0, out);
-    out.Psi.setZero(2, task.sensitivity == Sensitivity::state_and_parameters ? source_dp_.cols() : 0);
+    out.Psi.setZero(2, task.sensitivity == Sensitivity::state_and_parameters ? sources_.dp.cols() : 0);
     return;
   }
-  if (sources_.size() <= 4) return carry_with<2>(task, x0, out);
+  if (sources_.coefficients.size() <= 4) return carry_with<2>(task, x0, out);
   static_assert(C::count <= 8);
   carry_with<3>(task, x0, out);
 }
@@ -202,15 +194,16 @@ template <std::size_t Quads> void CubicFlow::carry_with(const FlowTask& task, co
       out.Phi << z.dx[0], z.dx[1], z.dv[0], z.dv[1];
     }
     if constexpr (Quads > 1) {
-      Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, C::count> columns(2, static_cast<Eigen::Index>(sources_.size()));
-      for (std::size_t i = 0; i < sources_.size(); ++i) columns.col(static_cast<Eigen::Index>(i)) << z.dx[2 + i], z.dv[2 + i];
-      out.Psi.noalias() = columns * source_dp_;
+      Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, C::count> columns(2, sources_.dp.rows());
+      for (std::size_t i = 0; i < sources_.coefficients.size(); ++i)
+        columns.col(static_cast<Eigen::Index>(i)) << z.dx[2 + i], z.dv[2 + i];
+      out.Psi.noalias() = columns * sources_.dp;
     }
   };
 
   // The last two terms of a step are within a quarter of the tolerance: what is left out is below a twentieth of it.
   const double allowed = 0.25 * options_.tolerance;
-  detail::CubicSeries<Quads> series(oscillator_, sources_, x0[0]);
+  detail::CubicSeries<Quads> series(oscillator_, sources_.coefficients, x0[0]);
   double s = 0.0;
   for (std::size_t step = 0; step < options_.max_steps; ++step) {
     const double left = duration - s;

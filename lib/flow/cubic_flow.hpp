@@ -11,6 +11,7 @@
 
 #include <graze/lib/flow/flow.hpp>
 #include <graze/lib/flow/level_barriers.hpp>
+#include <graze/lib/flow/sources.hpp>
 
 namespace graze {
 
@@ -31,8 +32,7 @@ class CubicFlow {
 
   CubicOscillator oscillator_;
   FlowOptions options_;
-  Matrix source_dp_;                  // sources x active
-  std::vector<std::size_t> sources_;  // the coefficients that the active parameters enter
+  detail::Sources sources_;
   std::vector<detail::LevelBarrier> barriers_;
 };
 

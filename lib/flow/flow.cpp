@@ -66,7 +66,7 @@ Flow make_flow(const HybridSystem& system, std::size_t mode, const Vector& p, st
           std::make_unique<Flow::Kind>(Flow::Kind{mode, LinearFlow(system, mode, p, active, *linear, options.max_steps)}));
     if (const auto* cubic = std::get_if<CubicOscillator>(&structure); cubic && CubicFlow::applies(system, mode))
       return Flow(std::make_unique<Flow::Kind>(Flow::Kind{mode, CubicFlow(system, mode, p, active, *cubic, options)}));
-    if (const auto* hertz = std::get_if<HertzContact>(&structure); hertz && HertzFlow::applies(system, mode, active, *hertz))
+    if (const auto* hertz = std::get_if<HertzContact>(&structure); hertz && HertzFlow::applies(system, mode, *hertz))
       return Flow(std::make_unique<Flow::Kind>(Flow::Kind{mode, HertzFlow(system, mode, active, *hertz, options)}));
   }
   return Flow(std::make_unique<Flow::Kind>(Flow::Kind{mode, GeneralFlow(system, mode, p, active, options)}));

@@ -30,28 +30,22 @@ template <class Value> double root_in_step(const Value& value, double h) {
 
 }  // namespace
 
-bool HertzFlow::applies(const HybridSystem& system, std::size_t mode, std::span<const std::size_t> active,
-                        const HertzContact& contact) {
-  if (active.size() > C::count) return false;
+bool HertzFlow::applies(const HybridSystem& system, std::size_t mode, const HertzContact& contact) {
   int events = 0;
   for (const Event& event : system.events) {
     if (event.from != mode) continue;
     ++events;
     const auto& level = event.guard.level;
-    if (!level || level->coordinate != 0 || level->sign > 0.0 || level->level != contact.parameter[C::barrier]) return false;
+    if (!level || level->coordinate != 0 || level->sign > 0.0 || !is_barrier(contact, level->level)) return false;
   }
   return system.states == 2 && events == 1;
 }
 
 HertzFlow::HertzFlow(const HybridSystem& system, std::size_t mode, std::span<const std::size_t> active,
                      const HertzContact& contact, const FlowOptions& options)
-    : contact_(contact), options_(options) {
+    : contact_(contact), options_(options), sources_(contact.dp, active) {
   for (std::size_t i = 0; i < system.events.size(); ++i)
     if (system.events[i].from == mode) leave_ = i;
-  for (const std::size_t parameter : active) {
-    const auto found = std::find(contact.parameter.begin(), contact.parameter.end(), parameter);
-    coefficient_of_active_.push_back(static_cast<std::size_t>(found - contact.parameter.begin()));
-  }
 }
 
 void HertzFlow::field(double t, const Vector& x, Vector& out) const {
@@ -64,9 +58,12 @@ void HertzFlow::field(double t, const Vector& x, Vector& out) const {
 
 void HertzFlow::carry(const FlowTask& task, const Vector& x0, Segment& out) const {
   if (task.sensitivity == Sensitivity::none) return carry_with<0>(task, x0, out);
-  const std::size_t parameters = task.sensitivity == Sensitivity::state ? 0 : coefficient_of_active_.size();
-  if (parameters == 0) return carry_with<1>(task, x0, out);
-  if (parameters <= 4) return carry_with<2>(task, x0, out);
+  if (task.sensitivity == Sensitivity::state || sources_.coefficients.empty()) {
+    carry_with<1>(task, x0, out);
+    out.Psi.setZero(2, task.sensitivity == Sensitivity::state ? 0 : sources_.dp.cols());
+    return;
+  }
+  if (sources_.coefficients.size() <= 4) return carry_with<2>(task, x0, out);
   static_assert(C::count <= 8);
   carry_with<3>(task, x0, out);
 }
@@ -101,9 +98,9 @@ template <std::size_t Quads> void HertzFlow::leave_rest(const FlowTask& task, do
       z.q[k] = Phi(1, k) + speed_coefficient(y) * Phi(0, k);
     }
     if constexpr (Quads > 1) {
-      for (std::size_t k = 0; k < coefficient_of_active_.size(); ++k) {
+      for (std::size_t k = 0; k < sources_.coefficients.size(); ++k) {
         double f_p = 0.0;  // in the middle; of what depends on the depth nothing is left
-        switch (coefficient_of_active_[k]) {
+        switch (sources_.coefficients[k]) {
         case C::damping:
           f_p = -2.0 * (v + a * dt / 2);
           break;
@@ -120,7 +117,7 @@ template <std::size_t Quads> void HertzFlow::leave_rest(const FlowTask& task, do
           break;
         }
         const double dx = f_p * dt * dt / 2;
-        const double dv = f_p * (dt - p[C::damping] * dt * dt) + (coefficient_of_active_[k] == C::barrier ? stiffness : 0.0);
+        const double dv = f_p * (dt - p[C::damping] * dt * dt) + (sources_.coefficients[k] == C::barrier ? stiffness : 0.0);
         z.dx[2 + k] = dx;
         z.q[2 + k] = dv + speed_coefficient(y) * dx;
       }
@@ -163,8 +160,11 @@ template <std::size_t Quads> void HertzFlow::carry_with(const FlowTask& task, co
       const auto dv = [&](Eigen::Index column) { return last.q[column] - q_of_dx * last.dx[column]; };
       out.Phi.resize(2, 2);
       out.Phi << last.dx[0], last.dx[1], dv(0), dv(1);
-      out.Psi.resize(2, Quads == 1 ? 0 : static_cast<Eigen::Index>(coefficient_of_active_.size()));
-      for (Eigen::Index k = 0; k < out.Psi.cols(); ++k) out.Psi.col(k) << last.dx[2 + k], dv(2 + k);
+      if constexpr (Quads > 1) {
+        Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, C::count> columns(2, sources_.dp.rows());
+        for (Eigen::Index k = 0; k < columns.cols(); ++k) columns.col(k) << last.dx[2 + k], dv(2 + k);
+        out.Psi.noalias() = columns * sources_.dp;
+      }
     }
   };
 
@@ -186,7 +186,7 @@ template <std::size_t Quads> void HertzFlow::carry_with(const FlowTask& task, co
 
   constexpr std::size_t order = detail::hertz_order;
   const double ratio = std::pow(options_.tolerance, 1.0 / order), allowed = detail::hertz_last_term * options_.tolerance;
-  detail::HertzSeries<Quads> series(contact_, coefficient_of_active_, task.t0);
+  detail::HertzSeries<Quads> series(contact_, sources_.coefficients, task.t0);
   double h = longest_step(z.cosine, z.v, 0.0);
   for (std::size_t step = 1; step <= options_.max_steps; ++step) {
     if (z.time >= duration) return finish(FlowEnd::time, z);

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <graze/lib/flow/flow.hpp>
+#include <graze/lib/flow/sources.hpp>
 
 namespace graze {
 
@@ -20,9 +21,8 @@ class HertzFlow {
   HertzFlow(const HybridSystem& system, std::size_t mode, std::span<const std::size_t> active, const HertzContact& contact,
             const FlowOptions& options);
 
-  /// The mode's only event must be leaving through x = r; at most as many active parameters as coefficients.
-  static bool applies(const HybridSystem& system, std::size_t mode, std::span<const std::size_t> active,
-                      const HertzContact& contact);
+  /// The mode's only event must be leaving through x = r, a parameter.
+  static bool applies(const HybridSystem& system, std::size_t mode, const HertzContact& contact);
 
   void carry(const FlowTask& task, const Vector& x0, Segment& out) const;
   void field(double t, const Vector& x, Vector& out) const;
@@ -36,8 +36,8 @@ class HertzFlow {
 
   HertzContact contact_;
   FlowOptions options_;
-  std::size_t leave_ = 0;                           // the event
-  std::vector<std::size_t> coefficient_of_active_;  // HertzContact::count: the field does not depend on it
+  std::size_t leave_ = 0;  // the event
+  detail::Sources sources_;
 };
 
 }  // namespace graze

@@ -78,12 +78,16 @@ bool is_contact_of(const Flight& free, const HertzContact& contact, const Event&
   const auto& q = contact.value;
   return q[C::damping] == free.damping && q[C::amplitude] == free.amplitude && q[C::frequency] == free.frequency &&
          q[C::beta] == free.beta && free.stiffness == 1.0 && free.constant == 0.0 &&
-         contact.parameter[C::barrier] == entering.guard.level->level;
+         is_barrier(contact, entering.guard.level->level);
 }
+
+/// A period that is an expression of parameters is 2 pi / frequency but for this, relative.
+constexpr double roundings_of_period = 4e-16;
 
 /// Whether the lanes can fly so.
 bool flies(const HybridSystem& system, std::size_t mode, const ModeStructure& structure, const Flight& flight, const Vector& p) {
-  if (flight.frequency != p[static_cast<Eigen::Index>(*system.forcing_frequency)]) return false;
+  const double T = forcing_period(system, p), own = 2.0 * std::numbers::pi / flight.frequency;
+  if (std::abs(own - T) > roundings_of_period * T) return false;
   if (flight.cubic) return CubicFlow::applies(system, mode);
   return LinearFlow::applies(system, mode, {}, std::get<LinearOscillator>(structure)) &&
          flight.stiffness > flight.damping * flight.damping && cells_of(flight) <= most_cells;
@@ -97,7 +101,7 @@ Flight mirrored(Flight flight) {
 }
 
 std::optional<Description> describe(const HybridSystem& system, const Vector& p) {
-  if (system.states != 2 || !system.forcing_frequency || system.modes.empty()) return std::nullopt;
+  if (system.states != 2 || !is_forced(system) || system.modes.empty()) return std::nullopt;
   constexpr std::size_t free_mode = 0;
   const ModeStructure free_structure = structure(system, free_mode, p);
   const std::optional<Flight> free = flight_of(free_structure);

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// ContactLaw: the door where a new law enters. A law says what it is called, which parameters it has, and attaches its
-// modes and events to a free oscillator x'' + 2 b x' + x + beta x^3 = xi cos(eta t) with a barrier at x = r.
+// ContactLaw: the law of the barrier at x = r of the built-in oscillators, as the stop of a system written as text.
 //
-// To add a law: one file in lib/contact/ and one line in contact_laws(). Its derivative checks, its name on the command
-// line and its help come from that list.
+// To add a law: one line in contact_laws(). Its derivative checks, its name on the command line and its help come from that list.
+// A law that is in no list can be given to make_oscillator as it is.
 #pragma once
 
-#include <graze/lib/system/hybrid_system.hpp>
+#include <graze/lib/system/parameters.hpp>
 
 #include <string>
 #include <string_view>
@@ -19,8 +18,8 @@ struct ContactLaw {
   std::string formula;                    ///< one line
   bool hard = false;                      ///< true: x <= r always
   std::vector<ParameterInfo> parameters;  ///< its own, beside the oscillator's
-  /// Adds modes, events and initial_mode to a system that holds the oscillator's parameters, the law's, and one mode, "free".
-  void (*attach)(HybridSystem& free_system) = nullptr;
+  std::string stop;                       ///< StopText::law: "newton", "hertz", "linear" or "force"
+  std::vector<std::string> values;        ///< StopText::values, expressions of all parameters
 };
 
 /// All laws, in the order in which they are listed to users.

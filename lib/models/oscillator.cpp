@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/lib/models/oscillator.hpp>
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 #include <stdexcept>
 
 namespace graze {
@@ -45,61 +50,64 @@ double barrier_acceleration(double t, const Vector& p) {
 
 namespace {
 
-Mode free_mode() {
-  Mode mode;
-  mode.name = "free";
-  mode.field = [](double t, const Vector& x, const Vector& p, Vector& f) {
-    f[0] = x[1];
-    f[1] = p[xi] * std::cos(p[eta] * t) - 2.0 * p[b] * x[1] - x[0] - p[beta] * x[0] * x[0] * x[0];
+/// The pieces of a text. They have no place in a file: a mistake in a law that a program gives is told with place 1:1.
+equations::Text piece(std::string text) { return {std::move(text), {}}; }
+
+equations::ParameterText parameter_text(const ParameterInfo& info) {
+  equations::ParameterText text{.name = piece(info.name), .value = piece(fmt::format("{}", info.default_value))};
+  const auto bound = [](double value) {
+    return std::isfinite(value) ? std::optional(piece(fmt::format("{}", value))) : std::nullopt;
   };
-  mode.field_dx = [](double, const Vector& x, const Vector& p, Matrix& J) {
-    J << 0.0, 1.0, -1.0 - 3.0 * p[beta] * x[0] * x[0], -2.0 * p[b];
-  };
-  mode.field_dp = [](double t, const Vector& x, const Vector& p, Matrix& J) {
-    J.setZero();
-    J(1, b) = -2.0 * x[1];
-    J(1, beta) = -x[0] * x[0] * x[0];
-    J(1, xi) = std::cos(p[eta] * t);
-    J(1, eta) = -p[xi] * t * std::sin(p[eta] * t);
-  };
-  mode.field_dt = [](double t, const Vector&, const Vector& p, Vector& f) {
-    f[0] = 0.0;
-    f[1] = -p[xi] * p[eta] * std::sin(p[eta] * t);
-  };
-  mode.structure = [](const Vector& p) -> ModeStructure {
-    if (p[beta] != 0.0) {
-      using C = CubicOscillator;
-      C cubic{{p[b], 1.0, p[beta], p[xi], p[eta], 0.0}, Matrix::Zero(C::count, p.size())};
-      cubic.dp(C::damping, b) = cubic.dp(C::cubic, beta) = cubic.dp(C::amplitude, xi) = cubic.dp(C::frequency, eta) = 1.0;
-      return cubic;
-    }
-    LinearOscillator linear;
-    linear.damping = p[b];
-    linear.amplitude = p[xi];
-    linear.frequency = p[eta];
-    linear.dp = Matrix::Zero(5, p.size());
-    linear.dp(0, b) = linear.dp(2, xi) = linear.dp(3, eta) = 1.0;
-    linear.not_differentiable_in = {beta};
-    return linear;
-  };
-  return mode;
+  (info.lower_open ? text.above : text.min) = bound(info.lower);
+  text.max = bound(info.upper);
+  text.unit = info.unit;
+  text.meaning = info.meaning;
+  return text;
 }
 
 }  // namespace
 
-HybridSystem make_oscillator(const OscillatorKind& kind, const ContactLaw& law) {
-  HybridSystem system;
-  system.name = kind.name + "-" + law.name;
-  system.states = 2;
-  system.parameters = oscillator_parameters();
-  system.parameters[beta].default_value = kind.beta;
-  system.parameters.insert(system.parameters.end(), law.parameters.begin(), law.parameters.end());
-  system.forcing_frequency = eta;
-  system.modes.push_back(free_mode());
-  law.attach(system);
-  validate(system);
-  return system;
+equations::TextSystem read_oscillator(const OscillatorKind& kind, const ContactLaw& law) {
+  return read_oscillator(kind, law, {}, {});
 }
+
+equations::TextSystem read_oscillator(const OscillatorKind& kind, const ContactLaw& law, const std::vector<ParameterInfo>& added,
+                                      const std::vector<equations::Definition>& tied) {
+  equations::SystemText text;
+  text.name = kind.name + "-" + law.name;
+  for (const ParameterInfo& info : oscillator_parameters()) text.parameters.push_back(parameter_text(info));
+  text.parameters[beta].value = piece(fmt::format("{}", kind.beta));
+  for (const ParameterInfo& info : law.parameters) text.parameters.push_back(parameter_text(info));
+  for (const ParameterInfo& info : added) text.parameters.push_back(parameter_text(info));
+  bool own_frequency = true;
+  for (const equations::Definition& one : tied) {
+    const auto parameter = std::find_if(text.parameters.begin(), text.parameters.end(),
+                                        [&](const equations::ParameterText& p) { return p.name.text == one.name.text; });
+    if (parameter != text.parameters.end())
+      parameter->value = one.value;
+    else
+      text.parameters.push_back({.name = one.name, .value = one.value});
+    if (one.name.text == "eta") own_frequency = false;
+  }
+  (own_frequency ? text.forcing : text.period) = piece(own_frequency ? "eta" : "2*pi/eta");
+  text.mechanics = equations::MechanicsText{.coordinates = {piece("x")},
+                                            .velocities = {piece("v")},
+                                            .mass = {{piece("1")}},
+                                            .damping = {{piece("2*b")}},
+                                            .stiffness = {{piece("1")}},
+                                            .force = {piece("xi*cos(eta*t) - beta*x^3")}};
+  equations::StopText stop{.name = piece("barrier"), .gap = piece("r - x"), .law = piece(law.stop), .values = {}};
+  for (const std::string& value : law.values) stop.values.push_back(piece(value));
+  text.stops.push_back(std::move(stop));
+
+  equations::TextSystem out = equations::make_system(text);
+  // There is one stop: modes and events are told apart without its name.
+  out.system.modes.back().name = law.hard ? "held" : "contact";
+  for (Event& event : out.system.events) event.name = event_kind_name(event.kind);
+  return out;
+}
+
+HybridSystem make_oscillator(const OscillatorKind& kind, const ContactLaw& law) { return read_oscillator(kind, law).system; }
 
 Vector steady_response(const Vector& p) {
   const double w = p[eta], stiffness = 1.0 - w * w, damping = 2.0 * p[b] * w;

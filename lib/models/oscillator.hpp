@@ -2,8 +2,11 @@
 // The one-degree-of-freedom impact oscillator, dimensionless, ' = d/dtau, state (x, x'):
 //     x'' + 2 b x' + x + beta x^3 + F(x, x') = xi cos(eta tau),    one barrier at x = r, F from a contact law.
 // beta = 0 is the linear oscillator, beta = 36/35 the cantilever with its first nonlinear term (Serweta et al. 2014).
+//
+// The family is a system written as text (equations/system_text.hpp): one mass, one stop.
 #pragma once
 
+#include <graze/lib/equations/system_text.hpp>
 #include <graze/lib/models/contact_law.hpp>
 
 namespace graze {
@@ -25,7 +28,14 @@ struct OscillatorKind {
 const std::vector<OscillatorKind>& oscillator_kinds();
 const OscillatorKind& oscillator_kind(std::string_view name);
 
-/// The oscillator with a contact law attached, named "<kind>-<law>".
+/// The oscillator with a contact law, named "<kind>-<law>", with its expressions. Modes: "free", and "contact" or "held".
+/// @throws equations::EquationError for a law whose text is no law.
+equations::TextSystem read_oscillator(const OscillatorKind& kind, const ContactLaw& law);
+/// The same with more parameters, and with expressions of them in the place of some of its own parameters. What ties neither the
+/// oscillator's nor the law's parameters is there to be read, by TextSystem::tied.
+equations::TextSystem read_oscillator(const OscillatorKind& kind, const ContactLaw& law, const std::vector<ParameterInfo>& added,
+                                      const std::vector<equations::Definition>& tied);
+/// The system alone.
 HybridSystem make_oscillator(const OscillatorKind& kind, const ContactLaw& law);
 inline HybridSystem make_oscillator(std::string_view kind, std::string_view law) {
   return make_oscillator(oscillator_kind(kind), contact_law(law));

@@ -1,8 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/lib/models/physical_units.hpp>
 
-#include <array>
+#include <graze/lib/equations/functions.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <functional>
+#include <limits>
+#include <optional>
 #include <stdexcept>
 
 namespace graze {
@@ -10,17 +18,6 @@ namespace graze {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-/// What the three kinds have in common once mass m, alpha, length and stiffness are known.
-Dimensionless scale(double m, double c, double omega, double rho, const ContactQuantities& contact, Dimensionless out) {
-  out.b = c / (2.0 * std::sqrt(out.stiffness * m));
-  out.eta = omega / out.alpha;
-  out.r = rho / out.length;
-  out.k_H = contact.k_h * std::sqrt(out.length) / out.stiffness;
-  out.b_H = contact.b_h * out.length * out.alpha;
-  out.k_S = contact.k_s / out.stiffness;
-  return out;
-}
 
 ParameterInfo positive(std::string name, std::string unit, std::string meaning) {
   return {std::move(name), 0.0, 0.0, infinity, true, std::move(unit), std::move(meaning)};
@@ -34,80 +31,69 @@ ParameterInfo any(std::string name, std::string unit, std::string meaning) {
   return {std::move(name), 0.0, -infinity, infinity, false, std::move(unit), std::move(meaning)};
 }
 
-double get(const std::map<std::string, double>& values, const char* name) {
+/// Of what the kinds differ in. The rest follows one rule.
+struct Scales {
+  std::string mass, stiffness, length, beta, xi;
+};
+
+std::vector<equations::Definition> conversion(const Scales& kind) {
+  std::vector<equations::Definition> list;
+  const auto add = [&](const char* name, const std::string& value) { list.push_back({{name, {}}, {value, {}}}); };
+  add("stiffness", kind.stiffness);
+  add("alpha", fmt::format("sqrt(stiffness/{})", kind.mass));
+  add("length", kind.length);
+  add("b", fmt::format("c/(2*sqrt(stiffness*{}))", kind.mass));
+  add("beta", kind.beta);
+  add("xi", kind.xi);
+  add("eta", "omega/alpha");
+  add("r", "rho/length");
+  add("k_H", "k_h*sqrt(length)/stiffness");
+  add("b_H", "b_h*length*alpha");
+  add("k_S", "k_s/stiffness");
+  return list;
+}
+
+/// The expressions of a conversion in a graph, where quantities are what `meaning` says.
+std::vector<equations::Expression> expressions(equations::Graph& graph, const ExcitationKind& kind,
+                                               const std::function<equations::Expression(std::string_view)>& meaning) {
+  equations::Scope scope;
+  scope.find = [&](std::string_view name) -> std::optional<equations::Expression> {
+    const auto one = std::find_if(kind.conversion.begin(), kind.conversion.end(),
+                                  [&](const equations::Definition& definition) { return definition.name.text == name; });
+    return one == kind.conversion.end() ? std::optional(meaning(name)) : std::nullopt;
+  };
+  return equations::parse_definitions(graph, {}, kind.conversion, scope, "parameter");
+}
+
+double value_in(const Values& values, std::string_view name) {
   const auto found = values.find(name);
   return found == values.end() ? 0.0 : found->second;
 }
 
-ContactQuantities contact_of(const std::map<std::string, double>& q) {
-  return {.k_h = get(q, "k_h"), .b_h = get(q, "b_h"), .k_s = get(q, "k_s")};
-}
-
-Dimensionless convert_kinematic(const std::map<std::string, double>& q) {
-  return to_dimensionless(KinematicExcitation{.m = get(q, "m"),
-                                              .k = get(q, "k"),
-                                              .k_e = get(q, "k_e"),
-                                              .c = get(q, "c"),
-                                              .a = get(q, "a"),
-                                              .omega = get(q, "omega"),
-                                              .rho = get(q, "rho"),
-                                              .k_3 = get(q, "k_3")},
-                          contact_of(q));
-}
-
-Dimensionless convert_force(const std::map<std::string, double>& q) {
-  return to_dimensionless(ForceExcitation{.m = get(q, "m"),
-                                          .k = get(q, "k"),
-                                          .c = get(q, "c"),
-                                          .F0 = get(q, "F0"),
-                                          .omega = get(q, "omega"),
-                                          .rho = get(q, "rho"),
-                                          .k_3 = get(q, "k_3")},
-                          contact_of(q));
-}
-
-Dimensionless convert_beam(const std::map<std::string, double>& q) {
-  return to_dimensionless(BeamExcitation{.M = get(q, "M"),
-                                         .L = get(q, "L"),
-                                         .EI = get(q, "EI"),
-                                         .c = get(q, "c"),
-                                         .F0 = get(q, "F0"),
-                                         .omega = get(q, "omega"),
-                                         .rho = get(q, "rho")},
-                          contact_of(q));
+/// An expression of the conversion with numbers in the place of all names but the chosen ones.
+std::string written_out(const ExcitationKind& kind, const std::string& expression, const Values& quantities,
+                        const std::vector<std::string>& chosen) {
+  std::string out;
+  for (std::size_t i = 0; i < expression.size();) {
+    std::size_t end = i;
+    while (end < expression.size() && (std::isalnum(static_cast<unsigned char>(expression[end])) != 0 || expression[end] == '_'))
+      ++end;
+    const std::string word = expression.substr(i, std::max<std::size_t>(1, end - i));
+    i += word.size();
+    const auto inner = std::find_if(kind.conversion.begin(), kind.conversion.end(),
+                                    [&](const equations::Definition& one) { return one.name.text == word; });
+    const bool is_chosen = std::find(chosen.begin(), chosen.end(), word) != chosen.end();
+    if (inner != kind.conversion.end())
+      out += fmt::format("({})", written_out(kind, inner->value.text, quantities, chosen));
+    else if (equations::is_name(word) && !is_chosen && word != "sqrt")
+      out += fmt::format("({})", value_in(quantities, word));
+    else
+      out += word;
+  }
+  return out;
 }
 
 }  // namespace
-
-Dimensionless to_dimensionless(const KinematicExcitation& s, const ContactQuantities& contact) {
-  Dimensionless out;
-  out.stiffness = s.k + s.k_e;
-  out.alpha = std::sqrt(out.stiffness / s.m);
-  out.length = s.a;
-  out.xi = s.k_e / out.stiffness;
-  out.beta = s.k_3 * s.a * s.a / out.stiffness;
-  return scale(s.m, s.c, s.omega, s.rho, contact, out);
-}
-
-Dimensionless to_dimensionless(const ForceExcitation& s, const ContactQuantities& contact) {
-  Dimensionless out;
-  out.stiffness = s.k;
-  out.alpha = std::sqrt(s.k / s.m);
-  out.length = s.F0 / s.k;
-  out.xi = 1.0;
-  out.beta = s.k_3 * out.length * out.length / s.k;
-  return scale(s.m, s.c, s.omega, s.rho, contact, out);
-}
-
-Dimensionless to_dimensionless(const BeamExcitation& s, const ContactQuantities& contact) {
-  Dimensionless out;
-  out.stiffness = 12.0 * s.EI / (s.L * s.L * s.L);
-  out.alpha = std::sqrt(out.stiffness / s.M);
-  out.length = s.L;
-  out.xi = s.F0 / (out.alpha * out.alpha * s.M * s.L);
-  out.beta = 36.0 / 35.0;
-  return scale(s.M, s.c, s.omega, s.rho, contact, out);
-}
 
 const std::vector<ExcitationKind>& excitation_kinds() {
   static const std::vector<ExcitationKind> list = [] {
@@ -122,16 +108,16 @@ const std::vector<ExcitationKind>& excitation_kinds() {
          {mass, not_negative("k", "N/m", "stiffness of the spring to the ground"),
           positive("k_e", "N/m", "stiffness of the spring to the moving base"), c, positive("a", "m", "amplitude of the base"),
           omega, rho, k_3},
-         convert_kinematic},
+         conversion({.mass = "m", .stiffness = "k + k_e", .length = "a", .beta = "k_3*a*a/stiffness", .xi = "k_e/stiffness"})},
         {"force",
          "m X'' + c X' + k X + k_3 X^3 = F0 cos(omega t)",
          {mass, positive("k", "N/m", "stiffness of the spring"), c, F0, omega, rho, k_3},
-         convert_force},
+         conversion({.mass = "m", .stiffness = "k", .length = "F0/k", .beta = "k_3*length*length/k", .xi = "1"})},
         {"beam",
          "mass M on two leaf springs, k_1 = 12 EI/L^3, force F0 cos(omega t)",
          {positive("M", "kg", "mass"), positive("L", "m", "length of the leaf springs"),
           positive("EI", "N m^2", "bending stiffness"), c, F0, omega, rho},
-         convert_beam},
+         conversion({.mass = "M", .stiffness = "12*EI/(L*L*L)", .length = "L", .beta = "36/35", .xi = "F0/(alpha*alpha*M*L)"})},
     };
   }();
   return list;
@@ -155,18 +141,46 @@ const std::vector<ContactQuantity>& contact_quantities() {
   return list;
 }
 
-const double* find_value(const Dimensionless& values, std::string_view name) {
-  const std::array<std::pair<std::string_view, const double*>, 8> list = {{{"b", &values.b},
-                                                                           {"beta", &values.beta},
-                                                                           {"xi", &values.xi},
-                                                                           {"eta", &values.eta},
-                                                                           {"r", &values.r},
-                                                                           {"k_H", &values.k_H},
-                                                                           {"b_H", &values.b_H},
-                                                                           {"k_S", &values.k_S}}};
-  for (const auto& [key, value] : list)
-    if (key == name) return value;
-  return nullptr;
+Values to_dimensionless(const ExcitationKind& kind, const Values& quantities) {
+  equations::Graph graph;
+  const auto list = expressions(graph, kind, [&](std::string_view name) { return graph.constant(value_in(quantities, name)); });
+  const std::vector<double> found = equations::values(graph, list, 0.0, Vector(), Vector());
+  Values out;
+  for (std::size_t i = 0; i < list.size(); ++i) out.emplace(kind.conversion[i].name.text, found[i]);
+  return out;
+}
+
+equations::TextSystem read_oscillator(const OscillatorKind& oscillator, const ContactLaw& law, const ExcitationKind& kind,
+                                      const Values& quantities, const std::vector<std::string>& chosen) {
+  std::vector<ParameterInfo> infos;
+  for (const std::string& name : chosen) {
+    const auto named = [&name](const ParameterInfo& info) { return info.name == name; };
+    const auto own = std::find_if(kind.quantities.begin(), kind.quantities.end(), named);
+    const auto of_contact = std::find_if(contact_quantities().begin(), contact_quantities().end(),
+                                         [&](const ContactQuantity& one) { return named(one.info); });
+    infos.push_back(own != kind.quantities.end() ? *own : of_contact->info);
+    infos.back().default_value = value_in(quantities, name);
+  }
+  equations::Graph graph;
+  const auto list = expressions(graph, kind, [&](std::string_view name) {
+    const auto place = std::find(chosen.begin(), chosen.end(), name);
+    return place == chosen.end() ? graph.constant(value_in(quantities, name))
+                                 : graph.parameter(static_cast<std::size_t>(place - chosen.begin()));
+  });
+  std::vector<ParameterInfo> known = oscillator_parameters();
+  known.insert(known.end(), law.parameters.begin(), law.parameters.end());
+  std::vector<equations::Definition> tied;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const equations::Definition& one = kind.conversion[i];
+    const bool is_parameter = std::any_of(known.begin(), known.end(), [&](const ParameterInfo& info) {
+      return info.name == one.name.text &&
+             (info.name != "beta" || oscillator.beta != 0.0);  // the linear one has none, as a beam too
+    });
+    const bool is_scale = one.name.text == "alpha" || one.name.text == "length";
+    if (!(is_parameter || is_scale) || equations::dependence(graph, list[i]).parameters.empty()) continue;
+    tied.push_back({one.name, {written_out(kind, one.value.text, quantities, chosen), {}}});
+  }
+  return read_oscillator(oscillator, law, infos, tied);
 }
 
 }  // namespace graze

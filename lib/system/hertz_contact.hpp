@@ -2,6 +2,8 @@
 // HertzContact: the equations of a passage through Hertz contact as a structure that a mode may have (mode_structure.hpp).
 #pragma once
 
+#include <graze/lib/numerics/vector.hpp>
+
 #include <array>
 #include <cstddef>
 
@@ -12,8 +14,14 @@ namespace graze {
 struct HertzContact {
   enum Coefficient : std::size_t { damping, beta, amplitude, frequency, barrier, stiffness, contact_damping, count };
   std::array<double, count> value{};
-  /// Index of the parameter that each coefficient is (they are plain parameters of the system).
-  std::array<std::size_t, count> parameter{};
+  /// d(value)/dp, 7 x (number of parameters).
+  Matrix dp = {};
 };
+
+/// Whether the parameter with this index is the barrier as it stands.
+inline bool is_barrier(const HertzContact& contact, std::size_t parameter) {
+  auto row = contact.dp.row(HertzContact::barrier);
+  return row[static_cast<Eigen::Index>(parameter)] == 1.0 && (row.array() != 0.0).count() == 1;
+}
 
 }  // namespace graze

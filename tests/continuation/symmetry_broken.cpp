@@ -195,7 +195,7 @@ TEST_CASE("of two rigid stops both halves of the pitchfork are attractors, and o
       if (!point.stable || std::abs(point.multipliers.values.front()) > 0.9) continue;
       Vector there = p;
       there[static_cast<Eigen::Index>(parameter_index(system.parameters, "eta"))] = point.value;
-      const std::vector<Vector> image = mirror_image(system, there, point.states);
+      const std::vector<Vector> image = mirror_image(system, there, *branch.mirrored, point.states);
       REQUIRE(image.size() == 1);
       CHECK((image[0] - point.state()).norm() > 1e-5);
       Vector beside = image[0];

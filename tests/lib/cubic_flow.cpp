@@ -18,7 +18,7 @@ using Number = long double;
 enum : Eigen::Index { b, beta, xi, eta, r, k_S };
 
 /// The equations of motion and of the tangent, mode 1 with the stop, in the order x, v, dx/dx0, dv/dx0, dx/dv0, dv/dv0.
-auto equations(const Vector& p, bool contact) {
+auto motion_of(const Vector& p, bool contact) {
   return [p, contact](Number t, const LongState<6>& z, LongState<6>& dz) {
     const Number k = contact ? 1 + Number(p[k_S]) : Number(1), x = z[0];
     const auto force = [&](Number moved) { return -k * moved; };
@@ -59,7 +59,7 @@ TEST_CASE("the series is the motion and its tangent, in flight and against a sto
         // Guards off: at r = -50 the stop's constant is a push of 25 that a softening spring would run off with.
         if (contact && i == 0) continue;
         const Segment one = carry_one(system, contact, p, {t0, t1, Sensitivity::state, false}, x0);
-        const LongState<6> exact = extrapolate<6>(equations(p, contact), t0, t1, {x0[0], x0[1], 1, 0, 0, 1});
+        const LongState<6> exact = extrapolate<6>(motion_of(p, contact), t0, t1, {x0[0], x0[1], 1, 0, 0, 1});
         REQUIRE(one.end == FlowEnd::time);
         REQUIRE(one.t1 == t1);
         const double found[] = {one.x1[0], one.x1[1], one.Phi(0, 0), one.Phi(1, 0), one.Phi(0, 1), one.Phi(1, 1)};
@@ -89,7 +89,7 @@ TEST_CASE("the series of the cubic oscillator and its tangent have order 16, wha
     std::array<std::array<double, 6>, 2> error{};
     for (std::size_t i = 0; i < 2; ++i) {
       const double h = i == 0 ? 1.0 : 0.5;
-      const LongState<6> exact = extrapolate<6>(equations(p, true), 0.3L, 0.3L + Number(h), {0.25L, 0.4L, 1, 0, 0, 1});
+      const LongState<6> exact = extrapolate<6>(motion_of(p, true), 0.3L, 0.3L + Number(h), {0.25L, 0.4L, 1, 0, 0, 1});
       const detail::CubicState<1> end = series.at(h);
       const std::array<double, 6> found{0.25 + end.moved, end.v, end.dx[0], end.dv[0], end.dx[1], end.dv[1]};
       for (std::size_t k = 0; k < 6; ++k) error[i][k] = static_cast<double>(std::abs(found[k] - exact[k]));

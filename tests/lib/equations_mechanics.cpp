@@ -2,6 +2,7 @@
 // Mechanics as text: the built-in oscillators as one mass with one stop, chains, moving barriers, Kelvin-Voigt contacts, and the
 // mistakes with their sentences.
 #include "support/checks.hpp"
+#include "support/hand_written.hpp"
 #include "support/system_texts.hpp"
 
 #include <graze/lib/lanes/oscillator.hpp>
@@ -23,13 +24,13 @@ std::size_t mode_of(const HybridSystem& system, const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("built-in oscillators as mechanics: fields, guards, resets, sticking and structure are those of make_oscillator") {
+TEST_CASE("built-in oscillators: fields, guards, resets, sticking and structure are those that were written by hand") {
   Random random(11);
   double worst = 0.0;
   for (const OscillatorKind& kind : oscillator_kinds()) {
     for (const ContactLaw& law : contact_laws()) {
-      const HybridSystem given = make_oscillator(kind, law);
-      const HybridSystem read = equations::make_system(oscillator_mechanics(kind, law)).system;
+      const HybridSystem given = hand_written_oscillator(kind, law);
+      const HybridSystem read = make_oscillator(kind, law);
       INFO(given.name);
       REQUIRE(read.modes.size() == given.modes.size());
       REQUIRE(read.events.size() == given.events.size());
@@ -41,6 +42,7 @@ TEST_CASE("built-in oscillators as mechanics: fields, guards, resets, sticking a
         const Eigen::Index n = 2, np = p.size();
         for (std::size_t m = 0; m < read.modes.size(); ++m) {
           const Mode &a = given.modes[m], &b = read.modes[m];
+          REQUIRE(b.name == a.name);
           worst = std::max(worst, distance(evaluate(a.field, t, x, p, n), evaluate(b.field, t, x, p, n)));
           worst = std::max(worst, distance(evaluate(a.field_dx, t, x, p, n), evaluate(b.field_dx, t, x, p, n)));
           worst = std::max(worst, distance(evaluate(a.field_dp, t, x, p, np), evaluate(b.field_dp, t, x, p, np)));
@@ -50,6 +52,7 @@ TEST_CASE("built-in oscillators as mechanics: fields, guards, resets, sticking a
         }
         for (std::size_t e = 0; e < read.events.size(); ++e) {
           const Event &a = given.events[e], &b = read.events[e];
+          REQUIRE(b.name == a.name);
           REQUIRE(b.kind == a.kind);
           REQUIRE(b.from == a.from);
           REQUIRE(b.to == a.to);
@@ -79,11 +82,11 @@ TEST_CASE("built-in oscillators as mechanics: fields, guards, resets, sticking a
   REQUIRE(worst < 2e-14);
 }
 
-TEST_CASE("built-in oscillators as mechanics run with the same bits, through chattering and sticking too") {
+TEST_CASE("built-in oscillators run with the bits of those written by hand, through chattering and sticking too") {
   for (const OscillatorKind& kind : oscillator_kinds()) {
     for (const ContactLaw& law : contact_laws()) {
-      const HybridSystem given = make_oscillator(kind, law);
-      const HybridSystem read = equations::make_system(oscillator_mechanics(kind, law)).system;
+      const HybridSystem given = hand_written_oscillator(kind, law);
+      const HybridSystem read = make_oscillator(kind, law);
       INFO(given.name);
       const bool hard = law.name == "newton";
       Vector p = parameters(given, {{"xi", hard ? 3.0 : 1.2}, {"eta", hard ? 0.4 : 0.8}, {"r", 0.7}});

@@ -13,10 +13,11 @@ using namespace graze::support;
 namespace {
 
 /// The parameters of a model filled from a conversion, as a problem file is.
-Vector fill(const HybridSystem& system, const Dimensionless& values) {
+Vector fill(const HybridSystem& system, const Values& values) {
   Vector p = default_parameters(system.parameters);
   for (std::size_t i = 0; i < system.parameters.size(); ++i)
-    if (const double* value = find_value(values, system.parameters[i].name)) p[static_cast<Eigen::Index>(i)] = *value;
+    if (const auto found = values.find(system.parameters[i].name); found != values.end())
+      p[static_cast<Eigen::Index>(i)] = found->second;
   return p;
 }
 
@@ -31,104 +32,188 @@ struct PhysicalMotion {
   }
 };
 
+/// A few roundings.
+Approx exactly(double value) { return Approx(value).epsilon(1e-14).margin(0.0); }
+
 }  // namespace
 
-TEST_CASE("kinematic excitation is converted by the formulas of the source") {
-  const Dimensionless d = to_dimensionless(
-      KinematicExcitation{.m = 2.0, .k = 300.0, .k_e = 500.0, .c = 4.0, .a = 0.01, .omega = 18.0, .rho = 0.02, .k_3 = 1e5},
-      {.k_h = 1e6, .b_h = 0.5, .k_s = 2e4});
-  REQUIRE(d.alpha == Approx(20.0));
-  REQUIRE(d.length == 0.01);
-  REQUIRE(d.stiffness == 800.0);
-  REQUIRE(d.xi == Approx(0.625));
-  REQUIRE(d.b == Approx(4.0 / (2.0 * std::sqrt(1600.0))));
-  REQUIRE(d.eta == Approx(0.9));
-  REQUIRE(d.r == Approx(2.0));
-  REQUIRE(d.beta == Approx(1e5 * 1e-4 / 800.0));
-  REQUIRE(d.k_H == Approx(1e6 * 0.1 / 800.0));
-  REQUIRE(d.b_H == Approx(0.5 * 0.01 * 20.0));
-  REQUIRE(d.k_S == Approx(25.0));
+TEST_CASE("kinematic excitation is converted") {
+  // K = 30 + 70 = 100 N/m, alpha = sqrt(100/4) = 5 rad/s, x = X / 0.04 m.
+  const Values d = to_dimensionless(excitation_kind("kinematic"), {{"m", 4.0},
+                                                                   {"k", 30.0},
+                                                                   {"k_e", 70.0},
+                                                                   {"c", 2.0},
+                                                                   {"a", 0.04},
+                                                                   {"omega", 4.75},
+                                                                   {"rho", 0.08},
+                                                                   {"k_3", 5000.0},
+                                                                   {"k_h", 50000.0},
+                                                                   {"b_h", 0.5},
+                                                                   {"k_s", 2500.0}});
+  CHECK(d.at("alpha") == exactly(5.0));
+  CHECK(d.at("length") == exactly(0.04));
+  CHECK(d.at("xi") == exactly(0.7));
+  CHECK(d.at("b") == exactly(0.05));     // 2 / (2 sqrt(400))
+  CHECK(d.at("eta") == exactly(0.95));   // 4.75 / 5
+  CHECK(d.at("r") == exactly(2.0));      // 0.08 / 0.04
+  CHECK(d.at("k_H") == exactly(100.0));  // 50000 * 0.2 / 100
+  CHECK(d.at("b_H") == exactly(0.1));    // 0.5 * 0.04 * 5
+  CHECK(d.at("k_S") == exactly(25.0));   // 2500 / 100
+  CHECK(d.at("beta") == exactly(0.08));  // 5000 * 0.0016 / 100
 }
 
-TEST_CASE("force excitation is converted by the formulas of the source") {
-  const Dimensionless d = to_dimensionless(ForceExcitation{.m = 0.5, .k = 50.0, .c = 0.3, .F0 = 4.0, .omega = 9.0, .rho = 0.1},
-                                           {.k_h = 1e4, .b_h = 0.2, .k_s = 500.0});
-  const double alpha = 10.0, x_st = 0.08;
-  REQUIRE(d.alpha == Approx(alpha));
-  REQUIRE(d.xi == 1.0);
-  REQUIRE(d.b == Approx(0.3 / (2.0 * std::sqrt(25.0))));
-  REQUIRE(d.eta == Approx(0.9));
-  REQUIRE(d.r == Approx(0.1 / x_st));
-  REQUIRE(d.beta == 0.0);
-  REQUIRE(d.k_H == Approx(1e4 * std::sqrt(x_st) / 50.0));
-  REQUIRE(d.b_H == Approx(0.2 * x_st * alpha));
-  REQUIRE(d.k_S == Approx(10.0));
+TEST_CASE("force excitation is converted") {
+  // alpha = sqrt(100/4) = 5 rad/s, x_st = 4/100 = 0.04 m.
+  const Values d = to_dimensionless(excitation_kind("force"), {{"m", 4.0},
+                                                               {"k", 100.0},
+                                                               {"c", 2.0},
+                                                               {"F0", 4.0},
+                                                               {"omega", 4.75},
+                                                               {"rho", 0.08},
+                                                               {"k_3", 0.0},
+                                                               {"k_h", 50000.0},
+                                                               {"b_h", 0.5},
+                                                               {"k_s", 2500.0}});
+  CHECK(d.at("alpha") == exactly(5.0));
+  CHECK(d.at("length") == exactly(0.04));
+  CHECK(d.at("xi") == 1.0);
+  CHECK(d.at("b") == exactly(0.05));
+  CHECK(d.at("eta") == exactly(0.95));
+  CHECK(d.at("r") == exactly(2.0));
+  CHECK(d.at("k_H") == exactly(100.0));
+  CHECK(d.at("b_H") == exactly(0.1));
+  CHECK(d.at("k_S") == exactly(25.0));
+  CHECK(d.at("beta") == 0.0);
 }
 
-TEST_CASE("a beam on two leaf springs is converted by the formulas of the source") {
-  const Dimensionless d =
-      to_dimensionless(BeamExcitation{.M = 1.5, .L = 0.4, .EI = 0.8, .c = 0.7, .F0 = 3.0, .omega = 5.0, .rho = 0.05},
-                       {.k_h = 1e4, .b_h = 0.2, .k_s = 500.0});
-  const double k_1 = 12.0 * 0.8 / 0.064, alpha = std::sqrt(k_1 / 1.5);
-  REQUIRE(d.alpha == Approx(alpha));
-  REQUIRE(d.xi == Approx(3.0 / (alpha * alpha * 1.5 * 0.4)));
-  REQUIRE(d.b == Approx(0.7 / (2.0 * std::sqrt(k_1 * 1.5))));
-  REQUIRE(d.beta == 36.0 / 35.0);
-  REQUIRE(d.eta == Approx(5.0 / alpha));
-  REQUIRE(d.r == Approx(0.125));
-  REQUIRE(d.k_H == Approx(1e4 * std::sqrt(0.4) / k_1));
-  REQUIRE(d.b_H == Approx(0.2 * 0.4 * alpha));
-  REQUIRE(d.k_S == Approx(500.0 / k_1));
+TEST_CASE("beam excitation is converted") {
+  // k_1 = 12 * 0.0675 / 0.027 = 30 N/m, alpha = sqrt(30/1.2) = 5 rad/s, x = X / 0.3 m.
+  const Values d = to_dimensionless(excitation_kind("beam"), {{"M", 1.2},
+                                                              {"L", 0.3},
+                                                              {"EI", 0.0675},
+                                                              {"c", 0.312},
+                                                              {"F0", 0.72},
+                                                              {"omega", 2.77},
+                                                              {"rho", 0.0237},
+                                                              {"k_h", 0.0},
+                                                              {"b_h", 0.2},
+                                                              {"k_s", 750.0}});
+  CHECK(d.at("alpha") == exactly(5.0));
+  CHECK(d.at("length") == exactly(0.3));
+  CHECK(d.at("stiffness") == exactly(30.0));
+  CHECK(d.at("b") == exactly(0.026));  // 0.312 / (2 sqrt(36))
+  CHECK(d.at("xi") == exactly(0.08));  // 0.72 / (25 * 1.2 * 0.3)
+  CHECK(d.at("eta") == exactly(0.554));
+  CHECK(d.at("r") == exactly(0.079));
+  CHECK(d.at("beta") == exactly(36.0 / 35.0));
+  CHECK(d.at("b_H") == exactly(0.3));  // 0.2 * 0.3 * 5
+  CHECK(d.at("k_S") == exactly(25.0));
+}
+
+TEST_CASE("Hertz stiffness of a beam scales with the root of its length") {
+  // ell = 0.25 m, k_1 = 12 * 0.01 / 0.015625 = 7.68 N/m: k_H = 1536 * 0.5 / 7.68 = 100.
+  const Values d = to_dimensionless(
+      excitation_kind("beam"),
+      {{"M", 1.0}, {"L", 0.25}, {"EI", 0.01}, {"c", 0.0}, {"F0", 1.0}, {"omega", 1.0}, {"rho", 0.1}, {"k_h", 1536.0}});
+  CHECK(d.at("k_H") == exactly(100.0));
 }
 
 TEST_CASE("the dimensionless motion is the physical one in its own units") {
   // Free flight of all three kinds; position by the length, time by alpha.
   const HybridSystem system = make_oscillator("cantilever", "hertz");
-  const auto same = [&](const Dimensionless& d, const PhysicalMotion& motion, double X0, double V0, double t) {
+  const auto same = [&](const Values& d, const PhysicalMotion& motion, double X0, double V0, double t) {
     const Vector p = fill(system, d);
-    const Trajectory run = simulate(system, p, 0.0, vector({X0 / d.length, V0 / (d.length * d.alpha)}), {.t_end = d.alpha * t});
+    const Trajectory run = simulate(system, p, 0.0, vector({X0 / d.at("length"), V0 / (d.at("length") * d.at("alpha"))}),
+                                    {.t_end = d.at("alpha") * t});
     REQUIRE(run.events.empty());
     const LongState<2> end = motion.at(t, X0, V0);
-    REQUIRE(run.x[0] * d.length == Approx(static_cast<double>(end[0])).epsilon(1e-11));
-    REQUIRE(run.x[1] * d.length * d.alpha == Approx(static_cast<double>(end[1])).epsilon(1e-11));
+    REQUIRE(run.x[0] * d.at("length") == Approx(static_cast<double>(end[0])).epsilon(1e-11));
+    REQUIRE(run.x[1] * d.at("length") * d.at("alpha") == Approx(static_cast<double>(end[1])).epsilon(1e-11));
   };
-  same(to_dimensionless(
-           KinematicExcitation{.m = 2.0, .k = 300.0, .k_e = 500.0, .c = 4.0, .a = 0.01, .omega = 18.0, .rho = 0.5, .k_3 = 1e5},
-           {.k_h = 1e6}),
+  same(to_dimensionless(excitation_kind("kinematic"), {{"m", 2.0},
+                                                       {"k", 300.0},
+                                                       {"k_e", 500.0},
+                                                       {"c", 4.0},
+                                                       {"a", 0.01},
+                                                       {"omega", 18.0},
+                                                       {"rho", 0.5},
+                                                       {"k_3", 1e5},
+                                                       {"k_h", 1e6}}),
        {2.0, 4.0, 800.0, 1e5, 500.0 * 0.01, 18.0}, 0.004, -0.1, 0.7);
-  same(to_dimensionless(ForceExcitation{.m = 0.5, .k = 50.0, .c = 0.3, .F0 = 4.0, .omega = 9.0, .rho = 5.0, .k_3 = 100.0},
-                        {.k_h = 1e4}),
+  same(to_dimensionless(
+           excitation_kind("force"),
+           {{"m", 0.5}, {"k", 50.0}, {"c", 0.3}, {"F0", 4.0}, {"omega", 9.0}, {"rho", 5.0}, {"k_3", 100.0}, {"k_h", 1e4}}),
        {0.5, 0.3, 50.0, 100.0, 4.0, 9.0}, 0.1, 0.4, 1.1);
   const double k_1 = 12.0 * 0.8 / 0.064;
-  same(to_dimensionless(BeamExcitation{.M = 1.5, .L = 0.4, .EI = 0.8, .c = 0.7, .F0 = 3.0, .omega = 5.0, .rho = 5.0},
-                        {.k_h = 1e4}),
+  same(to_dimensionless(
+           excitation_kind("beam"),
+           {{"M", 1.5}, {"L", 0.4}, {"EI", 0.8}, {"c", 0.7}, {"F0", 3.0}, {"omega", 5.0}, {"rho", 5.0}, {"k_h", 1e4}}),
        {1.5, 0.7, k_1, 36.0 / 35.0 * k_1 / 0.16, 3.0, 5.0}, 0.05, 0.1, 0.9);
 }
 
-TEST_CASE("conversions by name give what the structs give, and cover every parameter of every law but k_r") {
-  const ExcitationKind& kind = excitation_kind("kinematic");
-  const Dimensionless d = kind.convert(
-      {{"m", 2.0}, {"k", 300.0}, {"k_e", 500.0}, {"c", 4.0}, {"a", 0.01}, {"omega", 18.0}, {"rho", 0.02}, {"k_s", 2e4}});
-  REQUIRE(d.eta == Approx(0.9));
-  REQUIRE(d.k_S == Approx(25.0));
-  REQUIRE(d.k_H == 0.0);
+TEST_CASE("a conversion covers every parameter of every law but k_r, and leaves the one that is missing at 0") {
   REQUIRE(excitation_kinds().size() == 3);
-  for (const ExcitationKind& each : excitation_kinds()) {
-    std::map<std::string, double> ones;
-    for (const ParameterInfo& quantity : each.quantities) {
+  for (const ExcitationKind& kind : excitation_kinds()) {
+    INFO(kind.name);
+    Values ones;
+    for (const ParameterInfo& quantity : kind.quantities) {
       REQUIRE_FALSE(quantity.unit.empty());
       ones[quantity.name] = 1.0;
     }
-    const Dimensionless unit = each.convert(ones);
-    REQUIRE(unit.alpha > 0.0);
-    REQUIRE(std::isfinite(unit.eta));
+    const Values d = to_dimensionless(kind, ones);
+    REQUIRE(d.at("alpha") > 0.0);
+    REQUIRE(std::isfinite(d.at("eta")));
+    REQUIRE(d.at("k_H") == 0.0);
+    for (const ContactLaw& law : contact_laws())
+      for (const ParameterInfo& parameter : law.parameters) REQUIRE(d.contains(parameter.name) == (parameter.name != "k_r"));
+    for (const ParameterInfo& parameter : oscillator_parameters()) REQUIRE(d.contains(parameter.name));
+    for (const ContactQuantity& quantity : contact_quantities()) REQUIRE(d.contains(quantity.parameter));
   }
-  for (const ContactLaw& law : contact_laws())
-    for (const ParameterInfo& parameter : law.parameters)
-      REQUIRE((find_value(d, parameter.name) != nullptr) == (parameter.name != "k_r"));
-  for (const ParameterInfo& parameter : oscillator_parameters()) REQUIRE(find_value(d, parameter.name) != nullptr);
-  for (const ContactQuantity& quantity : contact_quantities()) REQUIRE(find_value(d, quantity.parameter) != nullptr);
   REQUIRE_THROWS_WITH(excitation_kind("kinematik"),
                       "there is no excitation \"kinematik\" (did you mean \"kinematic\"?); choose one of "
                       "kinematic, force, beam");
+}
+
+TEST_CASE("an oscillator with physical quantities as parameters moves as the dimensionless one, with derivatives in them") {
+  for (const ExcitationKind& kind : excitation_kinds())
+    for (const OscillatorKind& oscillator : oscillator_kinds())
+      for (const ContactLaw& law : contact_laws()) {
+        Values quantities = {{"k_h", 60.0}, {"b_h", 0.04}, {"k_s", 30.0}};
+        double value = 1.1;
+        for (const ParameterInfo& info : kind.quantities) quantities[info.name] = value += 0.07;
+        quantities["rho"] = 0.3;
+        const Values d = to_dimensionless(kind, quantities);
+        const HybridSystem plain = make_oscillator(oscillator, law);
+        Vector p = default_parameters(plain.parameters);
+        if (law.name == "newton") p[oscillator_parameter::law] = 0.8;
+        for (std::size_t i = 0; i < plain.parameters.size(); ++i) {
+          const std::string& name = plain.parameters[i].name;
+          if (d.contains(name) && (name != "beta" || oscillator.beta != 0.0)) p[static_cast<Eigen::Index>(i)] = d.at(name);
+        }
+        const double T = forcing_period(plain, p);
+        const Vector x0 = vector({0.1 * p[oscillator_parameter::r], 0.6});
+        Propagator direct(plain, p);
+        Transition a;
+        carry(direct, 0.0, T, x0, {}, a);
+        std::vector<std::string> names;
+        for (const ParameterInfo& info : kind.quantities) names.push_back(info.name);
+        if (law.name == "hertz") names.insert(names.end(), {"k_h", "b_h"});
+        for (const std::string& name : names) {
+          INFO(kind.name << " " << oscillator.name << " " << law.name << " " << name);
+          const equations::TextSystem varied = read_oscillator(oscillator, law, kind, quantities, {name});
+          Vector q = default_parameters(varied.system.parameters);
+          for (std::size_t i = 0; i < varied.system.parameters.size(); ++i)
+            for (std::size_t k = 0; k < plain.parameters.size(); ++k)
+              if (plain.parameters[k].name == varied.system.parameters[i].name)
+                q[static_cast<Eigen::Index>(i)] = p[static_cast<Eigen::Index>(k)];
+          REQUIRE(forcing_period(varied.system, q) == Approx(T).epsilon(1e-14));
+          Propagator other(varied.system, q);
+          Transition b;
+          carry(other, 0.0, T, x0, {}, b);
+          REQUIRE(b.event_sequence == a.event_sequence);
+          REQUIRE((a.x1 - b.x1).norm() < 1e-11 * (1.0 + a.x1.norm()));
+          REQUIRE((a.Phi - b.Phi).norm() < 1e-9 * (1.0 + a.Phi.norm()));
+          REQUIRE_THAT(check_transition(varied.system, q, 0.0, T, x0, 1e-6, 1e-5), all_agree());
+        }
+      }
 }

@@ -107,9 +107,7 @@ inline Violations check_mode(const HybridSystem& system, std::size_t mode, doubl
     compare(list, fmt::format("{}: coefficients of mode {}", system.name, m.name), coefficients, p, dp);
   }
   if (const auto* hertz = std::get_if<HertzContact>(&structure)) {
-    Matrix dp = Matrix::Zero(HertzContact::count, p.size());
-    for (std::size_t i = 0; i < HertzContact::count; ++i)
-      dp(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(hertz->parameter[i])) = 1.0;
+    Matrix dp = hertz->dp;
     const auto coefficients = [&](const Vector& z) {
       const ModeStructure there = m.structure(z);
       const auto& value = std::get<HertzContact>(there).value;
