@@ -213,10 +213,45 @@ std::optional<Solution> solve_guard(Graph& graph, Expression guard, std::size_t 
   return std::nullopt;
 }
 
-bool vanishes_on(Graph& graph, Expression e, Expression guard, std::size_t states, const std::vector<ParameterInfo>& parameters) {
-  if (is_zero(graph, e)) return true;
-  if (const auto solution = solve_guard(graph, guard, states, [](std::size_t) { return true; }))
-    if (is_zero(graph, graph.substitute(e, {{graph.state(solution->state).index, solution->value}}))) return true;
+namespace {
+
+/// The polynomial with value for g^unit, in terms where the exponent of g is a multiple of that.
+Expression with_power_replaced(Graph& graph, const Polynomial& polynomial, std::uint32_t g, double unit, Expression value) {
+  Expression sum = graph.constant(0.0);
+  for (const auto& [monomial, coefficient] : polynomial) {
+    Expression term = coefficient;
+    for (const auto& [generator, exponent] : monomial) {
+      const double times = exponent / unit;
+      const bool replaced = generator == g && times == std::round(times) && (times > 0.0 || !graph.is_constant(value, 0.0));
+      term = graph.multiply(term,
+                            graph.power(replaced ? value : Expression{generator}, graph.constant(replaced ? times : exponent)));
+    }
+    sum = graph.add(sum, term);
+  }
+  return sum;
+}
+
+/// Whether e vanishes where h = c g^q + rest does, with c g^q replaced by -rest: g may be a state, or what a root is taken of.
+bool vanishes_with_term_replaced(Graph& graph, Expression e, Expression guard) {
+  Expander numbers(graph, Coefficients::numbers);
+  const std::optional<Polynomial> terms = numbers.expand(guard), of_e = numbers.expand(e);
+  if (!terms) return false;
+  return std::any_of(terms->begin(), terms->end(), [&](const auto& term) {
+    const auto& [monomial, factor] = term;
+    if (monomial.size() != 1 || graph.node(factor).operation != Operation::constant) return false;
+    const auto [generator, exponent] = monomial.front();
+    Polynomial rest = *terms;
+    rest.erase(monomial);
+    const Expression value = normal_form(graph, graph.negate(graph.divide(assemble(graph, rest), factor)));
+    if (exponent == 1.0) return is_zero(graph, graph.substitute(e, {{numbers.original(generator).index, value}}));
+    return of_e && is_zero(graph, with_power_replaced(graph, *of_e, generator, exponent, value));
+  });
+}
+
+}  // namespace
+
+bool vanishes_on(Graph& graph, Expression e, Expression guard, const std::vector<ParameterInfo>& parameters) {
+  if (is_zero(graph, e) || vanishes_with_term_replaced(graph, e, guard)) return true;
   // e c = h d, where c and d are the coefficients of one term of the guard h and of e, and c vanishes nowhere.
   for (const Coefficients coefficients : {Coefficients::numbers, Coefficients::parameters}) {
     Expander expander(graph, coefficients);

@@ -27,9 +27,9 @@ struct Solution {
 std::optional<Solution> solve_guard(Graph& graph, Expression guard, std::size_t states,
                                     const std::function<bool(std::size_t state)>& allowed);
 
-/// Whether e is proved to vanish where the guard does: it is a multiple of the guard, or vanishes with the guard's solution put
-/// in.
-bool vanishes_on(Graph& graph, Expression e, Expression guard, std::size_t states, const std::vector<ParameterInfo>& parameters);
+/// Whether e is proved to vanish where the guard does: it is a multiple of the guard, or vanishes where a state, or a
+/// function of the states such as sqrt(x^2 + y^2), is replaced by its value on the guard.
+bool vanishes_on(Graph& graph, Expression e, Expression guard, const std::vector<ParameterInfo>& parameters);
 
 /// x+ = p[level], v+ = -p[coefficient] v at a guard that is a level of x; all other states stay.
 std::optional<Rebound> recognise_rebound(Graph& graph, const std::vector<Expression>& map,

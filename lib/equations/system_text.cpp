@@ -659,7 +659,7 @@ class Builder {
     const auto& g = pieces_.modes[event.to].field;
     if (f == g) return true;
     for (std::size_t i = 0; i < f.size(); ++i)
-      if (!vanishes_on(graph_, graph_.subtract(g[i], f[i]), event.guard, f.size(), out_.system.parameters)) return false;
+      if (!vanishes_on(graph_, graph_.subtract(g[i], f[i]), event.guard, out_.system.parameters)) return false;
     return true;
   }
 

@@ -119,10 +119,14 @@ TEST_CASE("guards are solved for a state in which they are linear, and a differe
   REQUIRE(!solve_guard(g, read(g, "x^2 + sin(v)"), 2, any));
   REQUIRE(!solve_guard(g, read(g, "a*x - b"), 2, any));  // a may be zero
   REQUIRE(!solve_guard(g, read(g, "x + sin(x)"), 2, any));
-  REQUIRE(vanishes_on(g, read(g, "b*(x - a)*v"), read(g, "x - a"), 2, ranges));
-  REQUIRE(vanishes_on(g, read(g, "b*(x^2 + v^2 - 1)"), read(g, "1 - x^2 - v^2"), 2, ranges));
-  REQUIRE(vanishes_on(g, read(g, "a*b*x + b*sin(v)"), read(g, "a*x + sin(v)"), 2, ranges));
-  REQUIRE(!vanishes_on(g, read(g, "b*(x - a)*v + v"), read(g, "x - a"), 2, ranges));
+  REQUIRE(vanishes_on(g, read(g, "b*(x - a)*v"), read(g, "x - a"), ranges));
+  REQUIRE(vanishes_on(g, read(g, "b*(x^2 + v^2 - 1)"), read(g, "1 - x^2 - v^2"), ranges));
+  REQUIRE(vanishes_on(g, read(g, "a*b*x + b*sin(v)"), read(g, "a*x + sin(v)"), ranges));
+  REQUIRE(vanishes_on(g, read(g, "b*(sqrt(x^2 + v^2) - a)*x/sqrt(x^2 + v^2)"), read(g, "sqrt(x^2 + v^2) - a"), ranges));
+  REQUIRE(vanishes_on(g, read(g, "sin(x)*v - a*v"), read(g, "2*a - 2*sin(x)"), ranges));
+  REQUIRE(!vanishes_on(g, read(g, "b*(x - a)*v + v"), read(g, "x - a"), ranges));
+  REQUIRE(!vanishes_on(g, read(g, "b*(sqrt(x^2 + v^2) - a)*x + v"), read(g, "sqrt(x^2 + v^2) - a"), ranges));
+  REQUIRE(!vanishes_on(g, read(g, "sqrt(x^2 + v^2) - a"), read(g, "b*sqrt(x^2 + v^2) - a*b"), ranges));  // b may be zero
 }
 
 TEST_CASE("rebounds: the level and a parameter that turns the speed round") {
