@@ -120,9 +120,8 @@ void set_scenario(Branch& branch, const std::function<void(SpecialPoint&)>& chan
     branch.message.replace(at, before.size(), name());
 }
 
-bool leads_away(const HybridSystem& system, std::size_t event) { return system.events[event].to != system.events[event].from; }
-
 void set_scenario_alone(Branch& branch, const std::string& reason, bool none) {
+  if (is_smooth(branch.special_points.back())) return;
   set_scenario(branch, [&](SpecialPoint& point) {
     const std::string response = std::get<std::string>(point.details.at("scenario"));
     const bool says = response == grazing_scenario_name(GrazingScenario::persistence) ||

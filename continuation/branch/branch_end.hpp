@@ -37,9 +37,6 @@ const KnownEdge* edge_beyond(const std::vector<KnownEdge>& edges, std::size_t in
 /// Changes the scenario of the grazing at the end of the branch, in its details and in the branch's message.
 void set_scenario(Branch& branch, const std::function<void(SpecialPoint&)>& change);
 
-/// Whether that contact leads to another mode: then nothing begins at its grazing.
-bool leads_away(const HybridSystem& system, std::size_t event);
-
 /// No family was found to begin there, for that reason: there is `none`, or else the scenario is that of the linear response
 /// alone, "undecided" where that says nothing.
 void set_scenario_alone(Branch& branch, const std::string& reason, bool none);

@@ -358,13 +358,17 @@ Curve BranchFollower::follow_signature(SignatureProblem& problem, const BranchSt
       [&](const CurvePoint& first) { return images_of(problem, first); });
 }
 
-/// Where an impact that gives nothing back goes over into one that sticks, only the states know both: the start from which the
-/// branch goes on in them, with `problem` moved to the section of its last point.
-std::optional<BranchStart> BranchFollower::sticks_from_here(OrbitProblem& problem, const SignatureProblem& signature,
-                                                            const Curve& curve, const Branch& branch) const {
-  if (curve.stop != TraceStop::min_step || grazing_ || branch.points.empty() || curve.points.empty() ||
-      !is_plastic(system_, signature.equations().parameters()))
-    return std::nullopt;
+/// The start from which the branch goes on in states where its coordinates, the events, end: where an impact that gives nothing
+/// back goes over into one that sticks, or where events of a contact that leads through other modes come together. `problem` is
+/// moved to the section of its last point.
+std::optional<BranchStart> BranchFollower::goes_on_in_states(OrbitProblem& problem, const SignatureProblem& signature,
+                                                             const Curve& curve, const Branch& branch) const {
+  if (curve.stop != TraceStop::min_step || grazing_ || branch.points.empty() || curve.points.empty()) return std::nullopt;
+  const std::vector<std::size_t>& sequence = signature.equations().sequence();
+  const bool through_modes = std::any_of(sequence.begin(), sequence.end(), [&](std::size_t event) {
+    return system_.events[event].to != system_.events[event].from;
+  });
+  if (!through_modes && !is_plastic(system_, signature.equations().parameters())) return std::nullopt;
   const BranchPoint& end = branch.points.back();
   OrbitProblem there = problem.with_section(end.section_phase);
   if (there.nodes() != static_cast<int>(end.nodes.size())) return std::nullopt;
@@ -395,7 +399,7 @@ std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const Br
                                problem.scale(), problem.equations().options());
     signature.measure_by(by_events->u);
     const Curve curve = follow_signature(signature, *by_events, branch);
-    if (const auto states = sticks_from_here(problem, signature, curve, branch)) {
+    if (const auto states = goes_on_in_states(problem, signature, curve, branch)) {
       const Curve on = follow_states(problem, *states, branch);
       return finish(problem, on, branch, false);
     }
@@ -902,17 +906,12 @@ bool BranchFollower::around_corner(OrbitProblem& problem, Branch& branch, CurveP
 
 std::optional<GrazingEnd> BranchFollower::broken_off_at_grazing(OrbitProblem& problem, Branch& branch) {
   const BranchPoint& end = branch.points.back();
-  const Vector u = problem.pack(end.nodes, end.duration, end.value);
-  // The impact about to be lost, or else the maximum about to become one: whichever grazing lies right beyond the last point.
-  for (const bool lost : {true, false}) {
-    const std::optional<GrazingGuess> guess = lost ? weakest_contact(problem, u) : nearest_miss(problem, u);
-    if (!guess) continue;
-    std::optional<LocatedGrazing> located = hard_grazing_near(problem, u, *guess);
-    if (!located) continue;
-    branch.special_points.push_back(grazing_point(*located, end.impacts, end.impacts + (lost ? -1 : 1), branch));
-    return GrazingEnd{std::move(*located), lost};
-  }
-  return std::nullopt;
+  std::optional<LocatedGrazing> located = grazing_beside(problem, problem.pack(end.nodes, end.duration, end.value));
+  if (!located) return std::nullopt;
+  // A contact too weak for the motion to meet it again is no miss of the branch.
+  const bool lost = located->orbit.impacts < end.impacts;
+  branch.special_points.push_back(grazing_point(*located, end.impacts, end.impacts + (lost ? -1 : 1), branch));
+  return GrazingEnd{std::move(*located), lost};
 }
 
 }  // namespace graze

@@ -47,8 +47,8 @@ class BranchFollower {
   // The two ways of following, and what both do at each step.
   Curve follow_states(OrbitProblem& problem, const BranchStart& given, Branch& branch);
   Curve follow_signature(SignatureProblem& problem, const BranchStart& start, Branch& branch);
-  std::optional<BranchStart> sticks_from_here(OrbitProblem& problem, const SignatureProblem& signature, const Curve& curve,
-                                              const Branch& branch) const;
+  std::optional<BranchStart> goes_on_in_states(OrbitProblem& problem, const SignatureProblem& signature, const Curve& curve,
+                                               const Branch& branch) const;
   bool around_corner(OrbitProblem& problem, Branch& branch, CurvePoint& last);
   Verdict monitor_states(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
   Verdict monitor_signature(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);

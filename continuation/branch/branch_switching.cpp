@@ -171,9 +171,11 @@ std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGra
   const double side = grazing.top_dp > 0.0 ? -1.0 : 1.0;  // on which the free maximum stays short of the barrier
   EventNodes nodes = event_nodes(grazing.orbit).value_or(EventNodes{});
   const Event& contact = problem.system().events[grazing.event];
-  if (!lost && contact.to != contact.from) return std::nullopt;  // it leads to another mode, and the orbit away
+  if (!lost && grazing.leads_away) return std::nullopt;
+  // Its events come together at the grazing, where the coordinates of the events are singular.
+  const bool through_modes = !lost && contact.to != contact.from;
   const bool sticks = nodes.sequence.size() != grazing.orbit.events.size();
-  if (!sticks && !problem.equations().autonomous() && (!lost || !nodes.sequence.empty())) {
+  if (!sticks && !through_modes && !problem.equations().autonomous() && (!lost || !nodes.sequence.empty())) {
     // The grazing itself is the orbit without that impact, and the one with it at speed zero; the speed grows from there.
     nodes.shorten(grazing.orbit.period / problem.period());
     std::vector<std::size_t> added;
@@ -202,14 +204,25 @@ std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGra
     }
     return std::nullopt;
   }
-  // An orbit that sticks elsewhere: first order in the impact's speed (LocatedGrazing::response).
-  for (const double speed : {1e-3, 3e-3, 3e-4, 1e-2, 3e-2}) {
-    const double change = grazing.response * speed / grazing.top_dp;
-    BranchStart start{grazing.u + change * grazing.family_dp + speed * grazing.impulse, {}, {}, {}, false, first_step};
-    if (!correct(zero, problem.parameter_direction(), start.u, options).converged()) continue;
+  const auto with_impact = [&](const Vector& guess) -> std::optional<BranchStart> {
+    BranchStart start{guess, {}, {}, {}, false, first_step};
+    if (!guess.allFinite() || !correct(zero, problem.parameter_direction(), start.u, options).converged()) return std::nullopt;
     start.orientation = start.u - grazing.u;
-    if (problem.orbit(start.u, {}).impacts == grazing.orbit.impacts + 1) return start;
-  }
+    if (problem.orbit(start.u, {}).impacts != grazing.orbit.impacts + 1) return std::nullopt;
+    return start;
+  };
+  // First order in the impact's speed (LocatedGrazing::response).
+  const bool responds = grazing.impulse.size() > 0 && grazing.response != 0.0;
+  if (responds && grazing.scenario != GrazingScenario::smooth)
+    for (const double speed : {1e-3, 3e-3, 3e-4, 1e-2, 3e-2}) {
+      const double change = grazing.response * speed / grazing.top_dp;
+      if (auto start = with_impact(grazing.u + change * grazing.family_dp + speed * grazing.impulse)) return start;
+    }
+  // A contact without an impulse to first order (a spring with a damper, a blow after which friction holds the mass): the branch
+  // has a corner at most, on either side of which Newton's method finds the orbits.
+  for (double distance = 1e-7; distance < 1e-3; distance *= 10.0)
+    for (const double way : {-side, side})
+      if (auto start = with_impact(grazing.u + way * distance * grazing.family_dp)) return start;
   return std::nullopt;
 }
 
@@ -264,6 +277,7 @@ void confirm_criticality(const Branch& child, SpecialPoint& pd, const Branch& pa
 }
 
 void confirm_scenario(SpecialPoint& grazing, const Branch& ended, const Branch& beyond, bool begins) {
+  if (is_smooth(grazing)) return;
   const auto beyond_one = [](const BranchPoint& point) {
     const std::vector<std::complex<double>> all = nontrivial(point.multipliers);
     return std::count_if(all.begin(), all.end(), [](std::complex<double> mu) { return mu.imag() == 0.0 && mu.real() > 1.0; });

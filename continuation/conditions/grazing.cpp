@@ -12,6 +12,88 @@ namespace {
 /// Rounding of one evaluation of the equations, relative to 1 + |x| (as for multipliers).
 constexpr double rounding = 1e-14;
 
+/// What a weak contact does besides an impulse, by carrying it out: the contact leads to another mode and back from there, or an
+/// event comes with the touch.
+struct Passage {
+  bool comes_back = false;
+  std::vector<std::size_t> events;  ///< of the contact
+  Vector kick;                      ///< change of state per unit of speed
+};
+
+/// Whether another event of the mode than the contact falls on the touch: friction turns round where the speed vanishes.
+bool comes_with_event(OrbitProblem& problem, std::size_t contact, const Touch& touch) {
+  constexpr double same = 1e-6;  // as far as the touch is known
+  const HybridSystem& system = problem.system();
+  return std::any_of(system.events.begin(), system.events.end(), [&](const Event& other) {
+    if (other.from != touch.mode || &other == &system.events[contact]) return false;
+    const GuardAndRate at = guard_and_rate(other.guard, system.modes[touch.mode], touch.t, touch.x,
+                                           problem.equations().parameters(), problem.parameter());
+    return std::abs(at.h) < same * (1.0 + touch.x.lpNorm<Eigen::Infinity>()) && at.rate > std::sqrt(same);
+  });
+}
+
+/// Whether `fired` is what the event leads to on some part of its guard (Event::otherwise).
+bool is_or_replaces(const HybridSystem& system, std::size_t fired, std::size_t event) {
+  while (event != fired && system.events[event].otherwise) event = system.events[event].otherwise->event;
+  return event == fired;
+}
+
+/// Carries the touching motion on, and one that meets the guard with `speed` where that one was at `speed` to the touch; both
+/// until they are in the same mode.
+Passage passage_with(OrbitProblem& problem, std::size_t contact, const Touch& touch, const GuardAndRate& at, double curvature,
+                     double speed) {
+  constexpr double longest = 1e3;          // times the time in which the speed vanishes
+  constexpr std::size_t most_events = 64;  // of a chatter, say
+  Propagator& propagator = problem.equations().propagator();
+  const double ahead = speed / -curvature;
+  Vector f(touch.x.size());
+  propagator.field(touch.mode, touch.t, touch.x, f);
+  // Off the guard by so little that it is not met, and does not show in the difference.
+  const auto to_guard = [&](double t, const Vector& x, double h) {
+    const double here = problem.system().events[contact].guard.value(t, x, problem.equations().parameters());
+    return Vector(x + (h - here) / at.h_dx.squaredNorm() * at.h_dx);
+  };
+  HybridState free{touch.t, to_guard(touch.t, touch.x, -10.0 * guard_tolerance * (1.0 + touch.x.lpNorm<Eigen::Infinity>())),
+                   touch.mode};
+  HybridState struck{touch.t - ahead, to_guard(touch.t - ahead, touch.x - ahead * f, 0.0), touch.mode};
+  Passage out;
+  // The events that come with the touch, and their saltation.
+  std::vector<std::size_t> of_touch;
+  Matrix with_touch = Matrix::Identity(f.size(), f.size());
+  const auto carry_on = [&](HybridState& state, double t, bool is_struck) {
+    for (StepEnd end = StepEnd::event; end == StepEnd::event;) {
+      end = propagator.step(state, t, is_struck ? Sensitivity::none : Sensitivity::state);
+      if (end == StepEnd::failed || out.events.size() > most_events) return false;
+      if (end == StepEnd::event && is_struck) out.events.push_back(propagator.record().event);
+      if (end != StepEnd::event || is_struck) continue;
+      of_touch.push_back(propagator.record().event);
+      with_touch = propagator.record().saltation.S * with_touch;
+    }
+    return true;
+  };
+  for (double later = ahead; later < longest * ahead && !out.comes_back; later *= 2.0) {
+    if (!carry_on(struck, touch.t + later, true) || !carry_on(free, touch.t + later, false)) return out;
+    out.comes_back =
+        struck.mode == free.mode && !out.events.empty() && is_or_replaces(problem.system(), out.events.front(), contact);
+  }
+  for (auto event = of_touch.rbegin(); event != of_touch.rend() && !out.events.empty() && out.events.back() == *event; ++event)
+    out.events.pop_back();
+  if (out.comes_back) out.kick = with_touch.completeOrthogonalDecomposition().solve(struck.x - free.x) / speed;
+  return out;
+}
+
+/// To first order in the speed.
+Passage passage(OrbitProblem& problem, std::size_t contact, const Touch& touch, const GuardAndRate& at, double curvature) {
+  constexpr double speed = 1e-4, none = 1e-5;  // squares of the speed are left in the extrapolation
+  Passage fast = passage_with(problem, contact, touch, at, curvature, speed);
+  const Passage slow = passage_with(problem, contact, touch, at, curvature, 0.5 * speed);
+  fast.comes_back = fast.comes_back && slow.comes_back;
+  if (!fast.comes_back) return fast;
+  fast.kick = 2.0 * slow.kick - fast.kick;
+  if (fast.kick.lpNorm<Eigen::Infinity>() < none) fast.kick.setZero();
+  return fast;
+}
+
 /// The linear response of the periodic orbit to the weak impact's impulse, per unit of its speed: where the orbit with the impact
 /// lies.
 void analyse(OrbitProblem& problem, const GrazingGuess& guess, const GuardAndRate& at, const Matrix& jacobian,
@@ -21,8 +103,14 @@ void analyse(OrbitProblem& problem, const GrazingGuess& guess, const GuardAndRat
   const int n = problem.states(), j = guess.stretch;
   const Touch& touch = equations.stretch(j).touch;
   const Eigen::Index size = jacobian.rows();
-  const OrbitLU<Matrix> states(Matrix(jacobian.leftCols(size)));
-  const Vector u_dp = states.solve(-jacobian.col(size));
+  // A state that keeps its value all along the orbit, as that of a body at rest may, stays as it is.
+  const Matrix in_states = jacobian.leftCols(size);
+  const bool neutral = !Eigen::FullPivLU<Matrix>(in_states).isInvertible();
+  const OrbitLU<Matrix> lu(in_states);
+  const auto solve = [&](const Vector& right) -> Vector {
+    return neutral ? Vector(in_states.completeOrthogonalDecomposition().solve(right)) : lu.solve(right);
+  };
+  const Vector u_dp = solve(-jacobian.col(size));
   located.family_dp.resize(size + 1);
   located.family_dp << u_dp, 1.0;
   located.top_dp = at.h_dx.dot(touch.Phi * u_dp.segment(j * n, n) + equations.fixed_time_dp(j, touch.Phi, touch.Psi)) + at.h_dp;
@@ -31,7 +119,15 @@ void analyse(OrbitProblem& problem, const GrazingGuess& guess, const GuardAndRat
   Matrix reset_dx = Matrix::Identity(n, n);
   if (!event.continuous && event.reset.map) event.reset.dx(touch.t, touch.x, equations.parameters(), reset_dx);
   const Vector w = at.rate_dx / at.rate_dx.squaredNorm();
-  const Vector kick = event.continuous ? Vector(-2.0 * w) : Vector(reset_dx * w - w);
+  Vector kick = event.continuous ? Vector(-2.0 * w) : Vector(reset_dx * w - w);
+  if (!event.continuous && (event.to != event.from || comes_with_event(problem, guess.event, touch))) {
+    const Passage weak = passage(problem, guess.event, touch, at, located.curvature);
+    located.leads_away = !weak.comes_back;
+    if (weak.comes_back) {
+      kick = weak.kick;
+      located.contact_events = weak.events;
+    }
+  }
   // Applied at the touch it arrives at the end of the stretch as the rest of the stretch's map carries it.
   const Matrix rest = touch.Phi.transpose().partialPivLu().solve(equations.stretch(j).Phi.transpose()).transpose();
   located.gradient = at.h_dx;
@@ -43,36 +139,45 @@ void analyse(OrbitProblem& problem, const GrazingGuess& guess, const GuardAndRat
   if (located.touches > 1) return;  // what follows is the response to one impact alone
   Vector right = Vector::Zero(size);
   right.segment(j * n, n) = -rest * kick;
-  const Vector response = states.solve(right);
+  const Vector response = solve(right);
   located.impulse.resize(size + 1);
   located.impulse << response, 0.0;
   located.response = -at.h_dx.dot(touch.Phi * response.segment(j * n, n));
+  // An impulse along the motion, as that of an autonomous oscillator at its turning point, only shifts it in time.
+  constexpr double along = 1e-6;  // the kick of a passage is known no better
+  if (std::abs(located.response) < along * at.h_dx.norm() * kick.norm()) located.response = 0.0;
   if (event.continuous) return;
   if (std::isfinite(located.response) && located.response != 0.0)
     located.scenario = located.response > 0.0 ? GrazingScenario::persistence : GrazingScenario::nonsmooth_fold;
 }
 
-/// A contact of speed zero at t, as events.
-void add_contact(const HybridSystem& system, std::size_t event, const Touch& touch, double t, std::vector<EventRecord>& events) {
-  EventRecord record;
-  record.event = event;
-  record.kind = system.events[event].kind;
-  record.t = t;
-  record.x_minus = record.x_plus = touch.x;
-  record.mode_plus = system.events[event].to;
-  events.push_back(record);
-  if (record.kind != EventKind::enter && record.kind != EventKind::leave) return;
-  const std::size_t mode = system.events[event].from;
+/// The events of a weak contact that goes in and out at once.
+std::vector<std::size_t> in_and_out(const HybridSystem& system, std::size_t event) {
+  const Event& in = system.events[event];
+  const auto softly = [](EventKind kind) { return kind == EventKind::enter || kind == EventKind::leave; };
   const auto back = std::find_if(system.events.begin(), system.events.end(), [&](const Event& other) {
-    return other.from == record.mode_plus && other.to == mode &&
-           (other.kind == EventKind::leave || other.kind == EventKind::enter);
+    return softly(in.kind) && softly(other.kind) && other.from == in.to && other.to == in.from;
   });
-  if (back == system.events.end()) return;
-  record.event = static_cast<std::size_t>(back - system.events.begin());
-  record.kind = back->kind;
-  record.mode_plus = back->to;
-  events.push_back(std::move(record));
+  if (back == system.events.end()) return {event};
+  return {event, static_cast<std::size_t>(back - system.events.begin())};
 }
+
+/// Events of speed zero at t.
+void add_contact(const HybridSystem& system, const std::vector<std::size_t>& of_contact, const Touch& touch, double t,
+                 std::vector<EventRecord>& events) {
+  for (const std::size_t event : of_contact) {
+    EventRecord record;
+    record.event = event;
+    record.kind = system.events[event].kind;
+    record.t = t;
+    record.x_minus = record.x_plus = touch.x;
+    record.mode_plus = system.events[event].to;
+    events.push_back(std::move(record));
+  }
+}
+
+/// Where a contact begins or ends.
+bool may_be_touched(EventKind kind) { return begins_contact(kind) || kind == EventKind::leave; }
 
 }  // namespace
 
@@ -132,6 +237,18 @@ std::vector<GrazingGuess> near_misses(OrbitProblem& problem, const Vector& u, do
     std::stable_sort(list.begin(), list.end(), [](const GrazingGuess& a, const GrazingGuess& b) { return a.gap < b.gap; });
     return list;
   };
+  // Below the guard of event e by so much, where the maximum lies on another event.
+  const auto gap_at_event = [&](std::size_t e, const EventRecord& met) -> std::optional<double> {
+    constexpr double slow = 1e-6;  // the speed there, relative to 1 + |f|
+    const Event &event = system.events[e], &other = system.events[met.event];
+    if (e == met.event || !may_be_touched(event.kind) || event.from != other.from) return std::nullopt;
+    Vector f(problem.states());
+    propagator.field(event.from, met.t, met.x_minus, f);
+    const double gap = -event.guard.value(met.t, met.x_minus, propagator.parameters());
+    const double speed = transversality(event.guard, met.t, met.x_minus, f, propagator.parameters());
+    const bool touches = gap > 0.0 && gap < within && std::abs(speed) < slow * (1.0 + f.lpNorm<Eigen::Infinity>());
+    return touches ? std::optional(gap) : std::nullopt;
+  };
   for (int j = 0; j < problem.nodes(); ++j) {
     const double start = equations.node_time(shortened, j);
     HybridState state = propagator.start(start, equations.node(shortened, j));
@@ -143,6 +260,9 @@ std::vector<GrazingGuess> near_misses(OrbitProblem& problem, const Vector& u, do
         end = propagator.step(state, t);
         if (end == StepEnd::failed) return sorted();
         if (end == StepEnd::event) {
+          const EventRecord& met = propagator.record();
+          for (std::size_t e = 0; e < system.events.size(); ++e)
+            if (const auto gap = gap_at_event(e, met)) list.push_back({e, j, events, met.t, met.t, 0.0, *gap});
           ++events;
           std::fill(before.begin(), before.end(), -std::numeric_limits<double>::infinity());
           last = before;
@@ -150,7 +270,7 @@ std::vector<GrazingGuess> near_misses(OrbitProblem& problem, const Vector& u, do
       }
       for (std::size_t e = 0; e < system.events.size(); ++e) {
         const Event& event = system.events[e];
-        if (!begins_contact(event.kind) || event.from != state.mode) continue;
+        if (!may_be_touched(event.kind) || event.from != state.mode) continue;
         const double h = event.guard.value(state.t, state.x, propagator.parameters());
         if (std::isfinite(before[e]) && last[e] >= before[e] && last[e] >= h) {
           // The parabola through the three samples.
@@ -179,11 +299,19 @@ LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const 
   const Eigen::Index unknowns = problem.unknowns();
   const int n = problem.states(), j = guess.stretch;
   double t = guess.t;
-  const double resume_after = guess.t_resume - guess.t;
+  double resume_after = guess.t_resume - guess.t;
   const auto leave_out = [&] { equations.leave_out(j, {guess.events_before, t, t + resume_after}); };
+  // Where another event comes with the touch this mode does not hold beyond it, and other guards are watched from there on. Then
+  // the orbit that misses the guard by so little that it is not met is looked for, and the rest of the way is linear.
+  double miss = 0.0;
+  const auto smallest_miss = [&] {
+    return 4.0 * guard_tolerance * (1.0 + located.u.head(unknowns - 1).lpNorm<Eigen::Infinity>());
+  };
+  if (resume_after == 0.0) miss = smallest_miss();
   for (const GrazingGuess& other : together) equations.leave_out(other.stretch, {other.events_before, other.t, other.t_resume});
   Vector residual;
   Matrix jacobian;
+  constexpr double near_touch = 1e-6;  // Newton's method has all but found it
   double last_step = std::numeric_limits<double>::infinity();
   for (int iteration = 0; iteration < 25; ++iteration) {
     leave_out();
@@ -207,7 +335,7 @@ LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const 
     A(unknowns - 1, unknowns) = at.rate;
     A(unknowns, unknowns) = located.curvature;
     Vector right(unknowns + 1);
-    right << -residual, -at.h, -at.rate;
+    right << -residual, -at.h - miss, -at.rate;
     const double scale = 1.0 + located.u.head(unknowns - 1).lpNorm<Eigen::Infinity>();
     located.newton.residual_history.push_back(right.lpNorm<Eigen::Infinity>() / scale);
     const OrbitLU<Matrix> lu(A);
@@ -219,7 +347,13 @@ LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const 
     const Vector row = lu.solve_adjoint(Vector::Unit(unknowns + 1, unknowns - 1));
     located.precision = rounding * scale * row.lpNorm<1>();
     const double step_size = step.lpNorm<Eigen::Infinity>() / scale;
-    if (located.newton.residual() < 1e-11 && (step_size < 1e-14 || step_size >= 0.5 * last_step)) {
+    const bool mode_ends = resume_after > 0.0 && step_size < near_touch && comes_with_event(problem, guess.event, touch);
+    if (mode_ends) {
+      miss = smallest_miss();
+      if (std::abs(at.h + miss) < 0.5 * miss) resume_after = 0.0;
+      last_step = std::numeric_limits<double>::infinity();
+    }
+    if (!mode_ends && located.newton.residual() < 1e-11 && (step_size < 1e-14 || step_size >= 0.5 * last_step)) {
       located.newton.status = located.curvature < 0.0 ? NewtonStatus::converged : NewtonStatus::stalled;
       located.precision = std::max(located.precision, std::abs(step[unknowns - 1]));
       if (located.newton.converged()) analyse(problem, guess, at, jacobian, located);
@@ -238,6 +372,10 @@ LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const 
   if (located.newton.converged()) {
     leave_out();
     located.orbit = problem.orbit(located.u, located.newton);
+    if (miss > 0.0) {
+      located.u += miss / located.top_dp * located.family_dp;
+      located.orbit.parameters[static_cast<Eigen::Index>(problem.parameter())] = problem.value(located.u);
+    }
     located.touch = equations.stretch(j).touch.x;
     const auto orbit_time = [&](int stretch, double time) {
       const double duration = equations.duration(shortened);
@@ -246,10 +384,13 @@ LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const 
       return within < 0.0 ? within + duration : within;
     };
     located.t = orbit_time(j, t);
-    add_contact(system, guess.event, equations.stretch(j).touch, located.t, located.contacts);
+    const auto events_of = [&](std::size_t event) {
+      return event == guess.event && !located.contact_events.empty() ? located.contact_events : in_and_out(system, event);
+    };
+    add_contact(system, events_of(guess.event), equations.stretch(j).touch, located.t, located.contacts);
     for (const GrazingGuess& other : together) {
       const Touch& touch = equations.stretch(other.stretch).touch;
-      add_contact(system, other.event, touch, orbit_time(other.stretch, touch.t), located.contacts);
+      add_contact(system, events_of(other.event), touch, orbit_time(other.stretch, touch.t), located.contacts);
     }
   }
   equations.leave_out(-1);

@@ -35,26 +35,30 @@ std::vector<GrazingGuess> weakest_contacts(OrbitProblem& problem, const Vector& 
 /// The free maximum of a guard that comes nearest to it from below, as a guess; empty if there is none.
 std::optional<GrazingGuess> nearest_miss(OrbitProblem& problem, const Vector& u);
 
-/// All free maxima of a guard that come closer to it than `within`, the nearest first.
+/// All free maxima of a guard that come closer to it than `within`, the nearest first: of guards where a contact begins, and of
+/// those where one ends, which are met where a mass first lifts off. A maximum may lie on an event: friction turns round where
+/// the speed towards a stop vanishes.
 std::vector<GrazingGuess> near_misses(OrbitProblem& problem, const Vector& u, double within);
 
 struct LocatedGrazing {
   NewtonReport newton;
   Vector u;
-  std::size_t event = 0;  ///< whose guard is touched
-  int touches = 1;        ///< contacts that touch together, all of them left out
-  double t = 0.0;         ///< of the touch, from phase 0 of the orbit
-  Vector touch;           ///< the state there
+  std::size_t event = 0;                    ///< whose guard is touched
+  int touches = 1;                          ///< contacts that touch together, all of them left out
+  double t = 0.0;                           ///< of the touch, from phase 0 of the orbit
+  Vector touch;                             ///< the state there
+  std::vector<std::size_t> contact_events;  ///< of a weak contact that leads through other modes, in order; else empty
   /// The contacts that touch as events of an orbit that has them: impacts, or entry and exit at once, of speed zero.
   std::vector<EventRecord> contacts;
   double precision = 0.0;  ///< estimated error of the parameter's value
   double curvature = 0.0;  ///< d2h/dt2 at the touch, < 0
   PeriodicOrbit orbit;     ///< with the touching contact left out
   GrazingScenario scenario = GrazingScenario::unknown;
-  Vector family_dp;       ///< du/d(parameter) of the orbits with that contact left out
-  double top_dp = 0.0;    ///< d(h_top)/d(parameter) along them
-  double response = 0.0;  ///< h_top per unit of impact speed at which the orbit with the impact exists
-  Vector impulse;         ///< change of u (at fixed parameter) per unit of impact speed
+  bool leads_away = false;  ///< a weak contact leads to another mode, and not back from there at once
+  Vector family_dp;         ///< du/d(parameter) of the orbits with that contact left out
+  double top_dp = 0.0;      ///< d(h_top)/d(parameter) along them
+  double response = 0.0;    ///< h_top per unit of impact speed at which the orbit with the impact exists
+  Vector impulse;           ///< change of u (at fixed parameter) per unit of impact speed
   /// Of a hard contact: transition matrices from the touch to the end of its stretch, of the stretches that follow, and of the
   /// last one up to the touch; the guard's gradient there, and the change of state by an impact per unit of its speed.
   std::vector<Matrix> round;

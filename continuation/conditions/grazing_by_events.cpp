@@ -123,13 +123,32 @@ std::optional<OrbitProblem> states_between(SignatureProblem& problem, const Vect
 
 }  // namespace
 
-std::optional<LocatedGrazing> hard_grazing_near(OrbitProblem& problem, const Vector& u, const GrazingGuess& guess,
-                                                const std::vector<GrazingGuess>& together) {
+std::optional<LocatedGrazing> grazing_near(OrbitProblem& problem, const Vector& u, const GrazingGuess& guess,
+                                           const std::vector<GrazingGuess>& together) {
   constexpr double near = 0.02;
   LocatedGrazing located = locate_grazing(problem, u, guess, together);
-  if (!located.newton.converged() || located.scenario == GrazingScenario::smooth) return std::nullopt;
+  if (!located.newton.converged()) return std::nullopt;
   if (weighted_norm(problem.zero_problem().weights, located.u - u) > near) return std::nullopt;
   return located;
+}
+
+std::optional<LocatedGrazing> grazing_beside(OrbitProblem& problem, const Vector& u) {
+  constexpr std::size_t considered = 4;  // of weak contacts and of free maxima: the nearest grazing need not be of the weakest
+  const bool hard_contacts = has_hard_contacts(problem.system());
+  std::vector<GrazingGuess> guesses = near_misses(problem, u, std::numeric_limits<double>::infinity());
+  guesses.resize(std::min(guesses.size(), considered));
+  for (const GrazingGuess& guess : weakest_contacts(problem, u, static_cast<int>(considered))) guesses.push_back(guess);
+  std::optional<LocatedGrazing> nearest;
+  double distance = std::numeric_limits<double>::infinity();
+  for (const GrazingGuess& guess : guesses) {
+    std::optional<LocatedGrazing> located = grazing_near(problem, u, guess);
+    if (!located || (!hard_contacts && located->scenario == GrazingScenario::smooth)) continue;
+    const double away = weighted_norm(problem.zero_problem().weights, located->u - u);
+    if (!(away < distance)) continue;
+    distance = away;
+    nearest = std::move(located);
+  }
+  return nearest;
 }
 
 namespace {
@@ -185,7 +204,7 @@ std::optional<LocatedGrazing> located_at(SignatureProblem& problem, const Vector
   Vector v;
   if (struck == 1) {
     OrbitProblem& states = with.stroboscopic(touching.at, v);
-    std::optional<LocatedGrazing> located = hard_grazing_near(states, v, guess_of(with, touching.at, touches.front(), states, v));
+    std::optional<LocatedGrazing> located = grazing_near(states, v, guess_of(with, touching.at, touches.front(), states, v));
     if (located && agrees(states, *located, touching)) return located;
   }
   if (lost) add_others(problem, u, touches);
@@ -193,7 +212,7 @@ std::optional<LocatedGrazing> located_at(SignatureProblem& problem, const Vector
   if (!states) return std::nullopt;
   std::vector<GrazingGuess> guesses;
   for (const TouchTime& touch : touches) guesses.push_back(guess_of(with, touching.at, touch, *states, v));
-  std::optional<LocatedGrazing> located = hard_grazing_near(*states, v, guesses.front(), {guesses.begin() + 1, guesses.end()});
+  std::optional<LocatedGrazing> located = grazing_near(*states, v, guesses.front(), {guesses.begin() + 1, guesses.end()});
   if (!located || !agrees(*states, *located, touching)) return std::nullopt;
   located->touches = static_cast<int>(struck);  // the maxima that touch too are no contacts of the orbit, and come last
   located->contacts.resize(std::min(struck, located->contacts.size()));
@@ -231,10 +250,9 @@ std::optional<GrazingAhead> grazing_ahead(SignatureProblem& problem, const Vecto
   // A contact that leads to another mode is no event of an orbit with this signature.
   Vector v;
   OrbitProblem& states = problem.stroboscopic(u, v);
-  const std::optional<GrazingGuess> guess = nearest_miss(states, v);
-  std::optional<LocatedGrazing> located = guess ? hard_grazing_near(states, v, *guess) : std::nullopt;
-  if (!located || weighted_norm(states.zero_problem().weights, located->u - v) > reach) return std::nullopt;
-  return GrazingAhead{std::move(*located), false, u};
+  std::optional<LocatedGrazing> located = grazing_beside(states, v);
+  const bool right_there = located && weighted_norm(states.zero_problem().weights, located->u - v) <= reach;
+  return right_there ? std::optional(GrazingAhead{std::move(*located), false, u}) : std::nullopt;
 }
 
 }  // namespace graze

@@ -9,9 +9,13 @@
 
 namespace graze {
 
-/// The grazing of a hard contact that Newton finds from a guess at u, if it lies right there.
-std::optional<LocatedGrazing> hard_grazing_near(OrbitProblem& problem, const Vector& u, const GrazingGuess& guess,
-                                                const std::vector<GrazingGuess>& together = {});
+/// The grazing that Newton finds from a guess at u, if it lies right there.
+std::optional<LocatedGrazing> grazing_near(OrbitProblem& problem, const Vector& u, const GrazingGuess& guess,
+                                           const std::vector<GrazingGuess>& together = {});
+
+/// The nearest grazing to the last orbit u of a branch that is not followed through it: of hard contacts, and of soft ones where
+/// the system has both. Empty if none lies right there.
+std::optional<LocatedGrazing> grazing_beside(OrbitProblem& problem, const Vector& u);
 
 /// The grazing on which the motions of a branch end.
 struct GrazingAhead {

@@ -460,7 +460,7 @@ class Graph {
     if (is_known(partner)) return out;
     OrbitProblem problem = problem_at(at_grazing);
     const std::optional<BranchStart> start = partner_start(problem, end.grazing, end.lost, options_.trace);
-    out.none = leads_away(system_, end.grazing.event);
+    out.none = !end.lost && end.grazing.leads_away;
     if (!start) out.nothing = "no orbit was found beyond the grazing";
     if (!start || problem.value(start->u) < low_ || problem.value(start->u) > high_) return out;
     out.begins = partner;

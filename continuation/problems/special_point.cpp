@@ -72,10 +72,14 @@ bool is_marginal(PointType type) {
   return type == PointType::LP || type == PointType::PD || type == PointType::BP || type == PointType::NS;
 }
 
-std::optional<bool> stable_at(const SpecialPoint& point) {
+bool is_smooth(const SpecialPoint& grazing) {
   const Detail smooth = std::string(grazing_scenario_name(GrazingScenario::smooth));
-  const auto scenario = point.details.find("scenario");
-  const bool differentiable = point.type != PointType::GR || (scenario != point.details.end() && scenario->second == smooth);
+  const auto scenario = grazing.details.find("scenario");
+  return scenario != grazing.details.end() && scenario->second == smooth;
+}
+
+std::optional<bool> stable_at(const SpecialPoint& point) {
+  const bool differentiable = point.type != PointType::GR || is_smooth(point);
   if (is_marginal(point.type) || !differentiable || !point.orbit.multipliers.valid) return std::nullopt;
   return point.orbit.stable();
 }

@@ -73,6 +73,9 @@ void set_impacts(SpecialPoint& grazing, int before, int after);
 /// Located by a multiplier on the unit circle (LP, PD, BP, NS): rounding puts it inside or outside.
 bool is_marginal(PointType type);
 
+/// Whether the scenario of a grazing is smooth: its orbit has derivatives there.
+bool is_smooth(const SpecialPoint& grazing);
+
 /// Whether the orbit at the point is stable. Empty where that is not for its multipliers to tell: the point is marginal, or the
 /// return map has no derivative there (the grazing of a hard contact).
 std::optional<bool> stable_at(const SpecialPoint& point);
