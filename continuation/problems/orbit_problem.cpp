@@ -194,17 +194,20 @@ std::vector<BranchProblem::Image> OrbitProblem::images(const Vector& u, const Ve
 }
 
 BranchProblem::Doubled OrbitProblem::doubled(const Vector& u) const {
-  const Eigen::Index size = states() * nodes();
   auto problem = std::make_unique<OrbitProblem>(system(), p_, 2 * period(), 2 * nodes(), parameter_, scale_, equations_.options(),
                                                 equations_.section_phase());
   problem->size_ = size_;
-  Vector twice(2 * size + 1);
-  twice << u.head(size), u.head(size), value(u);
+  const std::vector<Vector> nodes_twice = [&] {
+    std::vector<Vector> list;
+    for (int j = 0; j < 2 * nodes(); ++j) list.push_back(equations_.node(u, j % nodes()));
+    return list;
+  }();
+  Vector twice = problem->pack(nodes_twice, 2.0 * equations_.duration(u), value(u));
   return {std::move(problem), std::move(twice)};
 }
 
 Vector OrbitProblem::half_difference(const Vector& u) const {
-  if (equations_.autonomous() || period() % 2 != 0 || nodes() % 2 != 0) return {};
+  if (period() % 2 != 0 || nodes() % 2 != 0) return {};
   const Eigen::Index half = states() * nodes() / 2;
   return u.segment(half, half) - u.head(half);
 }

@@ -220,6 +220,8 @@ PeriodicOrbit shoot(const HybridSystem& system, const Vector& p, const std::vect
                     const ShootingOptions& options, double duration_guess) {
   if (guess.empty()) throw std::invalid_argument("shooting needs a state to start from");
   ShootingEquations equations(system, p, period, options.nodes, std::nullopt, options.flow);
+  if (equations.autonomous() && period != 1)
+    throw std::invalid_argument("an autonomous orbit has period 1: its duration is an unknown");
   if (equations.autonomous() && !(duration_guess > 0.0))
     throw std::invalid_argument(fmt::format("the duration guess is {}; an autonomous orbit needs one > 0", duration_guess));
   for (const Vector& x : guess) initial_mode(system, 0.0, x, p);

@@ -24,7 +24,6 @@ ShootingEquations::ShootingEquations(const HybridSystem& system, const Vector& p
   if (nodes < 0 || (nodes_ % period != 0 && period % nodes_ != 0))
     throw std::invalid_argument(
         fmt::format("{} shooting nodes were asked for; allowed is a multiple or a divisor of the period {}", nodes, period));
-  if (autonomous() && period != 1) throw std::invalid_argument("an autonomous orbit has period 1: its duration is an unknown");
   stretches_.resize(static_cast<std::size_t>(nodes_));
   start_fields_.assign(static_cast<std::size_t>(nodes_), Vector::Zero(n_));
   end_fields_ = start_fields_;

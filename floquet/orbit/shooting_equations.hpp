@@ -14,10 +14,10 @@ namespace graze {
 
 class ShootingEquations {
  public:
-  /// `period`: n forcing periods (autonomous: 1). `nodes`: N, a multiple or divisor of n (0: N = n).
-  /// `active`: the continuation parameter, or none.
-  /// `section_phase`: s in [0, 1), forcing phase of the first node over 2 pi. Nodes must keep clear of hard impacts, across which
-  /// the state at a fixed phase jumps.
+  /// `period`: n forcing periods; of an autonomous orbit n turns, such as two after a period doubling, which share its duration.
+  /// `nodes`: N, a multiple or divisor of n (0: N = n). `active`: the continuation parameter, or none. `section_phase`: s in [0,
+  /// 1), forcing phase of the first node over 2 pi. Nodes must keep clear of hard impacts, across which the state at a fixed
+  /// phase jumps.
   ShootingEquations(const HybridSystem& system, const Vector& p, int period, int nodes = 0,
                     std::optional<std::size_t> active = std::nullopt, const FlowOptions& options = {},
                     double section_phase = 0.0);
