@@ -67,7 +67,11 @@ std::optional<GrazingEnd> grazing_end_of(const HybridSystem& system, const Branc
     const BranchPoint& last = branch.points[branch.points.size() - back];
     ShootingOptions shooting = options.shooting;
     shooting.reduce_period = false;
-    const PeriodicOrbit orbit = shoot(system, parameters_at(system, branch, last.value), last.states, branch.period, shooting);
+    const Vector p = parameters_at(system, branch, last.value);
+    PeriodicOrbit orbit = is_forced(system)
+                              ? shoot(system, p, last.states, branch.period, shooting)
+                              : shoot(system, p, std::vector<Vector>{last.states.front()}, 1, shooting, last.duration);
+    orbit.period = branch.period;
     if (!orbit.converged() || orbit.impacts != last.impacts) continue;
     OrbitProblem problem = orbit_problem(system, orbit, options, low, high);
     const Vector u = problem.pack(orbit.nodes, orbit.duration, last.value);

@@ -296,6 +296,7 @@ class Graph {
     ++last_seed_;
     for (const int direction : seed.directions) {
       Task task{Origin::seed, seed.orbit, direction, 0, 0, generation};
+      if (!is_forced(system_)) task.orbit.period = std::max(1, count_returns(system_, seed.orbit));
       task.seed = last_seed_;
       tasks_.add(std::move(task));
     }

@@ -69,11 +69,19 @@ std::optional<OrbitShape> corrected(const HybridSystem& system, const Vector& p,
   return out;
 }
 
-/// The same for an autonomous orbit, from states off its events and from its duration.
+/// An autonomous orbit in durations of its own: how many returns it has is a matter of counting.
+OrbitShape in_own_duration(OrbitShape shape) {
+  if (!shape.autonomous) return shape;
+  for (OrbitShape::Node& node : shape.nodes) node.time /= shape.period;
+  shape.period = 1;
+  return shape;
+}
+
+/// The same for an autonomous orbit, from states off its events and from its duration, which is corrected.
 std::optional<OrbitShape> corrected_autonomous(const HybridSystem& system, const Vector& p, std::size_t parameter,
-                                               std::vector<Vector> states, double duration) {
+                                               std::vector<Vector> states, double& duration) {
   if (!correct_states(system, p, static_cast<int>(states.size()), parameter, states, duration)) return std::nullopt;
-  return shape_of(system, p, states, duration);
+  return in_own_duration(shape_of(system, p, states, duration));
 }
 
 std::vector<Vector> between(const std::vector<Vector>& a, const std::vector<Vector>& b, double s) {
@@ -85,7 +93,7 @@ std::vector<Vector> between(const std::vector<Vector>& a, const std::vector<Vect
 }  // namespace
 
 bool lies_on(const HybridSystem& system, const Branch& branch, const std::vector<Vector>& states, double value) {
-  if (states.size() != static_cast<std::size_t>(branch.period)) return false;
+  if (is_forced(system) && states.size() != static_cast<std::size_t>(branch.period)) return false;
   const std::size_t parameter = parameter_index(system.parameters, branch.parameter);
   const auto at = [&](double v) {
     Vector p = branch.parameters;
@@ -93,16 +101,23 @@ bool lies_on(const HybridSystem& system, const Branch& branch, const std::vector
     return p;
   };
   const auto shape = [&](const BranchPoint& point) {
-    return point.shape.nodes.empty() ? shape_of(system, at(point.value), point.states, point.duration) : point.shape;
+    return in_own_duration(point.shape.nodes.empty() ? shape_of(system, at(point.value), point.states, point.duration)
+                                                     : point.shape);
   };
   std::optional<OrbitShape> here;
   for (std::size_t i = 0; i + 1 < branch.points.size(); ++i) {
     const BranchPoint &a = branch.points[i], &b = branch.points[i + 1];
     if (a.value == b.value || value < std::min(a.value, b.value) || value > std::max(a.value, b.value)) continue;
     const double s = (value - a.value) / (b.value - a.value);
-    const double duration =
+    double duration =
         is_forced(system) ? branch.period * forcing_period(system, at(value)) : a.duration + s * (b.duration - a.duration);
-    if (!here) here = shape_of(system, at(value), states, duration);
+    // Without forcing the states do not say how long the orbit is: the branch does.
+    const auto from_one_state = [&] { return shape_of(system, at(value), {states.front()}, duration); };
+    if (!is_forced(system)) {
+      here = from_one_state();
+    } else if (!here) {
+      here = shape_of(system, at(value), states, duration);
+    }
     const OrbitShape first = shape(a);
     const std::optional<AlignedShape> second = aligned(shape(b), first);
     if (!second) continue;
@@ -116,7 +131,8 @@ bool lies_on(const HybridSystem& system, const Branch& branch, const std::vector
         guess.autonomous ? corrected_autonomous(system, at(value), parameter, between(a.states, b.states, s), duration)
                          : corrected(system, at(value), parameter, guess, duration);
     if (!found) continue;
-    const std::optional<AlignedShape> same = aligned(*found, orbit->shape);
+    if (guess.autonomous) here = from_one_state();
+    const std::optional<AlignedShape> same = aligned(*found, guess.autonomous ? *here : orbit->shape);
     if (same && same->distance < rounding) return true;
   }
   return false;

@@ -50,7 +50,7 @@ Neighbourhood neighbourhood(const HybridSystem& system, const PeriodicOrbit& orb
   following.cancelled = options.cancelled;
   Neighbourhood out;
   for (const Branch& branch : continue_orbit(system, orbit, following)) {
-    if (branch.period != orbit.period) continue;
+    if (is_forced(system) && branch.period != orbit.period) continue;
     for (const SpecialPoint& point : branch.special_points) {
       if (!is_bifurcation(point.type)) continue;
       std::optional<SpecialPoint>& side = point.value < here ? out.below : out.above;

@@ -80,6 +80,10 @@ PeriodicOrbit seen_at_returns(const HybridSystem& system, PeriodicOrbit orbit, c
   return orbit;
 }
 
+int count_returns(const HybridSystem& system, const PeriodicOrbit& orbit) {
+  return static_cast<int>(states_at_returns(system, orbit).size());
+}
+
 PeriodicOrbit seen_at_nodes(PeriodicOrbit orbit) {
   if (orbit.multipliers.section != Section::autonomous) return orbit;
   orbit.period = 1;

@@ -28,6 +28,9 @@ PeriodicOrbit shoot_returns(Propagator& propagator, const std::vector<Vector>& s
 /// `first` at the front. Its nodes stay.
 PeriodicOrbit seen_at_returns(const HybridSystem& system, PeriodicOrbit orbit, const Vector& first);
 
+/// How often it returns.
+int count_returns(const HybridSystem& system, const PeriodicOrbit& orbit);
+
 /// The same back: as shoot() has it, at the first of its nodes. A forced orbit stays as it is.
 PeriodicOrbit seen_at_nodes(PeriodicOrbit orbit);
 

@@ -1,15 +1,49 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Branches of autonomous orbits: limit cycles of van der Pol's oscillator before a stop, against cycles found anew by simulation.
-#include <graze/continuation/graph/continuation.hpp>
+// Branches of autonomous orbits: limit cycles of van der Pol's oscillator before a stop, against cycles found anew by simulation;
+// through their grazing, their period doublings and branch points.
+#include <graze/continuation/graph/branch_graph.hpp>
+#include <graze/floquet/attractor/attractor.hpp>
+#include <graze/floquet/orbit/returns.hpp>
 
 #include "support/branches.hpp"
 #include "support/checks.hpp"
+#include "support/system_texts.hpp"
 #include "support/van_der_pol_stop.hpp"
 
 #include <catch2/catch.hpp>
 
+#include <cmath>
+#include <numbers>
+
 using namespace graze;
 using namespace graze::support;
+
+namespace {
+
+/// Three states without impacts, whose returns are where y rises through zero.
+HybridSystem flow_in_space(const std::vector<std::pair<std::string, std::string>>& parameters, const std::string& equations) {
+  SystemWriter writer;
+  writer.states({"x", "y", "z"});
+  for (const auto& [name, value] : parameters) writer.parameter(name, value);
+  writer.mode("below", equations).mode("above", equations);
+  writer.event({"up", "", "y", "", "below", "above"}).event({"down", "", "-y", "", "above", "below"});
+  HybridSystem system = equations::make_system(writer.system).system;
+  system.returns = {0};
+  return system;
+}
+
+HybridSystem roessler() {
+  return flow_in_space({{"a", "0.1"}, {"b", "0.1"}, {"c", "5"}}, "x' = -y - z\ny' = x + a*y\nz' = b + z*(x - c)");
+}
+
+/// The orbit on which motions settle.
+PeriodicOrbit attracting(const HybridSystem& system, const Vector& p, const Vector& x) {
+  const Attractor attractor = approach_attractor(system, p, x, {});
+  REQUIRE(attractor.orbit);
+  return seen_at_nodes(*attractor.orbit);
+}
+
+}  // namespace
 
 TEST_CASE("autonomous orbits are continued, with their durations") {
   const HybridSystem system = van_der_pol_stop();
@@ -35,4 +69,104 @@ TEST_CASE("autonomous orbits are continued, with their durations") {
     CHECK(end.duration == Approx(round.t).epsilon(1e-9));
     CHECK(std::abs(end.multipliers.values.front()) < 1.0);
   }
+}
+
+TEST_CASE("the cycle of van der Pol's oscillator gains and loses its impact where its amplitude is the stop's distance") {
+  const HybridSystem system = van_der_pol_stop();
+  constexpr double amplitude = 2.0024879304471086;  // at mu = 0.5, by scipy's DOP853
+  const Vector far = parameters(system, {{"r", 2.2}});
+  const PeriodicOrbit free = shoot(system, far, std::vector<Vector>{vector({-1.5, 1.0})}, 1, {}, 6.4);
+  REQUIRE(free.converged());
+  REQUIRE(free.impacts == 0);
+  ContinuationOptions options;
+  options.parameter = "r";
+  options.to = 1.8;
+  const std::vector<Branch> in = continue_orbit(system, free, options);
+  REQUIRE(in.size() == 2);
+  REQUIRE(in[0].stop == BranchStop::grazing);
+  const SpecialPoint& gained = in[0].special_points.back();
+  CHECK(gained.value == Approx(amplitude).epsilon(1e-12));
+  CHECK(std::get<std::vector<double>>(gained.details.at("impacts")) == std::vector<double>{0.0, 1.0});
+  CHECK(text_detail(gained, "scenario") == "persistence");
+  CHECK(in[1].parent->label == gained.label);
+  CHECK(in[1].stop == BranchStop::reached_bound);
+  CHECK(check_branch(system, in[1]) == std::vector<std::string>{});
+  const BranchPoint& struck = in[1].points.back();
+  CHECK(struck.impacts == 1);
+  // The cycle with the impact, found by simulation alone.
+  const Vector p = parameters(system, {{"r", 1.8}});
+  const Trajectory settled = simulate(system, p, 0.0, vector({0.5, 0.0}), {.t_end = 2000.0});
+  const Trajectory to_impact = simulate(system, p, 0.0, settled.x, {.t_end = 50.0, .max_events = 1});
+  const Trajectory round = simulate(system, p, 0.0, to_impact.x, {.t_end = 50.0, .max_events = 1});
+  CHECK(struck.duration == Approx(round.t).epsilon(1e-9));
+
+  const PeriodicOrbit near = shoot(system, p, std::vector<Vector>{struck.state()}, 1, {}, struck.duration);
+  REQUIRE(near.impacts == 1);
+  options.to = 2.2;
+  const std::vector<Branch> out = continue_orbit(system, near, options);
+  REQUIRE(out.size() == 2);
+  CHECK(out[0].special_points.back().value == Approx(amplitude).epsilon(1e-12));
+  CHECK(std::get<std::vector<double>>(out[0].special_points.back().details.at("impacts")) == std::vector<double>{1.0, 0.0});
+  CHECK(out[1].stop == BranchStop::reached_bound);
+  CHECK(out[1].points.back().duration == Approx(free.duration).epsilon(1e-10));
+}
+
+TEST_CASE("a doubled autonomous orbit is followed, and is the one on which motions settle") {
+  const HybridSystem system = roessler();
+  const PeriodicOrbit orbit = attracting(system, parameters(system), vector({1.0, 1.0, 0.0}));
+  ContinuationOptions options;
+  options.parameter = "c";
+  options.to = 6.0;
+  const std::vector<Branch> branches = continue_orbit(system, orbit, options);
+  REQUIRE(branches.size() == 2);
+  const auto doublings = points_of(branches[0], PointType::PD);
+  REQUIRE(doublings.size() == 1);
+  CHECK(text_detail(doublings[0], "criticality") == "supercritical");
+  CHECK(branches[1].parent->label == doublings[0].label);
+  CHECK(branches[1].period == 2);
+  CHECK(branches[1].stop == BranchStop::reached_bound);
+  CHECK(check_branch(system, branches[1]) == std::vector<std::string>{});
+  CHECK(branches[1].points.front().duration == Approx(2.0 * doublings[0].orbit.duration).epsilon(1e-6));
+  // After two returns.
+  const Vector p = parameters(system, {{"c", 6.0}});
+  const Attractor attractor = approach_attractor(system, p, vector({1.0, 1.0, 0.0}), {});
+  REQUIRE(attractor.orbit);
+  CHECK(attractor.orbit->period == 2);
+  const BranchPoint& end = branches[1].points.back();
+  CHECK(end.stable);
+  CHECK(end.duration == Approx(attractor.orbit->duration).epsilon(1e-9));
+  const PeriodicOrbit seed = seen_at_nodes(*attractor.orbit);
+  CHECK(lies_on(system, branches[1], seed.states, 6.0));
+  CHECK(!lies_on(system, branches[0], seed.states, 6.0));
+  // From there the branch leads back, as one of period two.
+  options.to = 5.0;
+  const std::vector<Branch> back = continue_orbit(system, seed, options);
+  CHECK(back[0].period == 2);
+  CHECK(back[0].stop == BranchStop::returned);
+  CHECK(std::abs(back[0].stop_value - doublings[0].value) < 1e-2);
+}
+
+TEST_CASE("both halves of a pitchfork of autonomous orbits are followed") {
+  // On the unit circle z' = z (p + x/2 - z^2): the cycle z = 0 has the multiplier exp(2 pi p).
+  const HybridSystem system =
+      flow_in_space({{"p", "-0.2"}}, "x' = x*(1 - x^2 - y^2) - y\ny' = y*(1 - x^2 - y^2) + x\nz' = z*(p + x/2 - z^2)");
+  const PeriodicOrbit orbit = shoot(system, parameters(system), std::vector<Vector>{vector({0.0, -1.0, 0.0})}, 1, {}, 6.2);
+  REQUIRE(orbit.converged());
+  ContinuationOptions options;
+  options.parameter = "p";
+  options.to = 0.3;
+  const std::vector<Branch> branches = continue_orbit(system, orbit, options);
+  REQUIRE(branches.size() == 3);
+  const auto crossings = points_of(branches[0], PointType::BP);
+  REQUIRE(crossings.size() == 1);
+  CHECK(std::abs(crossings[0].value) < 1e-12);
+  for (const std::size_t k : {1, 2}) {
+    CHECK(branches[k].parent->label == crossings[0].label);
+    CHECK(branches[k].stop == BranchStop::reached_bound);
+    CHECK(check_branch(system, branches[k]) == std::vector<std::string>{});
+    // Since z'/z has the mean zero, that of z^2 is p: the multiplier is exp(2 pi (p - 3 p)).
+    for (const BranchPoint& point : branches[k].points)
+      CHECK(point.multipliers.values.front().real() == Approx(std::exp(-4.0 * std::numbers::pi * point.value)).epsilon(1e-8));
+  }
+  CHECK(branches[1].points.back().state()[2] == Approx(-branches[2].points.back().state()[2]).epsilon(1e-9));
 }
