@@ -351,7 +351,6 @@ LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const 
     if (mode_ends) {
       miss = smallest_miss();
       if (std::abs(at.h + miss) < 0.5 * miss) resume_after = 0.0;
-      last_step = std::numeric_limits<double>::infinity();
     }
     if (!mode_ends && located.newton.residual() < 1e-11 && (step_size < 1e-14 || step_size >= 0.5 * last_step)) {
       located.newton.status = located.curvature < 0.0 ? NewtonStatus::converged : NewtonStatus::stalled;
@@ -363,7 +362,7 @@ LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const 
       located.newton.status = NewtonStatus::stalled;
       break;
     }
-    last_step = step_size;
+    last_step = mode_ends ? std::numeric_limits<double>::infinity() : step_size;
     located.u += step.head(unknowns);
     t += step[unknowns];
     located.newton.status = NewtonStatus::iteration_limit;

@@ -6,6 +6,7 @@
 #include <graze/continuation/conditions/grazing_turns.hpp>
 #include <graze/continuation/graph/chatter_series.hpp>
 #include <graze/continuation/graph/task_queues.hpp>
+#include <graze/continuation/problems/clear_section.hpp>
 #include <graze/continuation/problems/labels.hpp>
 #include <graze/floquet/attractor/attractor.hpp>
 #include <graze/floquet/orbit/mirror.hpp>
@@ -296,10 +297,37 @@ class Graph {
     ++last_seed_;
     for (const int direction : seed.directions) {
       Task task{Origin::seed, seed.orbit, direction, 0, 0, generation};
-      if (!is_forced(system_)) task.orbit.period = std::max(1, count_returns(system_, seed.orbit));
+      if (!is_forced(system_)) task.orbit = by_returns(seed.orbit);
       task.seed = last_seed_;
       tasks_.add(std::move(task));
     }
+  }
+
+  /// An autonomous orbit as one of as many periods as it has returns, with a node each: so a doubled one is told from its parent.
+  PeriodicOrbit by_returns(const PeriodicOrbit& orbit) const {
+    const int returns = count_returns(system_, orbit);
+    if (returns < 2) return orbit;
+    // From where the nodes keep clear of events.
+    std::vector<double> places;
+    const double length = orbit.duration / returns;
+    for (const EventRecord& event : orbit.events) places.push_back(std::fmod(event.t / length, 1.0));
+    std::sort(places.begin(), places.end());
+    Propagator propagator(system_, orbit.parameters, {}, options_.shooting.flow);
+    Transition transition;
+    std::vector<Vector> nodes;
+    Vector state = orbit.nodes.front();
+    for (double ahead = std::fmod(widest_gap(places).middle, 1.0) * length; static_cast<int>(nodes.size()) < returns;
+         ahead = length) {
+      carry(propagator, 0.0, ahead, state, {.sensitivity = Sensitivity::none}, transition);
+      if (transition.termination != Termination::time) return orbit;
+      state = transition.x1;
+      nodes.push_back(state);
+    }
+    PeriodicOrbit out = orbit;
+    out.period = returns;
+    out.nodes = out.states = nodes;
+    out.state = nodes.front();
+    return out;
   }
 
   OrbitProblem problem_at(const PeriodicOrbit& orbit, int copies = 1) const {
