@@ -22,10 +22,6 @@ constexpr std::size_t most_combinations = 512;
 /// Of an argument in the name of a mode.
 constexpr std::size_t longest_argument = 40;
 
-bool is_nonsmooth(Operation operation) {
-  using enum Operation;
-  return operation == abs || operation == sign || operation == step || operation == max || operation == min;
-}
 bool is_jump(Operation operation) { return operation == Operation::sign || operation == Operation::step; }
 
 /// An argument whose sign decides the branch of some functions.
@@ -125,7 +121,7 @@ class Separation {
     for (const Expression part : reachable(graph_, roots(m))) {
       const Node n = graph_.node(part);
       if (!is_nonsmooth(n.operation)) continue;
-      const Expression argument = operands(n.operation) == 2 ? graph_.subtract(n.a, n.b) : n.a;
+      const Expression argument = switching_argument(graph_, n);
       if (!dependence(graph_, argument).moves()) continue;  // a parameter's sign is no event
       for (const Expression inner : reachable(graph_, argument))
         if (is_jump(graph_.node(inner).operation) && dependence(graph_, inner).moves())
@@ -422,6 +418,15 @@ class Separation {
 };
 
 }  // namespace
+
+bool is_nonsmooth(Operation operation) {
+  using enum Operation;
+  return operation == abs || operation == sign || operation == step || operation == max || operation == min;
+}
+
+Expression switching_argument(Graph& graph, const Node& node) {
+  return operands(node.operation) == 2 ? graph.subtract(node.a, node.b) : node.a;
+}
 
 Pieces split_nonsmooth(Graph& graph, const Pieces& pieces, const std::vector<ParameterInfo>& parameters, const Symbols& symbols,
                        const Source& source) {

@@ -15,6 +15,12 @@
 
 namespace graze::equations {
 
+/// abs, sign, max, min or step.
+bool is_nonsmooth(Operation operation);
+
+/// Of such a node: where this changes its sign, the function changes its branch.
+Expression switching_argument(Graph& graph, const Node& node);
+
 /// Modes that one mode of the text may become.
 inline constexpr std::size_t most_split_modes = 64;
 

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <vector>
 
 namespace graze {
 
@@ -17,13 +19,17 @@ constexpr double panels_of_run = 8.0;  // at least; what is shorter is found bec
 /// Last coefficients of a series that has converged, relative to the largest value so far: for the value a tenth of what the
 /// flows keep, for the rate far less than what an extremum feels, which is the square.
 constexpr double value_tolerance = 1e-12, rate_tolerance = 1e-8;
-/// A panel in which a function changes less than this, relative to its size, is not halved, whatever its series do: at a bend.
+/// A panel in which a function changes less than this, relative to its size, is not halved, whatever its series do: at the
+/// beginning of a root.
 constexpr double least_change = 1e-12;
-/// At a jump, where halving does not help: 2^-45 of a stretch is what an event is located to.
+/// 2^-45 of a stretch is what an event is located to.
 constexpr int most_halvings = 45;
-/// In one run. A bend takes 90 of them; beyond, the accuracy is that of the first panels.
+/// In one run. The beginning of a root takes 90 of them; beyond, the accuracy is that of the first panels.
 constexpr std::size_t most_panels = 20000;
 constexpr std::size_t looks = 64;  // at the series of a rate in a panel, for changes of sign
+/// An argument of a nonsmooth function that is smaller than this, relative to its largest value so far, has no sign: its series
+/// are as accurate as that.
+constexpr double sign_tolerance = value_tolerance;
 
 using Series = std::array<double, points>;
 
@@ -56,6 +62,27 @@ double value_at(const Series& series, double s) {
   return series[0] + s * a - b;
 }
 
+/// Between s = low and s = high, where the series has different signs.
+double zero_between(const Series& series, double low, double high) {
+  const bool negative = value_at(series, low) < 0.0;
+  for (double middle = 0.5 * (low + high); low < middle && middle < high; middle = 0.5 * (low + high))
+    ((value_at(series, middle) < 0.0) == negative ? low : high) = middle;
+  return low;
+}
+
+/// Where the rate of a function changes its sign.
+std::vector<double> turns(const Series& rates) {
+  std::vector<double> list;
+  double from = -1.0, rate_from = value_at(rates, from);
+  for (std::size_t look = 1; look <= looks; ++look) {
+    const double to = -1.0 + 2.0 * static_cast<double>(look) / looks, rate_to = value_at(rates, to);
+    if ((rate_from < 0.0) != (rate_to < 0.0)) list.push_back(zero_between(rates, from, to));
+    from = to;
+    rate_from = rate_to;
+  }
+  return list;
+}
+
 /// Over s from -1 to 1.
 double integral_of(const Series& series) {
   double sum = 0.0;
@@ -77,27 +104,29 @@ double instant(std::size_t j) { return -std::cos(std::numbers::pi * static_cast<
 class Measuring {
  public:
   Measuring(Propagator& propagator, const equations::MotionFunctions& functions)
-      : propagator_(propagator), functions_(functions), out_(functions.size()), value_(functions.size()), rate_(functions.size()),
-        size_(functions.size(), 0.0), rate_size_(functions.size(), 0.0) {}
+      : propagator_(propagator), functions_(functions), out_(functions.size()), all_(functions.size() + functions.arguments()),
+        value_(all_), rate_(all_), size_(all_, 0.0), rate_size_(all_, 0.0) {}
 
   std::vector<Extent> measure(const Trajectory& run) {
     if (run.segments.empty()) return lost();
     const double longest = (run.segments.back().t1 - run.segments.front().t0) / panels_of_run;
     for (std::size_t i = 0; i < run.segments.size(); ++i) {
       const Segment& segment = run.segments[i];
-      take(segment.mode, segment.t0, segment.x0);
+      segment_ = &segment;
+      functions_.evaluate(propagator_.system(), segment.mode, segment.t0, segment.x0, propagator_.parameters(), value_.data(),
+                          rate_.data());
       // Where a chatter is complete, the run goes on from its accumulation point a moment later.
       if (i > 0)
         for (std::size_t k = 0; k < out_.size(); ++k) out_[k].integral += (segment.t0 - run.segments[i - 1].t1) * value_[k];
-      segment_ = &segment;
       if (segment.t1 > segment.t0) {
         const double length = segment.t1 - segment.t0;
         const double count = std::max(1.0, std::ceil(length / longest));
         HybridState state{segment.t0, segment.x0, segment.mode};
         for (double panel = 0.0; panel < count; ++panel)
           if (!add(state, panel + 1.0 == count ? segment.t1 : segment.t0 + length * ((panel + 1.0) / count), 0)) return lost();
+      } else {
+        widen();
       }
-      take(segment.mode, segment.t1, segment.x1);
     }
     for (Extent& extent : out_)
       if (!std::isfinite(extent.integral)) extent = not_known;
@@ -105,12 +134,24 @@ class Measuring {
   }
 
  private:
+  using Signs = std::vector<int>;
+  using Points = std::array<HybridState, points>;
+  /// A function or an argument in a panel.
+  struct Piece {
+    Series values{}, rates{};  // at the points
+    Series value_series{}, rate_series{};
+  };
+
   static constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   static constexpr Extent not_known{nan, nan, nan};
   std::vector<Extent> lost() const { return std::vector<Extent>(out_.size(), not_known); }
 
-  void take(std::size_t mode, double t, const Vector& x) {
-    functions_.evaluate(propagator_.system(), mode, t, x, propagator_.parameters(), value_.data(), rate_.data());
+  void evaluate(const HybridState& at, const Signs& signs) {
+    functions_.evaluate(propagator_.system(), at.mode, at.t, at.x, propagator_.parameters(), signs, value_.data(), rate_.data());
+  }
+
+  /// By the values at hand.
+  void widen() {
     for (std::size_t k = 0; k < out_.size(); ++k) {
       out_[k].largest = std::max(out_[k].largest, value_[k]);
       out_[k].smallest = std::min(out_[k].smallest, value_[k]);
@@ -128,74 +169,115 @@ class Measuring {
     return true;
   }
 
+  /// From the last point before t.
+  std::optional<HybridState> state_at(const Points& at, double t) {
+    std::size_t before = 0;
+    while (before < degree && at[before + 1].t <= t) ++before;
+    HybridState state = at[before];
+    return go_to(state, t) ? std::optional(std::move(state)) : std::nullopt;
+  }
+
+  /// Makes the series of a function or an argument from its values and says whether they converge.
+  bool expand(std::size_t k, Piece& piece, double half) {
+    piece.value_series = coefficients(piece.values);
+    piece.rate_series = coefficients(piece.rates);
+    const double steepest = largest(piece.rates);
+    size_[k] = std::max(size_[k], largest(piece.values));
+    if (std::isfinite(steepest)) rate_size_[k] = std::max(rate_size_[k], steepest);
+    const bool lost = !std::isfinite(piece.value_series[0]);  // and stays so however small the panels are
+    return lost ||
+           (remainder(piece.value_series) <= value_tolerance * size_[k] &&
+            remainder(piece.rate_series) <= rate_tolerance * rate_size_[k]) ||
+           half * steepest <= least_change * size_[k];
+  }
+
   /// The panel from `state` to t1, where the state is then. False: it cannot be carried so far.
   bool add(HybridState& state, double t1, int halvings) {
     ++panels_;
     const double t0 = state.t, half = 0.5 * (t1 - t0);
-    std::array<HybridState, points> at;
-    std::vector<Series> values(out_.size()), rates(out_.size());
+    Points at;
     at[0] = state;
-    for (std::size_t j = 0; j <= degree; ++j) {
-      if (j > 0) {
-        at[j] = at[j - 1];
-        const double t = j == degree ? t1 : t0 + half * (1.0 + instant(j));
-        if (!go_to(at[j], t)) return false;
-      }
-      take(state.mode, at[j].t, at[j].x);
-      for (std::size_t k = 0; k < out_.size(); ++k) {
-        values[k][j] = value_[k];
-        rates[k][j] = rate_[k];
-      }
+    for (std::size_t j = 1; j <= degree; ++j) {
+      at[j] = at[j - 1];
+      if (!go_to(at[j], j == degree ? t1 : t0 + half * (1.0 + instant(j)))) return false;
     }
-    std::vector<Series> value_series(out_.size()), rate_series(out_.size());
     bool converged = true;
-    for (std::size_t k = 0; k < out_.size(); ++k) {
-      value_series[k] = coefficients(values[k]);
-      rate_series[k] = coefficients(rates[k]);
-      const double steepest = largest(rates[k]);
-      size_[k] = std::max(size_[k], largest(values[k]));
-      if (std::isfinite(steepest)) rate_size_[k] = std::max(rate_size_[k], steepest);
-      const bool lost = !std::isfinite(value_series[k][0]);  // and stays so however small the panels are
-      converged = converged && (lost ||
-                                (remainder(value_series[k]) <= value_tolerance * size_[k] &&
-                                 remainder(rate_series[k]) <= rate_tolerance * rate_size_[k]) ||
-                                half * steepest <= least_change * size_[k]);
+    double cut = t1;
+    Signs signs(functions_.arguments(), 0);
+    for (std::size_t i = 0; i < signs.size(); ++i) {
+      const std::size_t k = out_.size() + i;
+      Piece argument;
+      for (std::size_t j = 0; j <= degree; ++j) {
+        evaluate(at[j], signs);
+        argument.values[j] = value_[k];
+        argument.rates[j] = rate_[k];
+      }
+      const bool smooth = expand(k, argument, half);
+      converged = converged && smooth;
+      const std::optional<double> s = find_sign(argument, sign_tolerance * size_[k], signs[i]);
+      if (!smooth || !s) continue;
+      double t = t0 + half * (1.0 + *s);
+      const std::optional<HybridState> there = state_at(at, t);
+      if (!there) return false;
+      evaluate(*there, signs);
+      if (const double polished = t - value_[k] / rate_[k]; std::abs(polished - t) < sign_tolerance * half) t = polished;
+      cut = std::min(cut, t);
     }
-    if (!converged && halvings < most_halvings && panels_ < most_panels) {
+    const bool may_divide = panels_ < most_panels;
+    if (converged && may_divide && t0 < cut && cut < t1) return add(state, cut, halvings) && add(state, t1, halvings);
+    std::vector<Piece> pieces(out_.size());
+    for (std::size_t j = 0; j <= degree; ++j) {
+      evaluate(at[j], signs);
+      widen();
+      for (std::size_t k = 0; k < out_.size(); ++k) {
+        pieces[k].values[j] = value_[k];
+        pieces[k].rates[j] = rate_[k];
+      }
+    }
+    for (std::size_t k = 0; k < out_.size(); ++k) {
+      const bool smooth = expand(k, pieces[k], half);
+      converged = converged && smooth;
+    }
+    if (!converged && halvings < most_halvings && may_divide) {
       HybridState middle = at[degree / 2];
       if (!add(state, middle.t, halvings + 1) || !add(middle, t1, halvings + 1)) return false;
       state = std::move(middle);
       return true;
     }
     for (std::size_t k = 0; k < out_.size(); ++k) {
-      out_[k].integral += half * integral_of(value_series[k]);
-      if (!look_for_extrema(k, value_series[k], rate_series[k], t0, half, at)) return false;
+      out_[k].integral += half * integral_of(pieces[k].value_series);
+      if (!look_for_extrema(k, pieces[k], t0, half, at, signs)) return false;
     }
     state = at[degree];
     return true;
   }
 
-  bool look_for_extrema(std::size_t k, const Series& values, const Series& rates, double t0, double half,
-                        const std::array<HybridState, points>& at) {
-    double from = -1.0, rate_from = value_at(rates, from);
-    for (std::size_t look = 1; look <= looks; ++look) {
-      const double to = -1.0 + 2.0 * static_cast<double>(look) / looks, rate_to = value_at(rates, to);
-      if ((rate_from < 0.0) != (rate_to < 0.0)) {
-        double low = from, high = to;
-        for (double middle = 0.5 * (low + high); low < middle && middle < high; middle = 0.5 * (low + high))
-          ((value_at(rates, middle) < 0.0) == (rate_from < 0.0) ? low : high) = middle;
-        const double there = value_at(values, low);
-        if (there > out_[k].largest || there < out_[k].smallest) {
-          const double t = t0 + half * (1.0 + low);
-          std::size_t before = 0;
-          while (before < degree && at[before + 1].t <= t) ++before;
-          HybridState state = at[before];
-          if (!go_to(state, t)) return false;
-          take(state.mode, state.t, state.x);
-        }
+  /// The sign that an argument has at first, and s where it changes. Values below the tolerance have none.
+  static std::optional<double> find_sign(const Piece& argument, double tolerance, int& sign) {
+    std::vector<double> ends = turns(argument.rate_series);  // between them the argument is monotone
+    ends.insert(ends.begin(), -1.0);
+    ends.push_back(1.0);
+    for (std::size_t i = 0; i < ends.size(); ++i) {
+      const double value = value_at(argument.value_series, ends[i]);
+      if (!(std::abs(value) > tolerance)) continue;
+      const int own = value > 0.0 ? 1 : -1;
+      if (sign != 0 && own != sign) {
+        const bool before = value_at(argument.value_series, ends[i - 1]) * sign > 0.0;
+        return before ? zero_between(argument.value_series, ends[i - 1], ends[i]) : ends[i - 1];
       }
-      from = to;
-      rate_from = rate_to;
+      sign = own;
+    }
+    return std::nullopt;
+  }
+
+  bool look_for_extrema(std::size_t k, const Piece& piece, double t0, double half, const Points& at, const Signs& signs) {
+    for (const double s : turns(piece.rate_series)) {
+      const double there = value_at(piece.value_series, s);
+      if (!(there > out_[k].largest || there < out_[k].smallest)) continue;
+      const std::optional<HybridState> state = state_at(at, t0 + half * (1.0 + s));
+      if (!state) return false;
+      evaluate(*state, signs);
+      widen();
     }
     return true;
   }
@@ -204,7 +286,8 @@ class Measuring {
   const Segment* segment_ = nullptr;  // the stretch at hand
   const equations::MotionFunctions& functions_;
   std::vector<Extent> out_;
-  std::vector<double> value_, rate_;      // where take() was last
+  std::size_t all_;                       // functions, then arguments
+  std::vector<double> value_, rate_;      // at the last state
   std::vector<double> size_, rate_size_;  // the largest magnitudes so far
   std::size_t panels_ = 0;
 };

@@ -3,9 +3,10 @@
 //
 // An extremum lies where a stretch between two events begins or ends, or where the rate of change vanishes. Each stretch is cut
 // into panels; in a panel the motion is carried to the points of Chebyshev, where value and rate are exact. A panel whose series
-// do not converge is halved, so that the beginning of a contact or a bend of abs() needs nothing special. The integral is that of
-// the value's series (Clenshaw and Curtis, Numer. Math. 2, 197, 1960). Where the series of the rate changes its sign, the motion
-// is carried there: an error of the instant moves the extremum by its square only.
+// do not converge is halved, so that the beginning of a contact needs nothing special. Where the argument of abs, sign, max, min
+// or step changes its sign, a panel is cut there to rounding: each part has one branch of the function, up to both of its ends.
+// The integral is that of the value's series (Clenshaw and Curtis, Numer. Math. 2, 197, 1960). Where the series of the rate
+// changes its sign, the motion is carried there: an error of the instant moves the extremum by its square only.
 #pragma once
 
 #include <graze/lib/equations/motion_functions.hpp>

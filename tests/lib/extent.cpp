@@ -67,6 +67,53 @@ TEST_CASE("extents along a harmonic motion are those of its closed form") {
   CHECK(std::abs(found[5].integral - b * R * R * eta * eta * T) < tolerance * R * T);
 }
 
+TEST_CASE("extents of functions that jump and bend are those of their closed forms, whatever else is measured") {
+  // The undamped motion x = cos t beside the forcing: v = -sin t, so that every sign change is known.
+  const HybridSystem system = make_oscillator("linear", "newton");
+  Vector p = default_parameters(system.parameters);
+  set(system, p, "b", 0.0);
+  set(system, p, "xi", 0.0);
+  set(system, p, "eta", 1.0);
+  set(system, p, "r", 100.0);
+  const double T = 2.0 * std::numbers::pi, a = 0.3, root = std::sqrt(1.0 - a * a), angle = std::acos(a);
+  Graph graph;
+  const auto of = [&](Operation operation, Expression first, Expression second = {}) {
+    return graph.function(operation, first, second);
+  };
+  const Expression x = graph.state(0), v = graph.state(1), level = graph.constant(a), beyond = graph.subtract(x, level);
+  struct Case {
+    Expression function;
+    double integral, largest, smallest;
+  };
+  const std::vector<Case> cases = {
+      {of(Operation::step, beyond), 2.0 * angle, 1.0, 0.0},
+      {of(Operation::sign, beyond), 4.0 * angle - T, 1.0, -1.0},
+      {of(Operation::max, x, level), 2.0 * root + a * (T - 2.0 * angle), 1.0, a},
+      {of(Operation::min, x, level), -2.0 * root + a * 2.0 * angle, a, -1.0},
+      {of(Operation::abs, beyond), 4.0 * root - 4.0 * a * angle + a * T, 1.0 + a, 0.0},
+      {graph.multiply(of(Operation::step, beyond), v), 0.0, root, -root},
+      {graph.multiply(of(Operation::step, beyond), of(Operation::abs, v)), 2.0 * (1.0 - a), root, 0.0},
+      {graph.multiply(of(Operation::sign, graph.subtract(of(Operation::abs, x), level)), x), 0.0, 1.0, -1.0},
+      {of(Operation::sign, graph.subtract(of(Operation::abs, x), level)), 8.0 * angle - T, 1.0, -1.0},
+      {of(Operation::step, graph.subtract(of(Operation::max, v, x), graph.constant(0.9))),
+       // cos t > 0.9 or -sin t > 0.9: two arcs that do not meet
+       4.0 * std::acos(0.9), 1.0, 0.0},
+  };
+  std::vector<Expression> all;
+  for (const Case& one : cases) all.push_back(one.function);
+  const Vector start = vector({1.0, 0.0});
+  const std::vector<Extent> together = measured(system, p, start, T, graph, all);
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    CAPTURE(i);
+    const Extent alone = measured(system, p, start, T, graph, {all[i]})[0];
+    for (const Extent& found : {alone, together[i]}) {
+      CHECK(std::abs(found.integral - cases[i].integral) < 1e-11);
+      CHECK(std::abs(found.largest - cases[i].largest) < 1e-11);
+      CHECK(std::abs(found.smallest - cases[i].smallest) < 1e-11);
+    }
+  }
+}
+
 TEST_CASE("extents of a ball that comes to rest are the sums of its flights") {
   // A flight that begins with speed u: height u^2/(2 g), way u^2/g, area 2 u^3/(3 g^2).
   const HybridSystem system = bouncing_ball();
