@@ -259,17 +259,18 @@ Json basins_json(const Problem& problem, const Plane& plane, const Options& opti
   return json;
 }
 
-Json found_json(const CoexistingAttractor& found, std::size_t id) {
-  Json json = {{"id", id}};
-  json.update(attractor_json(found.attractor));
-  json["exponents"] = numbers_json(found.attractor.exponents);
-  json["standard_errors"] = numbers_json(found.attractor.standard_errors);
-  json["kaplan_yorke"] = kaplan_yorke_dimension(found.attractor.exponents);
-  json["count"] = found.count;
-  json["fraction"] = found.fraction;
-  json["fraction_error"] = found.fraction_error;
-  json["states"] = to_json(found.states);
-  return json;
+const Columns<CoexistingAttractor>& found_columns() {
+  using F = CoexistingAttractor;
+  static const Columns<F> list = joined<F>(
+      {of_part(attractor_columns(), &F::attractor),
+       of_part(exponents_columns(), &F::attractor),
+       {column<F>("kaplan_yorke", "", "dimension",
+                  [](const F& found) { return kaplan_yorke_dimension(found.attractor.exponents); }),
+        column<F>("count", "", "starts that reach it", [](const F& found) { return found.count; }),
+        column<F>("fraction", "", "of the admissible starts", [](const F& found) { return found.fraction; }),
+        column<F>("fraction_error", "", "standard error of the fraction", [](const F& found) { return found.fraction_error; }),
+        column<F>("states", "", "on it, at forcing phase 0", &F::states)}});
+  return list;
 }
 
 /// All but which start leads where.
@@ -279,8 +280,10 @@ void put_basins(Json& json, const Basins& basins) {
   json["lost"] = basins.lost;
   json["periods"] = basins.periods;
   json["attractors"] = Json::array();
-  for (std::size_t i = 0; i < basins.attractors.size(); ++i)
-    json["attractors"].push_back(found_json(basins.attractors[i], i + 1));
+  for (const CoexistingAttractor& found : basins.attractors) {
+    Json& entry = json["attractors"].emplace_back(Json{{"id", json["attractors"].size() + 1}});
+    entry.update(json_of(found_columns(), found));
+  }
 }
 
 /// The result of an earlier run of the same options.
@@ -290,10 +293,8 @@ Basins earlier_basins(const Json& earlier, const std::string& folder, const Json
   try {
     for (const Json& json : earlier.at("attractors")) {
       CoexistingAttractor found;
-      found.attractor = attractor_of(json);
-      found.attractor.exponents = numbers_of(json.at("exponents"));
-      found.attractor.standard_errors = numbers_of(json.at("standard_errors"));
-      for (const Json& state : json.at("states")) found.states.push_back(vector_from(state));
+      found.attractor.termination = Termination::time;
+      read(found_columns(), json, found);
       basins.attractors.push_back(std::move(found));
     }
     for (const Json& row : earlier.at("basins").at("attractor")) {

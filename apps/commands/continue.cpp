@@ -134,7 +134,7 @@ int run(const Options& given, const Console& console) {
   const SamePoints same = same_points(branches);
   const std::vector<BranchQuantities> measured = measure(quantities, problem.system, branches, console.thread_count());
   for (std::size_t b = 0; b < branches.size(); ++b) {
-    result.json["branches"].push_back(branch_json(branches[b]));
+    result.json["branches"].push_back(json_of(branches[b]));
     result.text.append("\n").append(branch_text(problem, branches[b],
                                                 options.all ? std::numeric_limits<std::size_t>::max() : rows_shown, same,
                                                 measured.empty() ? BranchQuantities{} : measured[b]));
@@ -142,7 +142,7 @@ int run(const Options& given, const Console& console) {
   put_quantities(result.json["branches"], measured);
   put_same_points(result.json["branches"], branches);
   const std::vector<Cascade> doublings = cascades(branches);
-  result.json["cascades"] = cascades_json(doublings);
+  result.json["cascades"] = json_of(doublings);
   result.text += cascades_text(doublings, options.parameter);
   result.table = branches_table(problem, branches, measured);
   if (status != Status::done) console.err << "graze continue: " << message << "\n";

@@ -150,9 +150,9 @@ void check_earlier(Earlier& earlier, const Options& options, const Problem& prob
   const bool same = same_options(result, skeleton_json(options), "max_step");
   earlier.skeleton_done = status == "done" && same;
   try {
-    earlier.cut_off = cut_off_from(result.at("cut_off"));
+    earlier.cut_off = value_of<std::vector<CutOff>>(result.at("cut_off"));
     if (same && result.contains("seed_search")) earlier.seeds = seeds_from(result, problem, options.parameter);
-    if (whole) earlier.rows = rows_from(result.at("rows"));
+    if (whole) earlier.rows = value_of<std::vector<SweepRow>>(result.at("rows"));
   } catch (const std::exception&) {
     refuse("is damaged; compute it anew");
   }
@@ -248,7 +248,7 @@ Swept add_sweeps(Result& result, const Earlier& earlier, const SweepRange& range
   const std::vector<ChaoticWindow> windows = chaotic_windows(swept.rows);
   const RowQuantities measured = measure(quantities, problem, options.parameter, swept.rows, console.thread_count());
   result.json["rows"] = rows_json(swept.rows, measured);
-  result.json["chaotic_windows"] = chaotic_windows_json(windows);
+  result.json["chaotic_windows"] = json_of(windows);
   result.text += "\n" + aligned(sweep_overview(swept.rows, options.parameter, measured)) + "\n";
   result.text += windows.empty() ? "no chaos on the way\n"
                                  : "chaotic windows:\n" + aligned(chaotic_windows_table(windows, options.parameter));

@@ -214,7 +214,7 @@ int run(const Options& given, const Console& console) {
                                              : located.first.message + "; at other values within the reach there is none either";
   set_status(result.json, status, message);
   add_origin(result.json, located.first);
-  result.json["special_point"] = point ? special_point_json(*point) : Json(nullptr);
+  result.json["special_point"] = point ? json_of(*point) : Json(nullptr);
   result.text = describe(problem, options.parameter) + "\n\n";
   if (point) {
     const QuantityValues measured = measure(quantities, problem.system, point->orbit);

@@ -96,15 +96,14 @@ int run(const Options& options, const Console& console) {
   }
   set_status(result.json, status, message);
   const bool periodic = attractor.type == AttractorType::periodic;
-  const Json average = spectrum_json(attractor.time_average);
-  result.json["exponents"] = numbers_json(attractor.exponents);
-  result.json["standard_errors"] = numbers_json(attractor.standard_errors);
+  const Json average = json_of(attractor.time_average);
+  result.json.update(json_of(exponents_columns(), attractor));
   result.json["converged"] = periodic || attractor.time_average.converged();
   result.json["periods"] = attractor.time_average.periods;
   result.json["liouville_residual"] = average["liouville_residual"];
   result.json["kaplan_yorke"] = kaplan_yorke_dimension(attractor.exponents);
   result.json["stop"] = periodic ? Json("the attractor is a stable orbit") : average["stop"];
-  result.json["attractor"] = attractor_json(attractor);
+  result.json["attractor"] = json_of(attractor);
   result.json["time_average"] = average;
   result.table = {{"exponent", "value", "standard_error", "time_average", "time_average_error"}, {}};
   for (std::size_t i = 0; i < attractor.exponents.size(); ++i) {

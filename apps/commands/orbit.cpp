@@ -36,7 +36,7 @@ int run(const Options& options, const Console& console) {
   Json orbits = Json::array();
   for (const PeriodicOrbit& orbit : found.orbits) {
     measured.push_back(measure(quantities, problem.system, orbit));
-    orbits.push_back(orbit_json(orbit));
+    orbits.push_back(json_of(orbit));
     put_quantities(orbits.back(), measured.back());
   }
   result.json["orbit"] = found.status != Status::failed && !found.orbits.empty() ? orbits.front() : Json(nullptr);

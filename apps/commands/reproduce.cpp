@@ -57,13 +57,14 @@ Reproduction earlier_run(const Json& json, const Options& options, const Publish
   Reproduction earlier;
   if (json.is_null()) return earlier;
   try {
-    for (const Json& row : json.at("rows")) earlier.rows.push_back(comparison_from(row));
-    for (const Json& claim : json.at("claims")) earlier.claims.push_back(claim_from(claim));
+    earlier.rows = value_of<std::vector<Comparison>>(json.at("rows"));
+    earlier.claims = value_of<std::vector<Claim>>(json.at("claims"));
     for (const Json& swept : json.at("diagrams"))
       for (const PublishedDiagram& diagram : published.diagrams)
         if (swept.at("figure") == diagram.figure && swept.at("system") == diagram.system && swept.at("step") == diagram.step &&
             swept.at("eta") == Json{diagram.from, diagram.to})
-          earlier.diagrams.push_back({diagram, problem_of(published, diagram.system), rows_from(swept.at("rows"))});
+          earlier.diagrams.push_back(
+              {diagram, problem_of(published, diagram.system), value_of<std::vector<SweepRow>>(swept.at("rows"))});
   } catch (const Json::exception& error) {
     refuse_to_resume(options.resume, "reproduce", fmt::format("is damaged ({}); compute it anew", plain(error)));
   }
@@ -145,10 +146,8 @@ int run(const Options& given, const Console& console) {
   const std::string message =
       found.complete ? "" : fmt::format("{} with {} of {} rows", interruption(), found.rows.size(), published.items());
   set_status(result.json, status, message);
-  result.json["rows"] = Json::array();
-  for (const Comparison& row : found.rows) result.json["rows"].push_back(comparison_json(row));
-  result.json["claims"] = Json::array();
-  for (const Claim& claim : found.claims) result.json["claims"].push_back(claim_json(claim));
+  result.json["rows"] = json_of(found.rows);
+  result.json["claims"] = json_of(found.claims);
   result.json["diagrams"] = diagrams_json(found.diagrams);
   result.table = comparisons_table(found.rows);
   result.table.columns.emplace_back("remark");

@@ -39,7 +39,7 @@ std::vector<SweepRow> earlier_rows(const Json& earlier, const std::string& folde
   check_same_run(earlier, head, folder);
   std::vector<SweepRow> rows;
   try {
-    rows = rows_from(earlier.at("rows"));
+    rows = value_of<std::vector<SweepRow>>(earlier.at("rows"));
   } catch (const Json::exception&) {
     refuse_to_resume(folder, "sweep", "is damaged; compute it anew");
   }

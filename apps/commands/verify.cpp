@@ -254,9 +254,9 @@ int run(const Options& given, const Console& console) {
   add_origin(result.json, collected.first);
   result.json["agrees"] = collected.status == Status::done;
   result.json["parameter"] = options.parameter;
-  result.json["orbits"] = Json::array();
-  for (const Verification& verification : list) result.json["orbits"].push_back(verification_json(verification));
-  result.json["largest"] = largest_json(largest_of(list), list);
+  result.json["orbits"] = json_of(list);
+  result.json["largest"] = Json::array();
+  for (const Largest& worst : largest_of(list)) result.json["largest"].push_back(json_of(largest_columns(list), worst));
   result.table = checks_table(list, options.parameter);
   result.text = describe(problem_at(problem, options, values.front()), range ? options.parameter : "") + "\n";
   if (range && !list.empty()) result.text += "\n" + range_text(list, options.parameter);

@@ -98,8 +98,8 @@ Picture draw_basins(const Json& result) {
   }
   for (std::size_t i = 0; i < attractors.size(); ++i) {
     const Json& found = attractors[i];
-    const std::string title = fmt::format("{}: {} ± {} %", attractor_name(attractor_of(found)), percent(found.at("fraction")),
-                                          percent(found.at("fraction_error")));
+    const std::string title = fmt::format("{}: {} ± {} %", attractor_name(value_of<Attractor>(found)),
+                                          percent(found.at("fraction")), percent(found.at("fraction_error")));
     const bool periodic = found.at("type") == "periodic";
     Curve curve;
     curve.colour = colour_of(i);

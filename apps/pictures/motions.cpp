@@ -56,7 +56,7 @@ Sampled sampled_orbit(const Problem& problem, const Json& orbit, const StatePair
                                    {.periods = period, .samples = samples_per_period, .stretch = orbit.value("duration", 0.0)});
   Sampled out;
   for (const Vector& row : motion.samples) out.rows.push_back(in_plane(row[0], row.tail(row.size() - 1), plane));
-  insert_events(out, events_json(motion.events, contacts_of_run(motion.events)), plane);
+  insert_events(out, json_of(listed(motion.events, contacts_of_run(motion.events))), plane);
   for (int k = 0; k < std::min<int>(period, static_cast<int>(motion.strobe.size())); ++k)
     out.strobe.push_back(in_plane(motion.strobe[static_cast<std::size_t>(k)], plane));
   out.title = fmt::format("{}{}", name, z_label_of(orbit));

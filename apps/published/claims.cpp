@@ -124,24 +124,15 @@ Claim claim_of_widest_chaos(const Published& published, const std::string& syste
   return claim;
 }
 
-Json claim_json(const Claim& claim) {
-  return {{"name", claim.name},
-          {"claim", claim.statement},
-          {"criterion", claim.criterion},
-          {"computed", claim.computed},
-          {"verdict", verdict_name(claim.verdict)},
-          {"details", claim.details}};
-}
-
-Claim claim_from(const Json& json) {
-  Claim claim;
-  claim.name = json.at("name");
-  claim.statement = json.at("claim");
-  claim.criterion = json.at("criterion");
-  claim.computed = json.at("computed");
-  claim.verdict = verdict_from(json.at("verdict"));
-  claim.details = json.at("details");
-  return claim;
+const Columns<Claim>& claim_columns() {
+  using C = Claim;
+  static const Columns<C> list = {column<C>("name", "", "of the claim", &C::name),
+                                  column<C>("claim", "", "what the source says", &C::statement),
+                                  column<C>("criterion", "", "by which it is judged", &C::criterion),
+                                  column<C>("computed", "", "what was found", &C::computed),
+                                  column<C>("verdict", "", "whether it agrees", &C::verdict),
+                                  column<C>("details", "", "the numbers", &C::details)};
+  return list;
 }
 
 }  // namespace graze::apps

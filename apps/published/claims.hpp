@@ -36,7 +36,7 @@ Claim claim_of_equal_exponents(const Published& published, const std::string& so
 /// "Chaos is widest at clearance r = 2": the width of the chaotic windows in eta against r.
 Claim claim_of_widest_chaos(const Published& published, const std::string& system, double clearance, const ClaimOptions& options);
 
-Json claim_json(const Claim& claim);
-Claim claim_from(const Json& json);
+const Columns<Claim>& claim_columns();
+template <> struct JsonForm<Claim> : RecordForm<Claim, claim_columns> {};
 
 }  // namespace graze::apps

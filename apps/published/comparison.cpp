@@ -9,8 +9,6 @@ namespace graze::apps {
 
 const char* verdict_name(Verdict verdict) { return verdict == Verdict::agrees ? "agrees" : "differs"; }
 
-Verdict verdict_from(const Json& name) { return name == verdict_name(Verdict::agrees) ? Verdict::agrees : Verdict::differs; }
-
 bool agrees_with_print(double computed, double error, double printed, int digits) {
   // A value in the middle between two printed ones may be rounded either way.
   const double half_unit = 0.5 * std::pow(10.0, -digits), rounding = 1e-9 * half_unit;
@@ -21,36 +19,21 @@ void add_remark(std::string& remark, const std::string& sentence) {
   if (!sentence.empty()) remark += (remark.empty() ? "" : "; ") + sentence;
 }
 
-Json comparison_json(const Comparison& row) {
-  return {{"figure", row.figure},
-          {"system", row.system},
-          {"eta", row.eta ? Json(*row.eta) : Json(nullptr)},
-          {"quantity", row.quantity},
-          {"published", row.published},
-          {"computed", row.computed},
-          {"uncertainty", row.uncertainty},
-          {"verdict", verdict_name(row.verdict)},
-          {"remark", row.remark},
-          {"published_text", row.published_text},
-          {"computed_text", row.computed_text},
-          {"details", row.details}};
-}
-
-Comparison comparison_from(const Json& json) {
-  Comparison row;
-  row.figure = json.at("figure");
-  row.system = json.at("system");
-  row.quantity = json.at("quantity");
-  if (json.at("eta").is_number()) row.eta = json["eta"].get<double>();
-  row.published = json.at("published");
-  row.computed = json.at("computed");
-  row.uncertainty = json.at("uncertainty");
-  row.published_text = json.at("published_text");
-  row.computed_text = json.at("computed_text");
-  row.verdict = verdict_from(json.at("verdict"));
-  row.remark = json.at("remark");
-  row.details = json.at("details");
-  return row;
+const Columns<Comparison>& comparison_columns() {
+  using C = Comparison;
+  static const Columns<C> list = {column<C>("figure", "", "in which it is published", &C::figure),
+                                  column<C>("system", "", "id of the system", &C::system),
+                                  column<C>("eta", "", "forcing frequency; of a window its lower end", &C::eta),
+                                  column<C>("quantity", "", "what is compared", &C::quantity),
+                                  column<C>("published", "", "value", &C::published),
+                                  column<C>("computed", "", "value", &C::computed),
+                                  column<C>("uncertainty", "", "of the computed value; null: it has none", &C::uncertainty),
+                                  column<C>("verdict", "", "whether they agree", &C::verdict),
+                                  column<C>("remark", "", "what is known where they do not", &C::remark),
+                                  column<C>("published_text", "", "for people", &C::published_text),
+                                  column<C>("computed_text", "", "for people", &C::computed_text),
+                                  column<C>("details", "", "what else was found", &C::details)};
+  return list;
 }
 
 Table comparisons_table(const std::vector<Comparison>& rows) {

@@ -3,8 +3,7 @@
 // of why. Nothing is tuned: the verdict looks at the printed digits and at our own error, and at nothing else.
 #pragma once
 
-#include <graze/apps/text/json.hpp>
-#include <graze/apps/text/table.hpp>
+#include <graze/apps/text/column.hpp>
 
 #include <optional>
 #include <string>
@@ -14,9 +13,8 @@ namespace graze::apps {
 
 enum class Verdict { differs, agrees };
 
-/// "differs", "agrees"; and back.
+/// "differs", "agrees".
 const char* verdict_name(Verdict verdict);
-Verdict verdict_from(const Json& name);
 
 /// One row of graze.reproduce/1.
 struct Comparison {
@@ -38,9 +36,9 @@ bool agrees_with_print(double computed, double error, double printed, int digits
 /// Sentences in a row: "a; b". An empty one is none.
 void add_remark(std::string& remark, const std::string& sentence);
 
-Json comparison_json(const Comparison& row);
-/// As it was written. @throws Json::exception if it is not one.
-Comparison comparison_from(const Json& json);
+const Columns<Comparison>& comparison_columns();
+template <> struct JsonForm<Verdict> : ChoiceForm<Verdict, verdict_name, Verdict::agrees, Verdict::differs> {};
+template <> struct JsonForm<Comparison> : RecordForm<Comparison, comparison_columns> {};
 
 /// For people: figure, system, eta, quantity, published, computed, verdict.
 Table comparisons_table(const std::vector<Comparison>& rows);

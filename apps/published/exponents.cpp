@@ -53,7 +53,7 @@ class Comparing {
     row.system = item_.system;
     row.quantity = "exponents";
     row.eta = parameter(problem_, "eta");
-    row.published = numbers_json(item_.lambda);
+    row.published = json_of(finite(item_.lambda));
     row.published_text = fmt::format("{} {}", pair_text(item_.lambda, item_.digits), label(item_.attractor));
     row.details["attractor"] = label(item_.attractor);
     row.details["beta"] = parameter(problem_, "beta");
@@ -70,8 +70,8 @@ class Comparing {
         average_on_attractor(problem_.system, problem_.parameters, found.attractor, finding_);
     FoundAttractor& meant = choose();
     if (meant.attractor.exponents.empty()) average_on_attractor(problem_.system, problem_.parameters, meant.attractor, finding_);
-    row.computed = numbers_json(meant.attractor.exponents);
-    row.uncertainty = numbers_json(meant.attractor.standard_errors);
+    row.computed = json_of(finite(meant.attractor.exponents));
+    row.uncertainty = json_of(finite(meant.attractor.standard_errors));
     row.computed_text =
         fmt::format("{} {}", pair_text(meant.attractor.exponents, item_.digits + 2), attractor_name(meant.attractor));
     row.verdict = agree(meant.attractor.exponents, meant.attractor.standard_errors, item_.lambda, item_.digits)
@@ -96,14 +96,14 @@ class Comparing {
 
   void add_details(Comparison& row, const FoundAttractor& meant) const {
     row.details["reached_from"] = meant.origin;
-    row.details["computed_attractor"] = attractor_json(meant.attractor);
-    row.details["time_average"] = spectrum_json(meant.attractor.time_average);
+    row.details["computed_attractor"] = json_of(meant.attractor);
+    row.details["time_average"] = json_of(meant.attractor.time_average);
     row.details["others"] = Json::array();
     for (const FoundAttractor& other : found_)
       if (&other != &meant)
         row.details["others"].push_back({{"attractor", attractor_name(other.attractor)},
                                          {"reached_from", other.origin},
-                                         {"exponents", numbers_json(other.attractor.exponents)}});
+                                         {"exponents", json_of(finite(other.attractor.exponents))}});
   }
 
   /// What is there instead of the motion described.
@@ -174,8 +174,8 @@ class Comparing {
       if (other.exponents.empty()) continue;
       others.push_back({{"start", to_json(start)},
                         {"attractor", attractor_name(other)},
-                        {"exponents", numbers_json(other.exponents)},
-                        {"standard_errors", numbers_json(other.standard_errors)}});
+                        {"exponents", json_of(finite(other.exponents))},
+                        {"standard_errors", json_of(finite(other.standard_errors))}});
       low = std::min(low, other.exponents[0]);
       high = std::max(high, other.exponents[0]);
     }
@@ -204,7 +204,7 @@ class Comparing {
       const LyapunovSpectrum spectrum = lyapunov_spectrum(problem_.system, problem_.parameters, state, rule);
       if (spectrum.stop == LyapunovStop::interrupted || spectrum.stop == LyapunovStop::failed) break;
       state = spectrum.state;
-      runs.push_back({{"exponents", numbers_json(spectrum.exponents)},
+      runs.push_back({{"exponents", json_of(finite(spectrum.exponents))},
                       {"periods", spectrum.periods},
                       {"stop", lyapunov_stop_text(spectrum.stop)}});
       low = std::min(low, spectrum.exponents[0]);

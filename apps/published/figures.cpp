@@ -28,7 +28,7 @@ Picture portrait_of_orbit(const Problem& problem, const Json& attractor) {
   const PeriodicOrbit orbit =
       shoot(problem.system, problem.parameters, vector_from(attractor.at("state")), attractor.at("period").get<int>());
   Json result = result_head("orbit/1", "reproduce", problem, Json::object());
-  result["orbit"] = orbit_json(orbit);
+  result["orbit"] = json_of(orbit);
   return picture_of(result, "phase");
 }
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/results/attractor_report.hpp>
-#include <graze/apps/results/branch_reading.hpp>
 #include <graze/apps/results/orbit_report.hpp>
 #include <graze/apps/text/number.hpp>
 #include <graze/apps/text/table.hpp>
@@ -17,10 +16,14 @@ namespace graze::apps {
 
 namespace {
 
-Json number_json(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 /// Member "unbounded" of a motion that grows without bound.
 constexpr std::array growths = {std::pair{Termination::escape, "escape"}, std::pair{Termination::resonance, "resonance"}};
+
+std::string growth_of(const Attractor& attractor) {
+  for (const auto& [termination, name] : growths)
+    if (attractor.termination == termination) return name;
+  return {};
+}
 
 /// Member "returns" of an autonomous motion that does not return: false.
 bool stays_away(const Attractor& attractor) { return attractor.termination == Termination::no_return; }
@@ -33,87 +36,82 @@ std::string exponent_text(double value, int digits) {
 
 std::string error_text(double value, int digits) { return std::isfinite(value) ? rounded(value, digits) : "unknown"; }
 
-Json numbers_json(const std::vector<double>& values) {
-  Json list = Json::array();
-  for (const double value : values) list.push_back(number_json(value));
+const Columns<LyapunovSpectrum>& spectrum_columns() {
+  using S = LyapunovSpectrum;
+  static const Columns<S> list = {
+      column<S>("exponents", "1/time", "largest first; null: -infinity", [](const S& s) { return finite(s.exponents); }),
+      column<S>("standard_errors", "1/time", "of each; null: too short an average",
+                [](const S& s) { return finite(s.standard_errors); }),
+      column<S>("correlation_times", "periods", "of each one's growth", [](const S& s) { return finite(s.correlation_times); }),
+      column<S>("kaplan_yorke", "", "dimension", &S::kaplan_yorke),
+      column<S>("liouville_residual", "", "largest disagreement with Liouville's identity, per period; null: not applicable",
+                [](const S& s) { return s.liouville_residual < 0.0 ? std::nullopt : std::optional(s.liouville_residual); }),
+      column<S>("periods", "", "of the average", &S::periods),
+      column<S>("impacts", "", "on the way", &S::impacts),
+      column<S>("converged", "", "the errors are below their bounds", &S::converged),
+      column<S>("stop", "", "why the average ended", [](const S& s) { return std::string(lyapunov_stop_text(s.stop)); }),
+      column<S>("duration", "time", "of the average, of an autonomous motion", &S::duration).where([](const S& s) {
+        return s.duration > 0.0;
+      })};
   return list;
 }
 
-std::vector<double> numbers_of(const Json& json) {
-  std::vector<double> list;
-  for (const Json& item : json) list.push_back(item.is_null() ? -std::numeric_limits<double>::infinity() : item.get<double>());
+const Columns<Attractor>& attractor_columns() {
+  using A = Attractor;
+  const auto if_periodic = [](const A& attractor, int count) {
+    return attractor.period > 0 ? std::optional(count) : std::nullopt;
+  };
+  const auto conservative = [](const A& attractor) { return attractor.conservative; };
+  Columns<A> of_orbit = joined<A>(
+      {sticking_columns<A>(),
+       {column<A>("rests", "", "the mass is held at its stop all the time", &A::rests).where(&A::rests),
+        column<A>("duration", "time", "of an autonomous orbit", &A::duration).where([](const A& a) { return a.duration > 0.0; }),
+        column<A>("multipliers", "", "of the orbit", &A::multipliers).where([](const A&) { return true; })}});
+  for (Column<A>& one : of_orbit)
+    one = one.where([holds = one.applies](const A& a) { return !a.multipliers.empty() && holds(a); });
+  static const Columns<A> list =
+      joined<A>({{column<A>("type", "", "what the motion settles on", &A::type),
+                  column<A>(
+                      "period", "", "of an orbit, else null", [=](const A& a) { return if_periodic(a, a.period); },
+                      [](A& a, std::optional<int> value) { a.period = value.value_or(0); }),
+                  column<A>(
+                      "impacts", "", "of an orbit, else null", [=](const A& a) { return if_periodic(a, a.impacts); },
+                      [](A& a, std::optional<int> value) { a.impacts = a.isolated_impacts = value.value_or(0); }),
+                  column<A>("state", "", "on it, at forcing phase 0", &A::state)},
+                 of_orbit,
+                 {column<A>("conservative", "", "nothing dissipates along the motion", &A::conservative).where(conservative),
+                  column<A>("motion", "", "what it is by itself then", &A::motion).where(conservative),
+                  column<A>("unbounded", "", "how it grows without bound", growth_of,
+                            [](A& a, const std::string& value) {
+                              for (const auto& [termination, name] : growths)
+                                if (value == name) a.termination = termination;
+                            })
+                      .where([](const A& a) { return !growth_of(a).empty(); }),
+                  column<A>(
+                      "returns", "", "false: an autonomous motion does not come back", [](const A& a) { return !stays_away(a); },
+                      [](A& a, bool value) {
+                        if (!value) a.termination = Termination::no_return;
+                      })
+                      .where(stays_away)}});
   return list;
 }
 
-Json spectrum_json(const LyapunovSpectrum& spectrum) {
-  Json json = {{"exponents", numbers_json(spectrum.exponents)},
-               {"standard_errors", numbers_json(spectrum.standard_errors)},
-               {"correlation_times", numbers_json(spectrum.correlation_times)},
-               {"kaplan_yorke", spectrum.kaplan_yorke},
-               {"liouville_residual", spectrum.liouville_residual < 0.0 ? Json(nullptr) : Json(spectrum.liouville_residual)},
-               {"periods", spectrum.periods},
-               {"impacts", spectrum.impacts},
-               {"converged", spectrum.converged()},
-               {"stop", lyapunov_stop_text(spectrum.stop)}};
-  if (spectrum.duration > 0.0) json["duration"] = spectrum.duration;
-  return json;
-}
-
-void write_attractor(const Attractor& attractor, JsonText& json) {
-  const auto if_periodic = [&](int count) { return attractor.period > 0 ? std::optional(count) : std::nullopt; };
-  json.begin_object();
-  json.member("type", attractor_type_name(attractor.type));
-  json.member("period", if_periodic(attractor.period));
-  json.member("impacts", if_periodic(attractor.impacts));
-  json.member("state", attractor.state);
-  if (!attractor.multipliers.empty()) {
-    write_sticking(attractor.impacts, attractor.isolated_impacts, json);
-    if (attractor.rests) json.member("rests", true);
-    if (attractor.duration > 0.0) json.member("duration", attractor.duration);
-    json.member("multipliers", attractor.multipliers);
-  }
-  if (attractor.conservative) {
-    json.member("conservative", true);
-    json.member("motion", conservative_motion_name(attractor.motion));
-  }
-  for (const auto& [termination, name] : growths)
-    if (attractor.termination == termination) json.member("unbounded", name);
-  if (stays_away(attractor)) json.member("returns", false);
-  json.end_object();
-}
-
-Json attractor_json(const Attractor& attractor) {
-  return tree_of([&](JsonText& json) { write_attractor(attractor, json); });
-}
-
-Attractor attractor_of(const Json& json) {
-  Attractor out;
-  for (const AttractorType type : {AttractorType::periodic, AttractorType::chaotic})
-    if (json.at("type") == attractor_type_name(type)) out.type = type;
-  if (json.at("period").is_number()) out.period = json["period"];
-  if (json.at("impacts").is_number()) out.impacts = json["impacts"];
-  out.state = vector_from(json.at("state"));
-  out.termination = Termination::time;
-  for (const auto& [termination, name] : growths)
-    if (json.value("unbounded", "") == name) out.termination = termination;
-  if (!json.value("returns", true)) out.termination = Termination::no_return;
-  out.isolated_impacts = json.value("isolated_impacts", out.impacts);
-  out.rests = json.value("rests", false);
-  out.duration = json.value("duration", 0.0);
-  out.conservative = json.value("conservative", false);
-  using enum ConservativeMotion;
-  for (const ConservativeMotion motion : {neutral, island, chaotic_sea})
-    if (json.value("motion", "") == conservative_motion_name(motion)) out.motion = motion;
-  if (json.contains("multipliers")) out.multipliers = multipliers_from(json["multipliers"]).values;
-  return out;
+Columns<Attractor> exponents_columns() {
+  using A = Attractor;
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  return {column<A>(
+              "exponents", "1/time", "largest first; null: -infinity", [](const A& a) { return finite(a.exponents); },
+              [=](A& a, const MaybeNumbers& values) { a.exponents = numbers(values, -infinity); }),
+          column<A>(
+              "standard_errors", "1/time", "of each; 0: from multipliers", [](const A& a) { return finite(a.standard_errors); },
+              [=](A& a, const MaybeNumbers& values) { a.standard_errors = numbers(values, -infinity); })};
 }
 
 std::string attractor_name(const Attractor& attractor) {
   if (attractor.motion == ConservativeMotion::neutral)
     return "neutral " + (attractor.rests ? std::string("rest") : z_label(attractor.impacts, attractor.period));
   if (attractor.motion != ConservativeMotion::unknown) return std::string(conservative_motion_name(attractor.motion));
-  for (const auto& [termination, name] : growths)
-    if (attractor.termination == termination) return fmt::format("unbounded ({})", name);
+  if (const std::string growth = growth_of(attractor); !growth.empty()) return fmt::format("unbounded ({})", growth);
   if (stays_away(attractor)) return "no return";
   if (attractor.type != AttractorType::periodic) return std::string(attractor_type_name(attractor.type));
   if (attractor.rests) return "at rest";

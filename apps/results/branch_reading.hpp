@@ -11,9 +11,6 @@
 
 namespace graze::apps {
 
-/// The inverse of multipliers_json(). @throws Json::exception.
-FloquetMultipliers multipliers_from(const Json& json);
-
 /// The branches of a result. @throws std::invalid_argument in one sentence if something is missing or damaged.
 std::vector<Branch> branches_from_json(const Json& result);
 

@@ -13,36 +13,6 @@ namespace graze::apps {
 
 namespace {
 
-/// Adds "states", those at forcing phase 0 after each period, where there is more than one.
-void add_states(Json& out, const std::vector<Vector>& states) {
-  if (states.size() < 2) return;
-  out["states"] = to_json(states);
-}
-
-/// Adds "nodes" and their "section_phase" (over 2 pi), where they are not the states at forcing phase 0.
-void add_nodes(Json& out, const std::vector<Vector>& nodes, double section_phase) {
-  if (section_phase == 0.0) return;
-  out["section_phase"] = section_phase;
-  out["nodes"] = to_json(nodes);
-}
-
-Json point_json(const BranchPoint& point) {
-  Json out = {{"value", point.value}, {"state", to_json(point.state())}};
-  add_states(out, point.states);
-  add_nodes(out, point.nodes, point.section_phase);
-  out["arclength"] = point.arclength;
-  out["multipliers"] = multipliers_json(point.multipliers);
-  if (point.multipliers.section == Section::autonomous) out["duration"] = point.duration;
-  out["impacts"] = point.impacts;
-  add_sticking(out, point.impacts, point.isolated_impacts);
-  out["stable"] = point.stable;
-  out["admissible"] = point.admissible == Admissibility::admissible;
-  out["checks"] = checks_json(point.checks);
-  return out;
-}
-
-const char* status_name(PointStatus status) { return status == PointStatus::converged ? "converged" : "bracketed"; }
-
 std::string detail_text(const Detail& detail) {
   if (const auto* text = std::get_if<std::string>(&detail)) return *text;
   if (const auto* number = std::get_if<double>(&detail)) return rounded(*number, 8);
@@ -58,12 +28,14 @@ std::string multipliers_text(const FloquetMultipliers& multipliers, int digits) 
 }
 
 Table points_table(const Problem& problem, const Branch& branch, std::size_t most, const BranchQuantities& measured) {
-  Table table{{"point", branch.parameter}, {}};
-  for (const std::string& name : state_headings(problem)) table.columns.push_back(name);
-  table.columns.emplace_back("z");
   const std::size_t count = branch.points.empty() ? 0 : branch.points.front().multipliers.values.size();
-  for (std::size_t k = 1; k <= count; ++k) table.columns.push_back(fmt::format("multiplier {}", k));
-  table.columns.insert(table.columns.end(), {"stable", "admissible"});
+  const std::vector<Shown> first = {{"value", {branch.parameter}, 10}, {"state", state_headings(problem), 10}};
+  const std::vector<Shown> second = {{"multipliers", multiplier_heads(count, true), 7}, {"stable"}};
+  Table table{{"point"}, {}};
+  add_columns(table, first);
+  table.columns.emplace_back("z");
+  add_columns(table, second);
+  table.columns.emplace_back("admissible");
   if (!measured.points.empty()) add_columns(table, measured.points.front());
   // Evenly thinned out, the first and the last always among them.
   const std::size_t size = branch.points.size();
@@ -71,15 +43,13 @@ Table points_table(const Problem& problem, const Branch& branch, std::size_t mos
   for (std::size_t row = 0; row < rows; ++row) {
     const std::size_t i = rows == size ? row : row * (size - 1) / (rows - 1);
     const BranchPoint& point = branch.points[i];
-    std::vector<std::string> cells = {std::to_string(i + 1), rounded(point.value, 10)};
-    for (const double value : point.state()) cells.push_back(rounded(value, 10));
+    std::vector<std::string>& cells = table.rows.emplace_back();
+    cells.push_back(std::to_string(i + 1));
+    add_cells(cells, point_columns(), first, point);
     cells.push_back(label(point.impacts, point.isolated_impacts, branch.period));
-    for (std::size_t k = 0; k < count; ++k)
-      cells.push_back(k < point.multipliers.values.size() ? rounded(point.multipliers.values[k], 7) : "-");
-    cells.push_back(point.stable ? "yes" : "no");
+    add_cells(cells, point_columns(), second, point);
     cells.push_back(point.admissible == Admissibility::admissible ? "yes" : "NO");
     if (!measured.points.empty()) add_cells(cells, measured.points[i], true);
-    table.rows.push_back(std::move(cells));
   }
   return table;
 }
@@ -129,56 +99,103 @@ void put_quantities(Json& list, const std::vector<BranchQuantities>& measured) {
   }
 }
 
-Json special_point_json(const SpecialPoint& point) {
-  const PeriodicOrbit& orbit = point.orbit;
-  Json out = {
-      {"label", point.label}, {"type", point_type_name(point.type)}, {"value", point.value}, {"state", to_json(orbit.state)}};
-  add_states(out, orbit.states);
-  add_nodes(out, orbit.nodes, orbit.section_phase);
-  out["multipliers"] = multipliers_json(orbit.multipliers);
-  out["period"] = orbit.period;
-  if (orbit.multipliers.section == Section::autonomous) out["duration"] = orbit.duration;
-  out["impacts"] = orbit.impacts;
-  add_sticking(out, orbit.impacts, orbit.isolated_impacts);
-  if (is_marginal(point.type)) out["marginal"] = true;
-  out["admissible"] = orbit.admissible == Admissibility::admissible;
-  out["status"] = status_name(point.status);
-  out["interval"] = {point.interval[0], point.interval[1]};
-  out["precision"] = point.precision;
-  out["after_point"] = point.after_point;
-  out["details"] = Json::object();
-  for (const auto& [name, detail] : point.details)
-    std::visit([&, &key = name](const auto& value) { out["details"][key] = value; }, detail);
-  out["checks"] = checks_json(orbit.checks);
-  out["newton"] = {{"status", newton_status_text(point.newton.status)}, {"residuals", point.newton.residual_history}};
-  return out;
+const Columns<BranchPoint>& point_columns() {
+  using P = BranchPoint;
+  static const Columns<P> list =
+      joined<P>({{column<P>("value", "", "of the parameter", &P::value)},
+                 states_columns<P>(),
+                 {column<P>("arclength", "", "along the branch", &P::arclength).not_needed(), multipliers_column<P>(),
+                  duration_column<P>(), impacts_column<P>()},
+                 sticking_columns<P>(),
+                 {column<P>("stable", "", "no multiplier lies outside the unit circle", &P::stable), admissible_column<P>(),
+                  column<P>("checks", "", "proofs that come with the orbit", &P::checks).not_needed()}});
+  return list;
 }
 
-Json branch_json(const Branch& branch) {
-  Json out = {{"id", branch.id}, {"parent", nullptr}, {"period", branch.period}};
-  reserve_members(out, 12);
-  if (branch.parent) out["parent"] = {{"branch", branch.parent->branch}, {"label", branch.parent->label}};
-  if (branch.mirrored) {
-    out["mirrored"] = true;
-    out["mirror"] = {{"matrix", Json::array()}, {"shift", branch.mirrored->shift}};
-    for (const auto& row : branch.mirrored->matrix.rowwise()) out["mirror"]["matrix"].push_back(to_json(Vector(row.transpose())));
-  }
-  out["stop"] = {{"reason", branch_stop_name(branch.stop)}, {"at", branch.stop_value}, {"message", branch.message}};
-  out["points"] = Json::array();
-  for (const BranchPoint& point : branch.points) out["points"].push_back(point_json(point));
-  out["special_points"] = Json::array();
-  for (const SpecialPoint& point : branch.special_points) out["special_points"].push_back(special_point_json(point));
-  out["time_carried"] = branch.time_carried;
-  if (branch.first_failed) {
-    out["first_failed"] = {{"value", branch.first_failed->value}};
-    if (!branch.first_failed->states.empty()) out["first_failed"]["state"] = to_json(branch.first_failed->state());
-  }
-  return out;
+const Columns<SpecialPoint>& special_point_columns() {
+  using P = SpecialPoint;
+  using O = PeriodicOrbit;
+  static const Columns<P> list = joined<P>(
+      {{column<P>("label", "", "type and running number", &P::label), column<P>("type", "", "of the point", &P::type),
+        column<P>("value", "", "of the parameter", &P::value)},
+       of_part(joined<O>({states_columns<O>(),
+                          {multipliers_column<O>(), column<O>("period", "", "of the branch that it lies on", &O::period),
+                           duration_column<O>(), impacts_column<O>()},
+                          sticking_columns<O>()}),
+               &P::orbit),
+       {column<P>("marginal", "", "a multiplier lies on the unit circle", [](const P& point) { return is_marginal(point.type); })
+            .where([](const P& point) { return is_marginal(point.type); })},
+       of_part<P, O>({admissible_column<O>()}, &P::orbit),
+       {column<P>("status", "", "whether it is located, or only lies in the interval", &P::status),
+        column<P>(
+            "interval", "", "values between which it certainly lies",
+            [](const P& point) {
+              return std::array{point.interval[0], point.interval[1]};
+            },
+            [](P& point, const std::array<double, 2>& ends) { std::copy(ends.begin(), ends.end(), point.interval); }),
+        column<P>("precision", "", "estimated error of the value", &P::precision),
+        column<P>("after_point", "", "number of the branch's point behind which it lies, from 0", &P::after_point),
+        column<P>("details", "", "what is told of a point of its type", &P::details)},
+       of_part<P, O>({column<O>("checks", "", "proofs that come with the orbit", &O::checks).not_needed()}, &P::orbit),
+       {column<P>("newton", "", "how Newton's method came to it", &P::newton).not_needed()}});
+  return list;
+}
+
+const char* point_status_name(PointStatus status) { return status == PointStatus::converged ? "converged" : "bracketed"; }
+
+const Columns<BranchParent>& parent_columns() {
+  static const Columns<BranchParent> list = {column<BranchParent>("branch", "", "number of the branch", &BranchParent::branch),
+                                             column<BranchParent>("label", "", "of its special point", &BranchParent::label)};
+  return list;
+}
+
+const Columns<Symmetry>& symmetry_columns() {
+  using S = Symmetry;
+  static const Columns<S> list = {
+      column<S>(
+          "matrix", "", "S of x(t) -> S x(t + shift T), by rows",
+          [](const S& symmetry) {
+            std::vector<Vector> rows;
+            for (const auto& row : symmetry.matrix.rowwise()) rows.emplace_back(row.transpose());
+            return rows;
+          },
+          [](S& symmetry, const std::vector<Vector>& rows) {
+            const auto n = static_cast<Eigen::Index>(rows.size());
+            symmetry.matrix.resize(n, n);
+            for (Eigen::Index i = 0; i < n; ++i) symmetry.matrix.row(i) = rows[static_cast<std::size_t>(i)].transpose();
+          }),
+      column<S>("shift", "forcing periods", "by which the image goes before", &S::shift)};
+  return list;
+}
+
+const Columns<Branch>& branch_columns() {
+  using B = Branch;
+  const auto is_mirrored = [](const B& branch) { return branch.mirrored.has_value(); };
+  static const Columns<B> list = {
+      column<B>("id", "", "number of the branch, from 1", &B::id),
+      column<B>("parent", "", "where it is born: a special point of another branch", &B::parent),
+      column<B>("period", "", "of its orbits", &B::period),
+      column<B>("mirrored", "", "a mirror image of it is a branch, too", is_mirrored).where(is_mirrored),
+      column<B>("mirror", "", "the symmetry of that image", &B::mirrored).where(is_mirrored),
+      object<B>("stop", "why it ends",
+                {column<B>("reason", "", "in a word", &B::stop), column<B>("at", "", "value of the parameter", &B::stop_value),
+                 column<B>("message", "", "in a sentence", &B::message)}),
+      column<B>("points", "", "of the branch, in order", &B::points),
+      column<B>("special_points", "", "in the order in which they were met", &B::special_points),
+      column<B>("time_carried", "", "time through which motion was computed for it", &B::time_carried).not_needed(),
+      object<B>(
+          "first_failed", "what was tried last, where the branch broke off",
+          {column<B>("value", "", "of the parameter", [](const B& b) { return b.first_failed->value; }),
+           column<B>("state", "", "at forcing phase 0", [](const B& b) { return b.first_failed->state(); }).where([](const B& b) {
+             return !b.first_failed->states.empty();
+           })})
+          .where([](const B& b) { return b.first_failed.has_value(); })};
+  return list;
 }
 
 std::string special_point_text(const SpecialPoint& point, const std::string& parameter) {
   std::string text = fmt::format("  {:<5} {} = {} +- {}  ({}, {}{})\n", point.label, parameter, rounded(point.value, 12),
-                                 rounded(point.precision, 2), status_name(point.status), z_label(point.orbit),
+                                 rounded(point.precision, 2), point_status_name(point.status), z_label(point.orbit),
                                  point.orbit.admissible == Admissibility::admissible ? "" : ", NOT ADMISSIBLE");
   if (point.status == PointStatus::bracketed)
     text += fmt::format("        between {} and {}\n", rounded(point.interval[0], 12), rounded(point.interval[1], 12));
@@ -221,47 +238,37 @@ std::string branch_text(const Problem& problem, const Branch& branch, std::size_
 std::string stable_cell(std::optional<bool> stable) { return !stable ? "" : *stable ? "yes" : "no"; }
 
 Table branches_table(const Problem& problem, const std::vector<Branch>& branches, const std::vector<BranchQuantities>& measured) {
-  Table table{{"branch", "parent", "label", "period", "impacts", branches.empty() ? "value" : branches.front().parameter}, {}};
-  for (const std::string& name : state_columns(problem)) table.columns.push_back(name);
   std::size_t count = 0;
   for (const Branch& branch : branches)
     for (const BranchPoint& point : branch.points) count = std::max(count, point.multipliers.values.size());
-  for (std::size_t k = 1; k <= count; ++k)
-    table.columns.insert(table.columns.end(), {fmt::format("mu{}_re", k), fmt::format("mu{}_im", k)});
+  const std::vector<Shown> shown = {{"impacts"},
+                                    {"value", {branches.empty() ? "value" : branches.front().parameter}},
+                                    {"state", state_columns(problem)},
+                                    {"multipliers", multiplier_heads(count, false)}};
+  Table table{{"branch", "parent", "label", "period"}, {}};
+  add_columns(table, shown);
   table.columns.insert(table.columns.end(), {"stable", "admissible"});
   const auto first =
       std::find_if(measured.begin(), measured.end(), [](const BranchQuantities& one) { return !one.points.empty(); });
   if (first != measured.end()) add_columns(table, first->points.front());
-  const auto add = [&](const Branch& branch, const std::string& name, int impacts, double value, const Vector& state,
-                       const FloquetMultipliers& multipliers, std::optional<bool> stable, bool admissible,
-                       const QuantityValues& values) {
-    std::vector<std::string> row = {std::to_string(branch.id),
-                                    branch.parent ? branch.parent->label : "",
-                                    name,
-                                    std::to_string(branch.period),
-                                    std::to_string(impacts),
-                                    exact(value)};
-    for (const double component : state) row.push_back(exact(component));
-    for (std::size_t k = 0; k < count; ++k) {
-      const bool there = multipliers.valid && k < multipliers.values.size();
-      row.push_back(there ? exact(multipliers.values[k].real()) : "");
-      row.push_back(there ? exact(multipliers.values[k].imag()) : "");
-    }
+  const auto add = [&](const Branch& branch, const std::string& name, const auto& columns, const auto& point,
+                       std::optional<bool> stable, const QuantityValues& values) {
+    std::vector<std::string> row = {std::to_string(branch.id), branch.parent ? branch.parent->label : "", name,
+                                    std::to_string(branch.period)};
+    add_cells(row, columns, shown, point);
     row.push_back(stable_cell(stable));
-    row.push_back(admissible ? "yes" : "no");
+    add_cells(row, columns, {{"admissible"}}, point);
     add_cells(row, values, false);
     table.rows.push_back(std::move(row));
   };
   for (std::size_t b = 0; b < branches.size(); ++b) {
     const Branch& branch = branches[b];
     for (std::size_t i = 0; i < branch.points.size(); ++i) {
-      const BranchPoint& point = branch.points[i];
-      add(branch, "", point.impacts, point.value, point.state(), point.multipliers, point.stable,
-          point.admissible == Admissibility::admissible, measured.empty() ? QuantityValues{} : measured[b].points[i]);
+      add(branch, "", point_columns(), branch.points[i], branch.points[i].stable,
+          measured.empty() ? QuantityValues{} : measured[b].points[i]);
       for (std::size_t s = 0; s < branch.special_points.size(); ++s)
         if (const SpecialPoint& special = branch.special_points[s]; special.after_point == i && special.type != PointType::EP)
-          add(branch, special.label, special.orbit.impacts, special.value, special.orbit.state, special.orbit.multipliers,
-              stable_at(special), special.orbit.admissible == Admissibility::admissible,
+          add(branch, special.label, special_point_columns(), special, stable_at(special),
               measured.empty() ? QuantityValues{} : measured[b].special_points[s]);
     }
   }

@@ -4,6 +4,7 @@
 
 #include <graze/apps/problem/problem.hpp>
 #include <graze/apps/quantities/quantities.hpp>
+#include <graze/apps/results/orbit_report.hpp>
 #include <graze/apps/results/same_points.hpp>
 #include <graze/apps/text/json.hpp>
 #include <graze/apps/text/table.hpp>
@@ -25,11 +26,46 @@ struct BranchQuantities {
 std::vector<BranchQuantities> measure(const Quantities& quantities, const HybridSystem& system,
                                       const std::vector<Branch>& branches, int threads);
 
-/// Adds them to the points of branches, as branch_json() writes these, or takes them away.
+/// Adds them to the points of branches, as json_of() writes these, or takes them away.
 void put_quantities(Json& list, const std::vector<BranchQuantities>& measured);
 
-Json special_point_json(const SpecialPoint& point);
-Json branch_json(const Branch& branch);
+/// As they stand in graze.branch/1.
+const Columns<BranchParent>& parent_columns();
+const Columns<Symmetry>& symmetry_columns();
+const Columns<BranchPoint>& point_columns();
+const Columns<SpecialPoint>& special_point_columns();
+const Columns<Branch>& branch_columns();
+
+const char* point_status_name(PointStatus status);
+
+template <>
+struct JsonForm<PointType> : ChoiceForm<PointType, point_type_name, PointType::EP, PointType::LP, PointType::PD, PointType::BP,
+                                        PointType::NS, PointType::GR, PointType::UZ, PointType::MX> {};
+template <>
+struct JsonForm<PointStatus> : ChoiceForm<PointStatus, point_status_name, PointStatus::bracketed, PointStatus::converged> {};
+template <>
+struct JsonForm<BranchStop>
+    : ChoiceForm<BranchStop, branch_stop_name, BranchStop::reached_bound, BranchStop::parameter_range, BranchStop::point_limit,
+                 BranchStop::grazing, BranchStop::step_too_small, BranchStop::chatter, BranchStop::returned,
+                 BranchStop::start_failed, BranchStop::interrupted> {};
+template <> struct JsonForm<Detail> {
+  static Json json(const Detail& detail) {
+    return std::visit([](const auto& value) { return Json(value); }, detail);
+  }
+  static Detail value(const Json& json) {
+    if (json.is_array()) return json.get<std::vector<double>>();
+    return json.is_string() ? Detail(json.get<std::string>()) : Detail(json.get<double>());
+  }
+  static void write(const Detail& detail, JsonText& text) {
+    std::visit([&](const auto& value) { text.value(value); }, detail);
+  }
+  static Json schema() { return {{"type", {"string", "number", "array"}}, {"items", {{"type", "number"}}}}; }
+};
+template <> struct JsonForm<BranchParent> : RecordForm<BranchParent, parent_columns> {};
+template <> struct JsonForm<Symmetry> : RecordForm<Symmetry, symmetry_columns> {};
+template <> struct JsonForm<BranchPoint> : RecordForm<BranchPoint, point_columns> {};
+template <> struct JsonForm<SpecialPoint> : RecordForm<SpecialPoint, special_point_columns> {};
+template <> struct JsonForm<Branch> : RecordForm<Branch, branch_columns> {};
 
 /// A special point with twelve digits: where, how well known, its orbit and its details.
 std::string special_point_text(const SpecialPoint& point, const std::string& parameter);

@@ -116,15 +116,19 @@ std::vector<Cascade> cascades(const std::vector<Branch>& branches) {
   return found;
 }
 
-Json cascades_json(const std::vector<Cascade>& list) {
-  Json json = Json::array();
-  for (const Cascade& cascade : list) {
-    Json points = Json::array();
-    for (const Doubling& point : cascade.points)
-      points.push_back({{"label", point.label}, {"branch", point.branch}, {"period", point.period}, {"value", point.value}});
-    json.push_back({{"points", points}, {"ratios", cascade.ratios()}});
-  }
-  return json;
+const Columns<Doubling>& doubling_columns() {
+  using D = Doubling;
+  static const Columns<D> list = {
+      column<D>("label", "", "of the special point", &D::label), column<D>("branch", "", "on which it lies", &D::branch),
+      column<D>("period", "", "that is doubled", &D::period), column<D>("value", "", "of the parameter", &D::value)};
+  return list;
+}
+
+const Columns<Cascade>& cascade_columns() {
+  static const Columns<Cascade> list = {
+      column<Cascade>("points", "", "period doublings, each on the branch born at the one before", &Cascade::points),
+      column<Cascade>("ratios", "", "of an interval between doublings to the next", &Cascade::ratios)};
+  return list;
 }
 
 std::string cascades_text(const std::vector<Cascade>& list, const std::string& parameter) {

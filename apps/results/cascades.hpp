@@ -2,7 +2,7 @@
 // Cascades: period doublings one upon the other, and how fast their distances shrink.
 #pragma once
 
-#include <graze/apps/text/json.hpp>
+#include <graze/apps/text/column.hpp>
 
 #include <graze/continuation/problems/branch.hpp>
 
@@ -31,7 +31,10 @@ struct Cascade {
 /// Those of at least three doublings, in the order of the branches on which they begin.
 std::vector<Cascade> cascades(const std::vector<Branch>& branches);
 
-Json cascades_json(const std::vector<Cascade>& list);
+const Columns<Doubling>& doubling_columns();
+const Columns<Cascade>& cascade_columns();
+template <> struct JsonForm<Doubling> : RecordForm<Doubling, doubling_columns> {};
+template <> struct JsonForm<Cascade> : RecordForm<Cascade, cascade_columns> {};
 
 /// A table of each, with Feigenbaum's constant; empty if there are none.
 std::string cascades_text(const std::vector<Cascade>& list, const std::string& parameter);

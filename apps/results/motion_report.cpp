@@ -17,8 +17,8 @@ Json motion_json(const Problem& problem, const Motion& motion, const ContactList
   out["columns"] = motion_columns(problem, expressions);
   out["samples"] = to_json(motion.samples);
   out["stroboscopic"] = to_json(motion.strobe);
-  out["events"] = events_json(motion.events, list);
-  out["contacts"] = contacts_json(list.contacts);
+  out["events"] = json_of(listed(motion.events, list));
+  out["contacts"] = json_of(list.contacts);
   return out;
 }
 

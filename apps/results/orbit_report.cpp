@@ -13,11 +13,19 @@ namespace graze::apps {
 
 namespace {
 
-const char* yes(bool value) { return value ? "yes" : "no"; }
-
 std::string check_cell(double value) { return value < 0.0 ? "-" : rounded(value, 3); }
 
 std::string verdict(double value, double limit) { return value < 0.0 ? "not applicable" : value <= limit ? "ok" : "FAILED"; }
+
+std::optional<double> known(bool is_known, double value) {
+  return is_known && !std::isnan(value) ? std::optional(value) : std::nullopt;
+}
+
+Table numbered(Table table, const char* head) {
+  table.columns.insert(table.columns.begin(), head);
+  for (std::size_t i = 0; i < table.rows.size(); ++i) table.rows[i].insert(table.rows[i].begin(), std::to_string(i + 1));
+  return table;
+}
 
 }  // namespace
 
@@ -33,53 +41,63 @@ ContactList contacts_of_orbit(const PeriodicOrbit& orbit) {
   return {std::move(cycle.by_entry), std::move(cycle.by_exit)};
 }
 
-Json events_json(const std::vector<EventRecord>& events, const ContactList& list) {
-  Json out = Json::array();
+std::vector<ListedEvent> listed(const std::vector<EventRecord>& events, const ContactList& list) {
+  std::vector<ListedEvent> out;
   std::size_t ended = 0;
-  for (const EventRecord& event : events) {
-    Json entry = {{"tau", event.t}, {"kind", event_kind_name(event.kind)}, {"speed", event.normal_speed}};
-    if (ends_contact(event)) {
-      const Contact& contact = list.by_exit[ended++];
-      entry["restitution"] = contact.restitution;
-      entry["energy_lost"] = contact.energy_lost;
-    }
-    entry["before"] = to_json(event.x_minus);
-    entry["after"] = to_json(event.x_plus);
-    out.push_back(std::move(entry));
-  }
+  for (const EventRecord& event : events)
+    out.push_back({&event, ends_contact(event) ? std::optional(list.by_exit[ended++]) : std::nullopt});
   return out;
 }
 
-Json contacts_json(const std::vector<Contact>& contacts) {
-  Json out = Json::array();
-  for (const Contact& contact : contacts) {
-    Json entry = {
-        {"entry", contact.t_entry},           {"exit", contact.t_exit},           {"duration", contact.t_exit - contact.t_entry},
-        {"entry_speed", contact.entry_speed}, {"exit_speed", contact.exit_speed}, {"restitution", contact.restitution},
-        {"energy_lost", contact.energy_lost}};
-    if (!contact.complete) {
-      // Of a contact that the run cuts off, only one end is known.
-      for (const char* name : {std::isnan(contact.t_entry) ? "entry" : "exit", "duration",
-                               std::isnan(contact.t_entry) ? "entry_speed" : "exit_speed", "restitution", "energy_lost"})
-        entry[name] = nullptr;
-    }
-    out.push_back(std::move(entry));
-  }
-  return out;
+const Columns<ListedEvent>& event_columns() {
+  using E = ListedEvent;
+  const auto ends = [](const E& one) { return one.ended.has_value(); };
+  static const Columns<E> list = {
+      column<E>("tau", "", "time since forcing phase 0, or since the start of the run", [](const E& e) { return e.event->t; }),
+      column<E>("kind", "", "what happens", [](const E& e) { return e.event->kind; }),
+      column<E>("speed", "", "normal speed", [](const E& e) { return e.event->normal_speed; }),
+      column<E>("restitution", "", "of the contact that ends; null: not known",
+                [](const E& e) { return known(true, e.ended->restitution); })
+          .where(ends),
+      column<E>("energy_lost", "", "in the contact that ends", [](const E& e) { return known(true, e.ended->energy_lost); })
+          .where(ends),
+      column<E>("before", "", "state right before", [](const E& e) { return e.event->x_minus; }),
+      column<E>("after", "", "state right behind", [](const E& e) { return e.event->x_plus; })};
+  return list;
+}
+
+const Columns<Contact>& contact_columns() {
+  using C = Contact;
+  // Of a contact that the run cuts off, only one end is known.
+  const auto begun = [](const C& contact) { return !std::isnan(contact.t_entry); };
+  const auto ended = [](const C& contact) { return contact.complete || std::isnan(contact.t_entry); };
+  static const Columns<C> list = {
+      column<C>("entry", "", "time at which it begins; null: before the run",
+                [=](const C& c) { return known(begun(c), c.t_entry); }),
+      column<C>("exit", "", "time at which it ends; null: behind the run", [=](const C& c) { return known(ended(c), c.t_exit); }),
+      column<C>("duration", "", "null: it is cut off by the run",
+                [](const C& c) { return known(c.complete, c.t_exit - c.t_entry); }),
+      column<C>("entry_speed", "", "speed of approach", [=](const C& c) { return known(begun(c), c.entry_speed); }),
+      column<C>("exit_speed", "", "speed of departure", [=](const C& c) { return known(ended(c), c.exit_speed); }),
+      column<C>("restitution", "", "exit over entry speed; null at a grazing",
+                [](const C& c) { return known(c.complete, c.restitution); }),
+      column<C>("energy_lost", "", "m (entry speed^2 - exit speed^2) / 2",
+                [](const C& c) { return known(c.complete, c.energy_lost); })};
+  return list;
 }
 
 Table contacts_table(const std::vector<Contact>& contacts) {
-  Table table{{"contact", "entry tau", "exit tau", "duration", "entry speed", "exit speed", "restitution", "energy lost"}, {}};
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    const Contact& contact = contacts[i];
-    const bool entry = !std::isnan(contact.t_entry), exit = contact.complete || !entry;
-    const auto cell = [](bool known, double value) { return known && !std::isnan(value) ? rounded(value, 9) : std::string("-"); };
-    table.rows.push_back({std::to_string(i + 1), cell(entry, contact.t_entry), cell(exit, contact.t_exit),
-                          cell(contact.complete, contact.t_exit - contact.t_entry), cell(entry, contact.entry_speed),
-                          cell(exit, contact.exit_speed), cell(contact.complete, contact.restitution),
-                          cell(contact.complete, contact.energy_lost)});
-  }
-  return table;
+  constexpr int digits = 9;
+  Table table = table_of(contact_columns(),
+                         {{"entry", {"entry tau"}, digits},
+                          {"exit", {"exit tau"}, digits},
+                          {"duration", {"duration"}, digits},
+                          {"entry_speed", {"entry speed"}, digits},
+                          {"exit_speed", {"exit speed"}, digits},
+                          {"restitution", {"restitution"}, digits},
+                          {"energy_lost", {"energy lost"}, digits}},
+                         contacts);
+  return numbered(table, "contact");
 }
 
 std::string z_label(int impacts, int period) { return "z = " + label(impacts, period); }
@@ -100,57 +118,75 @@ std::string rest_text(const std::vector<double>& exponents) {
                  : "the mass rests on the pressed stop for ever; every disturbance dies out in finite time";
 }
 
-void add_sticking(Json& out, int impacts, int isolated) {
-  if (isolated >= impacts) return;
-  out["sticking"] = true;
-  out["isolated_impacts"] = isolated;
+MaybeNumbers exponents_of(const FloquetMultipliers& multipliers) {
+  return multipliers.valid ? finite(multipliers.exponents) : MaybeNumbers();
 }
 
-void write_sticking(int impacts, int isolated, JsonText& json) {
-  if (isolated >= impacts) return;
-  json.member("sticking", true);
-  json.member("isolated_impacts", isolated);
+const Columns<NewtonReport>& newton_columns() {
+  static const Columns<NewtonReport> list = {
+      column<NewtonReport>("status", "", "how Newton's method ended", &NewtonReport::status),
+      column<NewtonReport>(
+          "residuals", "", "largest residual before each step and after the last, relative to 1 + |x|",
+          [](const NewtonReport& report) { return finite(report.residual_history); },
+          [](NewtonReport& report, const MaybeNumbers& values) { report.residual_history = numbers(values, std::nan("")); })};
+  return list;
 }
 
-Json multipliers_json(const FloquetMultipliers& multipliers) {
-  return multipliers.valid ? to_json(multipliers.values) : Json::array();
+const Columns<OrbitChecks>& check_columns() {
+  using C = OrbitChecks;
+  const auto difference = [](C& checks) -> FiniteDifferenceCheck& {
+    return checks.finite_difference ? *checks.finite_difference : checks.finite_difference.emplace();
+  };
+  const auto applicable = [](const C& checks) { return checks.finite_difference && checks.finite_difference->applicable; };
+  const auto maybe = [](bool there, double value) { return there ? std::optional(value) : std::nullopt; };
+  static const Columns<C> list = {
+      column<C>(
+          "residual", "", "largest mismatch of the shooting equations / (1 + |x|)",
+          [=](const C& c) { return maybe(c.residual >= 0.0, c.residual); },
+          [](C& c, std::optional<double> value) { c.residual = value.value_or(-1.0); }),
+      column<C>(
+          "finite_difference", "", "largest |M - M by finite differences| / (1 + |M|); null: not applicable, or not asked for",
+          [=](const C& c) { return maybe(applicable(c), applicable(c) ? c.finite_difference->disagreement : 0.0); },
+          [=](C& c, std::optional<double> value) {
+            if (value) difference(c).disagreement = *value;
+          }),
+      column<C>(
+          "finite_difference_error", "", "error of the finite differences by extrapolation, on the same scale",
+          [](const C& c) { return c.finite_difference->error_estimate; },
+          [=](C& c, double value) { difference(c).error_estimate = value; })
+          .where(applicable),
+      column<C>(
+          "finite_difference_applicable", "", "false: a step of useful size leaves the orbit's sequence of impacts",
+          [](const C& c) { return c.finite_difference->applicable; }, [=](C& c, bool value) { difference(c).applicable = value; })
+          .where([](const C& c) { return c.finite_difference.has_value(); }),
+      column<C>(
+          "liouville", "", "|sum of ln|det| - Liouville's identity|; null: not applicable",
+          [=](const C& c) { return maybe(c.liouville >= 0.0, c.liouville); },
+          [](C& c, std::optional<double> value) { c.liouville = value.value_or(-1.0); })};
+  return list;
 }
 
-Json exponents_json(const FloquetMultipliers& multipliers) {
-  return multipliers.valid ? Json(multipliers.exponents) : Json::array();  // minus infinity is written as null
-}
-
-Json checks_json(const OrbitChecks& checks) {
-  const auto number = [](double value) { return value < 0.0 ? Json(nullptr) : Json(value); };
-  Json out = {{"residual", number(checks.residual)}};
-  const auto& difference = checks.finite_difference;
-  out["finite_difference"] = difference && difference->applicable ? Json(difference->disagreement) : Json(nullptr);
-  if (difference && difference->applicable) out["finite_difference_error"] = difference->error_estimate;
-  if (difference) out["finite_difference_applicable"] = difference->applicable;
-  out["liouville"] = number(checks.liouville);
-  return out;
-}
-
-Json orbit_json(const PeriodicOrbit& orbit) {
-  const ContactList list = contacts_of_orbit(orbit);
-  Json out = {{"period", orbit.period},
-              {"impacts", orbit.impacts},
-              {"state", to_json(orbit.state)},
-              {"admissible", orbit.admissible == Admissibility::admissible},
-              {"stable", orbit.stable()}};
-  add_sticking(out, orbit.impacts, orbit.isolated_impacts);
-  if (orbit.rests) out["rests"] = true;
-  if (orbit.conservative) out.update({{"conservative", true}, {"neutral", orbit.neutral()}});
-  out["multipliers"] = multipliers_json(orbit.multipliers);
-  out["exponents"] = exponents_json(orbit.multipliers);
-  out["zero_multipliers"] =
-      std::count(orbit.multipliers.values.begin(), orbit.multipliers.values.end(), std::complex<double>(0.0));
-  out["duration"] = orbit.duration;
-  out["events"] = events_json(orbit.events, list);
-  out["contacts"] = contacts_json(list.contacts);
-  out["checks"] = checks_json(orbit.checks);
-  out["newton"] = {{"status", newton_status_text(orbit.newton.status)}, {"residuals", orbit.newton.residual_history}};
-  return out;
+const Columns<PeriodicOrbit>& orbit_columns() {
+  using O = PeriodicOrbit;
+  const auto conservative = [](const O& orbit) { return orbit.conservative; };
+  static const Columns<O> list = joined<O>(
+      {{column<O>("period", "", "forcing periods, or returns of an autonomous orbit", &O::period),
+        column<O>("impacts", "", "number of impacts", &O::impacts), column<O>("state", "", "at forcing phase 0", &O::state),
+        admissible_column<O>(), column<O>("stable", "", "no multiplier lies outside the unit circle", &O::stable)},
+       sticking_columns<O>(),
+       {column<O>("rests", "", "the mass is held at its stop all the time", &O::rests).where(&O::rests),
+        column<O>("conservative", "", "nothing dissipates", &O::conservative).where(conservative),
+        column<O>("neutral", "", "elliptic, or at the border to that", &O::neutral).where(conservative), multipliers_column<O>(),
+        column<O>("exponents", "1/time", "Floquet exponents ln|mu| / duration; null: -infinity",
+                  [](const O& o) { return exponents_of(o.multipliers); }),
+        column<O>("zero_multipliers", "", "multipliers that are exactly zero",
+                  [](const O& o) { return std::count(o.multipliers.values.begin(), o.multipliers.values.end(), 0.0); }),
+        column<O>("duration", "time", "of the orbit", &O::duration),
+        column<O>("events", "", "along the orbit", [](const O& o) { return listed(o.events, contacts_of_orbit(o)); }),
+        column<O>("contacts", "", "that begin along the orbit", [](const O& o) { return contacts_of_orbit(o).contacts; }),
+        column<O>("checks", "", "proofs that come with the orbit", &O::checks),
+        column<O>("newton", "", "how Newton's method came to it", &O::newton)}});
+  return list;
 }
 
 std::string orbit_text(const Problem& problem, const PeriodicOrbit& orbit, const std::string& stability) {
@@ -209,42 +245,29 @@ std::string quantities_text(const QuantityValues& values) {
   return "\n" + aligned(table);
 }
 
+std::vector<std::string> multiplier_heads(std::size_t count, bool for_people) {
+  std::vector<std::string> heads;
+  for (std::size_t k = 1; k <= count; ++k) {
+    heads.push_back(fmt::format(fmt::runtime(for_people ? "multiplier {}" : "mu{}_re"), k));
+    if (!for_people) heads.push_back(fmt::format("mu{}_im", k));
+  }
+  return heads;
+}
+
 Table orbits_table(const Problem& problem, const std::vector<PeriodicOrbit>& orbits, bool for_people,
                    const std::vector<QuantityValues>& measured) {
-  Table table{{"orbit", "period", "impacts"}, {}};
-  for (const std::string& name : for_people ? state_headings(problem) : state_columns(problem)) table.columns.push_back(name);
   const std::size_t count = orbits.empty() ? 0 : static_cast<std::size_t>(orbits.front().state.size());
-  for (std::size_t k = 1; k <= count; ++k) {
-    if (for_people) {
-      table.columns.push_back(fmt::format("multiplier {}", k));
-    } else {
-      table.columns.push_back(fmt::format("mu{}_re", k));
-      table.columns.push_back(fmt::format("mu{}_im", k));
-    }
-  }
-  table.columns.insert(table.columns.end(), {"stable", "admissible"});
+  Table table = table_of(orbit_columns(),
+                         {{"period"},
+                          {"impacts"},
+                          {"state", for_people ? state_headings(problem) : state_columns(problem), for_people ? 10 : 0},
+                          {"multipliers", multiplier_heads(count, for_people), for_people ? 8 : 0},
+                          {"stable"},
+                          {"admissible"}},
+                         orbits);
   if (!measured.empty()) add_columns(table, measured.front());
-  for (std::size_t i = 0; i < orbits.size(); ++i) {
-    const PeriodicOrbit& orbit = orbits[i];
-    const auto number = [&](double value) { return for_people ? rounded(value, 10) : exact(value); };
-    std::vector<std::string> row = {std::to_string(i + 1), std::to_string(orbit.period), std::to_string(orbit.impacts)};
-    for (const double value : orbit.state) row.push_back(number(value));
-    for (std::size_t k = 0; k < count; ++k) {
-      const bool there = orbit.multipliers.valid && k < orbit.multipliers.values.size();
-      const std::complex<double> mu = there ? orbit.multipliers.values[k] : 0.0;
-      if (for_people) {
-        row.push_back(there ? rounded(mu, 8) : "-");
-      } else {
-        row.push_back(there ? number(mu.real()) : "");
-        row.push_back(there ? number(mu.imag()) : "");
-      }
-    }
-    row.push_back(yes(orbit.stable()));
-    row.push_back(yes(orbit.admissible == Admissibility::admissible));
-    if (!measured.empty()) add_cells(row, measured[i], for_people);
-    table.rows.push_back(std::move(row));
-  }
-  return table;
+  for (std::size_t i = 0; i < measured.size(); ++i) add_cells(table.rows[i], measured[i], for_people);
+  return numbered(std::move(table), "orbit");
 }
 
 }  // namespace graze::apps

@@ -5,7 +5,7 @@
 
 #include <graze/apps/problem/problem.hpp>
 #include <graze/apps/quantities/quantities.hpp>
-#include <graze/apps/text/json_text.hpp>
+#include <graze/apps/text/column.hpp>
 #include <graze/apps/text/table.hpp>
 
 #include <graze/floquet/orbit/periodic_orbit.hpp>
@@ -25,8 +25,13 @@ ContactList contacts_of_run(const std::vector<EventRecord>& events);
 /// Of an orbit: a contact that reaches over the end of the period is completed by its beginning.
 ContactList contacts_of_orbit(const PeriodicOrbit& orbit);
 
-Json events_json(const std::vector<EventRecord>& events, const ContactList& list);
-Json contacts_json(const std::vector<Contact>& contacts);
+/// An event, and the contact that it ends.
+struct ListedEvent {
+  const EventRecord* event = nullptr;
+  std::optional<Contact> ended;
+};
+std::vector<ListedEvent> listed(const std::vector<EventRecord>& events, const ContactList& list);
+
 Table contacts_table(const std::vector<Contact>& contacts);
 
 /// "z = 2/3": impacts and forcing periods.
@@ -36,19 +41,93 @@ std::string z_label(const PeriodicOrbit& orbit);
 std::string z_label_of(const Json& orbit);  ///< of an orbit, a special point or a periodic attractor as a result has it
 /// What a mass at rest on its stop does, by the exponents of a disturbance (lib/rest.hpp).
 std::string rest_text(const std::vector<double>& exponents);
-/// "sticking": true and "isolated_impacts" (those outside complete chatters), for an orbit that sticks.
-void add_sticking(Json& out, int impacts, int isolated);
-void write_sticking(int impacts, int isolated, JsonText& json);
+/// As "orbit" in graze.orbit/1, and what stands in it.
+const Columns<ListedEvent>& event_columns();
+const Columns<Contact>& contact_columns();
+const Columns<NewtonReport>& newton_columns();
+const Columns<OrbitChecks>& check_columns();
+const Columns<PeriodicOrbit>& orbit_columns();
 
-Json multipliers_json(const FloquetMultipliers& multipliers);
-Json exponents_json(const FloquetMultipliers& multipliers);
-Json checks_json(const OrbitChecks& checks);
+template <>
+struct JsonForm<EventKind> : ChoiceForm<EventKind, event_kind_name, EventKind::impact, EventKind::enter, EventKind::leave,
+                                        EventKind::stick, EventKind::release, EventKind::other> {};
+template <>
+struct JsonForm<NewtonStatus>
+    : ChoiceForm<NewtonStatus, newton_status_text, NewtonStatus::not_run, NewtonStatus::converged, NewtonStatus::iteration_limit,
+                 NewtonStatus::stalled, NewtonStatus::evaluation_failed, NewtonStatus::singular> {};
+template <> struct JsonForm<ListedEvent> : RecordForm<ListedEvent, event_columns> {};
+template <> struct JsonForm<Contact> : RecordForm<Contact, contact_columns> {};
+template <> struct JsonForm<NewtonReport> : RecordForm<NewtonReport, newton_columns> {};
+template <> struct JsonForm<OrbitChecks> : RecordForm<OrbitChecks, check_columns> {};
+template <> struct JsonForm<PeriodicOrbit> : RecordForm<PeriodicOrbit, orbit_columns> {};
+/// Their values alone; none: they do not exist.
+template <> struct JsonForm<FloquetMultipliers> {
+  using Values = std::vector<std::complex<double>>;
+  static Json json(const FloquetMultipliers& multipliers) {
+    return JsonForm<Values>::json(multipliers.valid ? multipliers.values : Values());
+  }
+  static FloquetMultipliers value(const Json& json) {
+    FloquetMultipliers out;
+    out.values = JsonForm<Values>::value(json);
+    out.valid = !out.values.empty();
+    return out;
+  }
+  static void write(const FloquetMultipliers& multipliers, JsonText& text) {
+    text.value(multipliers.valid ? multipliers.values : Values());
+  }
+  static Json schema() { return JsonForm<Values>::schema(); }
+};
 
-/// As "orbit" in graze.orbit/1.
-Json orbit_json(const PeriodicOrbit& orbit);
+/// Floquet exponents; none: they do not exist.
+MaybeNumbers exponents_of(const FloquetMultipliers& multipliers);
+
+/// Columns that whatever holds an orbit has: PeriodicOrbit, BranchPoint, Attractor.
+template <class T> Column<T> admissible_column() {
+  return column<T>(
+      "admissible", "", "it does not pass through a barrier",
+      [](const T& orbit) { return orbit.admissible == Admissibility::admissible; },
+      [](T& orbit, bool value) { orbit.admissible = value ? Admissibility::admissible : Admissibility::inadmissible; });
+}
+template <class T> Column<T> multipliers_column() {
+  return column<T>("multipliers", "", "Floquet multipliers [re, im] by decreasing modulus; none: they do not exist",
+                   &T::multipliers);
+}
+template <class T> Column<T> impacts_column() {
+  return column<T>(
+      "impacts", "", "number of impacts", [](const T& orbit) { return orbit.impacts; },
+      [](T& orbit, int value) { orbit.impacts = orbit.isolated_impacts = value; });
+}
+/// For an orbit that sticks.
+template <class T> Columns<T> sticking_columns() {
+  const auto sticks = [](const T& orbit) { return orbit.isolated_impacts < orbit.impacts; };
+  return {column<T>("sticking", "", "the mass sticks to a stop, after infinitely many impacts", sticks).where(sticks),
+          column<T>("isolated_impacts", "", "impacts outside complete chatters", &T::isolated_impacts).where(sticks)};
+}
+/// The orbit's states at forcing phase 0, and its shooting nodes, where they are others.
+template <class T> Columns<T> states_columns() {
+  const auto has_nodes = [](const T& orbit) { return orbit.section_phase != 0.0; };
+  const auto set_states = [](T& orbit, const std::vector<Vector>& states) { orbit.states = orbit.nodes = states; };
+  return {column<T>(
+              "state", "", "at forcing phase 0", [](const T& orbit) { return orbit.states.front(); },
+              [=](T& orbit, const Vector& state) { set_states(orbit, {state}); }),
+          column<T>(
+              "states", "", "at forcing phase 0, after each of several periods", [](const T& orbit) { return orbit.states; },
+              set_states)
+              .where([](const T& orbit) { return orbit.states.size() > 1; }),
+          column<T>("section_phase", "", "forcing phase over 2 pi of the first node", &T::section_phase).where(has_nodes),
+          column<T>("nodes", "", "of the shooting equations, equally spaced in time", &T::nodes).where(has_nodes)};
+}
+template <class T> Column<T> duration_column() {
+  return column<T>("duration", "", "of an autonomous orbit", &T::duration).where([](const T& orbit) {
+    return orbit.multipliers.section == graze::Section::autonomous;
+  });
+}
 
 /// All that `graze orbit` prints of one orbit. `stability`: in words; empty: what its multipliers say.
 std::string orbit_text(const Problem& problem, const PeriodicOrbit& orbit, const std::string& stability = {});
+
+/// Heads of so many multipliers: one each, or two for their real and imaginary parts.
+std::vector<std::string> multiplier_heads(std::size_t count, bool for_people);
 
 /// One row per orbit: state, z, multipliers, stable, admissible, quantities.
 Table orbits_table(const Problem& problem, const std::vector<PeriodicOrbit>& orbits, bool for_people,

@@ -23,7 +23,7 @@ struct PointOfBranch {
 using SamePoints = std::map<const SpecialPoint*, PointOfBranch>;
 SamePoints same_points(const std::vector<Branch>& branches);
 
-/// Adds "same_as": {"branch": 1, "label": "GR1"} to them, in the list of branches as branch_json() writes them.
+/// Adds "same_as": {"branch": 1, "label": "GR1"} to them, in the list of branches as json_of() writes them.
 void put_same_points(Json& list, const std::vector<Branch>& branches);
 
 }  // namespace graze::apps

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/apps/results/branch_reading.hpp>
 #include <graze/apps/results/branch_report.hpp>
 #include <graze/apps/results/cascades.hpp>
 #include <graze/apps/results/orbit_report.hpp>
@@ -111,7 +110,7 @@ std::vector<ListedPoint> listed_points(const std::vector<Branch>& branches) {
 }
 
 /// "19 and 20": what the branches have to say, where it is not the same.
-std::string joined(const ListedPoint& listed, const auto& text_of) {
+std::string texts_of(const ListedPoint& listed, const auto& text_of) {
   std::vector<std::string> texts;
   for (const PointOfBranch& entry : listed.points)
     if (std::string text = text_of(entry); !text.empty() && std::find(texts.begin(), texts.end(), text) == texts.end())
@@ -124,94 +123,69 @@ Table special_points_overview(const std::vector<Branch>& branches, const std::st
   for (const ListedPoint& listed : listed_points(branches)) {
     std::string details = listed.first().status == PointStatus::bracketed ? "bracketed" : "";
     for (const char* name : {"criticality", "kind", "scenario"}) {
-      const std::string text = joined(listed, [name](const PointOfBranch& entry) {
+      const std::string text = texts_of(listed, [name](const PointOfBranch& entry) {
         const auto found = entry.point->details.find(name);
         return found == entry.point->details.end() ? "" : std::get<std::string>(found->second);
       });
       if (!text.empty()) details += (details.empty() ? "" : ", ") + text;
     }
-    table.rows.push_back({joined(listed, [](const PointOfBranch& entry) { return entry.point->label; }),
+    table.rows.push_back({texts_of(listed, [](const PointOfBranch& entry) { return entry.point->label; }),
                           rounded(listed.first().value, 12), rounded(listed.first().precision, 2),
-                          joined(listed, [](const PointOfBranch& entry) { return std::to_string(entry.branch->id); }),
-                          joined(listed,
-                                 [](const PointOfBranch& entry) {
-                                   const PeriodicOrbit& orbit = entry.point->orbit;
-                                   return label(orbit.impacts, orbit.isolated_impacts, orbit.period);
-                                 }),
+                          texts_of(listed, [](const PointOfBranch& entry) { return std::to_string(entry.branch->id); }),
+                          texts_of(listed,
+                                   [](const PointOfBranch& entry) {
+                                     const PeriodicOrbit& orbit = entry.point->orbit;
+                                     return label(orbit.impacts, orbit.isolated_impacts, orbit.period);
+                                   }),
                           details});
   }
   return table;
 }
 
-Json seeds_json(const std::vector<SkeletonSeed>& seeds, std::size_t parameter) {
-  Json list = Json::array();
-  for (const SkeletonSeed& seed : seeds)
-    list.push_back({{"value", seed.orbit.parameters[static_cast<Eigen::Index>(parameter)]},
-                    {"period", seed.orbit.period},
-                    {"impacts", seed.orbit.impacts},
-                    {"state", to_json(seed.orbit.state)},
-                    {"stable", seed.orbit.stable()},
-                    {"origin", seed.origin}});
+const Columns<PeriodicOrbit>& seed_orbit_columns() {
+  using O = PeriodicOrbit;
+  static const Columns<O> list = {column<O>("period", "", "of the orbit", &O::period), impacts_column<O>(),
+                                  states_columns<O>().front(),
+                                  column<O>("stable", "", "no multiplier lies outside the unit circle", &O::stable)};
   return list;
 }
 
-/// What a seed has in an unfinished result beside the rest: with it the orbit is the same to the last bit when it is read back.
-Json kept_seed_json(const SkeletonSeed& seed) {
-  const auto list = [](const std::vector<Vector>& vectors) {
-    Json json = Json::array();
-    for (const Vector& vector : vectors) json.push_back(to_json(vector));
-    return json;
-  };
-  return {{"part", seed.part},
-          {"states", list(seed.orbit.states)},
-          {"nodes", list(seed.orbit.nodes)},
-          {"section_phase", seed.orbit.section_phase},
-          {"duration", seed.orbit.duration},
-          {"multipliers", multipliers_json(seed.orbit.multipliers)},
-          {"isolated_impacts", seed.orbit.isolated_impacts}};
-}
-
-std::vector<Vector> vectors_from(const Json& list, std::size_t states) {
-  std::vector<Vector> vectors;
-  for (const Json& json : list) {
-    vectors.push_back(vector_from(json));
-    if (static_cast<std::size_t>(vectors.back().size()) != states) throw std::invalid_argument("a state of another size");
-  }
-  if (vectors.empty()) throw std::invalid_argument("an orbit without states");
-  return vectors;
+/// What an unfinished result has of a seed, too: with it the orbit is the same to the last bit when it is read back.
+const Columns<SkeletonSeed>& kept_columns() {
+  using O = PeriodicOrbit;
+  static const Columns<O> of_orbit = {
+      column<O>("states", "", "at forcing phase 0, after each period", &O::states),
+      column<O>("nodes", "", "of the shooting equations, equally spaced in time", &O::nodes),
+      column<O>("section_phase", "", "forcing phase over 2 pi of the first node", &O::section_phase),
+      column<O>("duration", "time", "of the orbit", &O::duration),
+      multipliers_column<O>(),
+      column<O>("isolated_impacts", "", "impacts outside complete chatters", &O::isolated_impacts)};
+  static const Columns<SkeletonSeed> list =
+      joined<SkeletonSeed>({{column<SkeletonSeed>("part", "", "of the search for seeds", &SkeletonSeed::part)},
+                            of_part(of_orbit, &SkeletonSeed::orbit)});
+  return list;
 }
 
 PeriodicOrbit kept_orbit(const Json& json, const Problem& at) {
-  if (!json.contains("nodes")) {  // results of older versions have the state alone: the orbit is the same to rounding
-    const std::vector<Vector> states = vectors_from(Json::array({json.at("state")}), at.system.states);
-    return shoot(at.system, at.parameters, states.front(), json.at("period").get<int>());
-  }
-  PeriodicOrbit orbit;
+  SkeletonSeed seed;
+  PeriodicOrbit& orbit = seed.orbit;
+  const bool whole = json.contains("nodes");
+  read(of_part<SkeletonSeed, PeriodicOrbit>(seed_orbit_columns(), &SkeletonSeed::orbit), json, seed);
+  if (whole) read(kept_columns(), json, seed);
+  for (const std::vector<Vector>* list : {&orbit.states, &orbit.nodes})
+    for (const Vector& state : *list)
+      if (static_cast<std::size_t>(state.size()) != at.system.states) throw std::invalid_argument("a state of another size");
+  if (orbit.states.empty() || orbit.nodes.empty()) throw std::invalid_argument("an orbit without states");
+  // Results of older versions have the state alone: the orbit is the same to rounding.
+  if (!whole) return shoot(at.system, at.parameters, orbit.states.front(), orbit.period);
   orbit.parameters = at.parameters;
-  orbit.period = json.at("period");
-  orbit.duration = json.at("duration");
-  orbit.states = vectors_from(json.at("states"), at.system.states);
   orbit.state = orbit.states.front();
-  orbit.nodes = vectors_from(json.at("nodes"), at.system.states);
-  orbit.section_phase = json.at("section_phase");
-  orbit.impacts = json.at("impacts");
-  orbit.isolated_impacts = json.at("isolated_impacts");
-  orbit.multipliers = multipliers_from(json.at("multipliers"));
   orbit.newton.status = NewtonStatus::converged;
   orbit.admissible = Admissibility::admissible;
   return orbit;
 }
 
-Json fineness_json(const SearchFineness& fineness) {
-  Json json = {{"max_period", fineness.max_period},
-               {"values", fineness.values},
-               {"spacing", fineness.spacing},
-               {"starts", fineness.starts}};
-  json["unstable"] = {{"max_period", fineness.unstable_period}, {"values", fineness.unstable_values}};
-  return json;
-}
-
-/// What fineness_json holds in a sentence.
+/// How fine the search was in a sentence.
 std::string fineness_text(const Json& search, const std::string& parameter) {
   if (search.at("values") == 0) return "orbits are those that motions from the start settle on, and up and down from there\n";
   std::string text = fmt::format("orbits up to period {} were searched at {} values of {}, {} apart, as the ends of motions "
@@ -228,30 +202,59 @@ std::string fineness_text(const Json& search, const std::string& parameter) {
 
 }  // namespace
 
+Columns<SkeletonSeed> seed_columns(std::size_t parameter) {
+  const auto value = [=](const SkeletonSeed& seed) { return seed.orbit.parameters[static_cast<Eigen::Index>(parameter)]; };
+  return joined<SkeletonSeed>({{column<SkeletonSeed>("value", "", "of the parameter", value)},
+                               of_part(seed_orbit_columns(), &SkeletonSeed::orbit),
+                               {column<SkeletonSeed>("origin", "", "how it was found", &SkeletonSeed::origin)}});
+}
+
+const Columns<SearchFineness>& fineness_columns() {
+  using F = SearchFineness;
+  static const Columns<F> list = {column<F>("max_period", "", "up to which stable orbits were searched", &F::max_period),
+                                  column<F>("values", "", "of the parameter at which they were", &F::values),
+                                  column<F>("spacing", "", "of these values", &F::spacing),
+                                  column<F>("starts", "", "at each", &F::starts),
+                                  object<F>("unstable", "the same of unstable orbits; 0: they were not searched",
+                                            {column<F>("max_period", "", "up to which they were searched", &F::unstable_period),
+                                             column<F>("values", "", "of the parameter", &F::unstable_values)})};
+  return list;
+}
+
+const Columns<CutOff>& cut_off_columns() {
+  static const Columns<CutOff> list = {
+      column<CutOff>("branch", "", "on which it begins; 0: at a seed", &CutOff::branch),
+      column<CutOff>("label", "", "of the special point", &CutOff::label),
+      column<CutOff>("reason", "", "why it was not followed", &CutOff::reason),
+      column<CutOff>("families", "", "that begin there", &CutOff::families).where([](const CutOff& cut) {
+        return cut.families > 0;
+      })};
+  return list;
+}
+
 void put_skeleton(Json& result, const Skeleton& found, std::size_t parameter, int threads) {
   if (result.is_null()) result = Json::object();
   reserve_members(result, result.size() + 9);
-  result["search"] = fineness_json(found.fineness);
-  result["seeds"] = seeds_json(found.seeds, parameter);
+  result["search"] = json_of(fineness_columns(), found.fineness);
+  result["seeds"] = Json::array();
+  const Columns<SkeletonSeed> of_seed = seed_columns(parameter);
+  for (const SkeletonSeed& seed : found.seeds) {
+    result["seeds"].push_back(json_of(of_seed, seed));
+    if (found.graph.interrupted && seed.part >= 0) result["seeds"].back().update(json_of(kept_columns(), seed));
+  }
   const std::vector<Branch>& branches = found.graph.branches;
   Json& list = result["branches"] = Json::array_t(branches.size());
-  on_threads(threads, branches.size(), [&](std::size_t k) { list[k] = branch_json(branches[k]); });
+  on_threads(threads, branches.size(), [&](std::size_t k) { list[k] = json_of(branches[k]); });
   put_same_points(list, branches);
   for (const std::vector<std::size_t>& curve : curves_of(found.graph.branches))
     for (const std::size_t place : curve) result["branches"][place]["family"] = found.graph.branches[curve.front()].id;
-  result["cascades"] = cascades_json(cascades(found.graph.branches));
+  result["cascades"] = json_of(cascades(found.graph.branches));
   if (found.graph.interrupted) {
-    for (std::size_t i = 0; i < found.seeds.size(); ++i)
-      if (found.seeds[i].part >= 0) result["seeds"][i].update(kept_seed_json(found.seeds[i]));
     result["seed_search"] = {{"parts", found.searched.size()}, {"done", Json::array()}};
     for (std::size_t part = 0; part < found.searched.size(); ++part)
       if (found.searched[part]) result["seed_search"]["done"].push_back(part);
   }
-  result["cut_off"] = Json::array();
-  for (const CutOff& cut : found.graph.cut_off) {
-    result["cut_off"].push_back({{"branch", cut.branch}, {"label", cut.label}, {"reason", cut.reason}});
-    if (cut.families > 0) result["cut_off"].back()["families"] = cut.families;
-  }
+  result["cut_off"] = json_of(found.graph.cut_off);
 }
 
 SeedsSoFar seeds_from(const Json& result, const Problem& problem, const std::string& parameter) {
@@ -270,14 +273,6 @@ SeedsSoFar seeds_from(const Json& result, const Problem& problem, const std::str
     if (!seed.orbit.converged()) out.searched.at(static_cast<std::size_t>(seed.part)) = 0;
     out.seeds.push_back(std::move(seed));
   }
-  return out;
-}
-
-std::vector<CutOff> cut_off_from(const Json& list) {
-  std::vector<CutOff> out;
-  for (const Json& cut : list)
-    out.push_back({cut.at("branch").get<int>(), cut.at("label").get<std::string>(), cut.at("reason").get<std::string>(),
-                   cut.value("families", 0)});
   return out;
 }
 

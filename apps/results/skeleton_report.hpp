@@ -4,6 +4,7 @@
 #pragma once
 
 #include <graze/apps/problem/head.hpp>
+#include <graze/apps/text/column.hpp>
 
 #include <graze/continuation/graph/skeleton.hpp>
 
@@ -15,6 +16,11 @@ namespace graze::apps {
 
 /// What a skeleton puts into a result.
 inline constexpr std::array skeleton_keys = {"search", "seeds", "branches", "cascades", "cut_off"};
+
+const Columns<SearchFineness>& fineness_columns();
+const Columns<CutOff>& cut_off_columns();
+Columns<SkeletonSeed> seed_columns(std::size_t parameter);  ///< its index
+template <> struct JsonForm<CutOff> : RecordForm<CutOff, cut_off_columns> {};
 
 /// Adds these to the result, made on so many threads; `parameter`: index of the continuation parameter. To one that was
 /// interrupted it adds "seed_search", the "parts" of it that are "done", and the "part" of each seed, so that these are not
@@ -29,9 +35,6 @@ struct SeedsSoFar {
 /// The seeds of a skeleton that was interrupted, and how far the search for them was. @throws Json::exception, std::out_of_range
 /// or std::invalid_argument where something is missing or damaged.
 SeedsSoFar seeds_from(const Json& result, const Problem& problem, const std::string& parameter);
-
-/// "cut_off" read back. @throws Json::exception where something is missing or of another kind.
-std::vector<CutOff> cut_off_from(const Json& list);
 
 /// How fine the search was (as put_skeleton puts it), branches, special points, cascades, and what was not followed.
 std::string skeleton_text(const Json& search, std::size_t seeds, const std::vector<Branch>& branches,

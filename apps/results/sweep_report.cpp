@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/results/attractor_report.hpp>
-#include <graze/apps/results/branch_reading.hpp>
-#include <graze/apps/results/orbit_report.hpp>
 #include <graze/apps/results/sweep_report.hpp>
 #include <graze/apps/text/number.hpp>
 
@@ -15,23 +13,21 @@
 
 namespace graze::apps {
 
-namespace {
-
-SweepRow row_of(const Json& json) {
-  SweepRow row;
-  row.value = json.at("value");
-  row.direction = json.at("direction") == "down" ? SweepDirection::down : SweepDirection::up;
-  row.attractor = attractor_of(json.at("attractor"));
-  row.attractor.exponents = numbers_of(json.at("exponents"));
-  row.attractor.standard_errors = numbers_of(json.at("standard_errors"));
-  row.attractor.time_average.periods = json.at("periods");
-  row.end = vector_from(json.at("end"));
-  for (const Json& state : json.at("states")) row.states.push_back(vector_from(state));
-  row.impact_speeds = json.at("impact_speeds").get<std::vector<double>>();
-  return row;
+const Columns<SweepRow>& row_columns() {
+  using R = SweepRow;
+  static const Columns<R> list =
+      joined<R>({{column<R>("value", "", "of the parameter", &R::value),
+                  column<R>("direction", "", "in which the parameter goes", &R::direction),
+                  column<R>("attractor", "", "what the motion settles on", &R::attractor)},
+                 of_part(exponents_columns(), &R::attractor),
+                 {column<R>(
+                      "periods", "", "of the exponents' average", [](const R& row) { return row.attractor.time_average.periods; },
+                      [](R& row, std::int64_t value) { row.attractor.time_average.periods = value; }),
+                  column<R>("end", "", "state from which the next value starts", &R::end),
+                  column<R>("states", "", "on the attractor, at forcing phase 0", &R::states),
+                  column<R>("impact_speeds", "", "of the impacts on the way through them", &R::impact_speeds)}});
+  return list;
 }
-
-}  // namespace
 
 RowQuantities measure(const Quantities& quantities, const Problem& problem, const std::string& parameter,
                       const std::vector<SweepRow>& rows, int threads) {
@@ -59,16 +55,7 @@ RowQuantities measure(const Quantities& quantities, const Problem& problem, cons
 
 void write_row(const SweepRow& row, JsonText& json, const QuantityValues& values) {
   json.begin_object();
-  json.member("value", row.value);
-  json.member("direction", sweep_direction_name(row.direction));
-  json.key("attractor");
-  write_attractor(row.attractor, json);
-  json.member("exponents", row.attractor.exponents);
-  json.member("standard_errors", row.attractor.standard_errors);
-  json.member("periods", row.attractor.time_average.periods);
-  json.member("end", row.end);
-  json.member("states", row.states);
-  json.member("impact_speeds", row.impact_speeds);
+  write_members(row_columns(), row, json);
   if (!values.empty()) {
     json.key("y");
     write_quantities(values, json);
@@ -80,12 +67,6 @@ Json rows_json(const std::vector<SweepRow>& rows, const RowQuantities& measured)
   Json list = Json::array();
   for (std::size_t k = 0; k < rows.size(); ++k)
     list.push_back(tree_of([&](JsonText& json) { write_row(rows[k], json, measured.empty() ? QuantityValues{} : measured[k]); }));
-  return list;
-}
-
-std::vector<SweepRow> rows_from(const Json& rows) {
-  std::vector<SweepRow> list;
-  for (const Json& row : rows) list.push_back(row_of(row));
   return list;
 }
 
@@ -177,16 +158,16 @@ std::vector<ChaoticWindow> chaotic_windows(const std::vector<SweepRow>& rows) {
   return list;
 }
 
-Json chaotic_windows_json(const std::vector<ChaoticWindow>& windows) {
-  Json list = Json::array();
-  for (const ChaoticWindow& window : windows)
-    list.push_back({{"direction", sweep_direction_name(window.direction)},
-                    {"from", window.from},
-                    {"to", window.to},
-                    {"values", window.values},
-                    {"largest_exponent", window.largest_exponent},
-                    {"standard_error", window.standard_error},
-                    {"at", window.at}});
+const Columns<ChaoticWindow>& window_columns() {
+  using W = ChaoticWindow;
+  static const Columns<W> list = {
+      column<W>("direction", "", "in which the parameter goes", &W::direction),
+      column<W>("from", "", "lowest value of the parameter", &W::from),
+      column<W>("to", "", "highest value of the parameter", &W::to),
+      column<W>("values", "", "how many of them", &W::values),
+      column<W>("largest_exponent", "1/time", "in the window", &W::largest_exponent),
+      column<W>("standard_error", "1/time", "of it", [](const W& window) { return finite(window.standard_error); }),
+      column<W>("at", "", "value of the parameter there", &W::at)};
   return list;
 }
 

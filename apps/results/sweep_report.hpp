@@ -5,7 +5,7 @@
 
 #include <graze/apps/problem/problem.hpp>
 #include <graze/apps/quantities/quantities.hpp>
-#include <graze/apps/text/json_text.hpp>
+#include <graze/apps/results/attractor_report.hpp>
 #include <graze/apps/text/table.hpp>
 
 #include <graze/floquet/follow/sweep.hpp>
@@ -21,13 +21,16 @@ using RowQuantities = std::vector<QuantityValues>;
 RowQuantities measure(const Quantities& quantities, const Problem& problem, const std::string& parameter,
                       const std::vector<SweepRow>& rows, int threads);
 
+/// Of a row it is read back what a sweep needs to go on from it, and to write it again: of orbits state, label and multipliers,
+/// of averages their length.
+const Columns<SweepRow>& row_columns();
+
+template <>
+struct JsonForm<SweepDirection> : ChoiceForm<SweepDirection, sweep_direction_name, SweepDirection::up, SweepDirection::down> {};
+template <> struct JsonForm<SweepRow> : RecordForm<SweepRow, row_columns> {};
+
 void write_row(const SweepRow& row, JsonText& json, const QuantityValues& values = {});
 Json rows_json(const std::vector<SweepRow>& rows, const RowQuantities& measured = {});
-
-/// The inverse, as far as a sweep can go on from it and the rows are written again: of orbits state, label and multipliers, of
-/// averages their length.
-/// @throws Json::exception where something is missing or of another kind.
-std::vector<SweepRow> rows_from(const Json& rows);
 
 /// One line per stretch of rows with the same attractor.
 Table sweep_overview(const std::vector<SweepRow>& rows, const std::string& parameter, const RowQuantities& measured = {});
@@ -47,7 +50,9 @@ struct ChaoticWindow {
 /// In the order of the rows.
 std::vector<ChaoticWindow> chaotic_windows(const std::vector<SweepRow>& rows);
 
-Json chaotic_windows_json(const std::vector<ChaoticWindow>& windows);
+const Columns<ChaoticWindow>& window_columns();
+template <> struct JsonForm<ChaoticWindow> : RecordForm<ChaoticWindow, window_columns> {};
+
 Table chaotic_windows_table(const std::vector<ChaoticWindow>& windows, const std::string& parameter);
 
 }  // namespace graze::apps

@@ -42,42 +42,6 @@ std::string short_name(std::string name) {
   return name;
 }
 
-Json check_json(const OrbitCheck& check) {
-  return {{"name", check.name},
-          {"disagreement", check.applicable() ? Json(check.disagreement) : Json(nullptr)},
-          {"bound", check.limit},
-          {"ok", check.passes()}};
-}
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-Json hard_json(const HardLimit& hard) {
-  Json out = {{"stop", hard_limit_stop_text(hard.stop)}};
-  if (hard.stop != HardLimitStop::done) return out;
-  out["limit"] = {{"state", to_json(hard.limit.state)},
-                  {"multipliers", multipliers_json(hard.limit.multipliers)},
-                  {"restitution", number(hard.newton_restitution)}};
-  out["steps"] = Json::array();
-  for (const StiffnessStep& step : hard.steps)
-    out["steps"].push_back({{"k_H", step.k_H},
-                            {"state", to_json(step.orbit.state)},
-                            {"multipliers", multipliers_json(step.orbit.multipliers)},
-                            {"state_difference", step.state_difference},
-                            {"multiplier_difference", step.multiplier_difference},
-                            {"order", number(step.order)}});
-  if (hard.restitution.empty()) return out;
-  out["entry_tau"] = hard.entry_time;
-  out["restitution"] = Json::array();
-  for (const RestitutionPoint& point : hard.restitution)
-    out["restitution"].push_back({{"speed", point.speed},
-                                  {"computed", number(point.computed)},
-                                  {"stiff", number(point.stiff)},
-                                  {"closed_form", point.closed_form},
-                                  {"extrapolated", number(point.extrapolated)},
-                                  {"error", number(point.error)}});
-  return out;
-}
-
 std::string cell(double value, int digits = 8) { return std::isfinite(value) ? rounded(value, digits) : "-"; }
 
 std::string hard_text(const HardLimit& hard) {
@@ -127,33 +91,93 @@ std::vector<Largest> largest_of(const std::vector<Verification>& list) {
   return out;
 }
 
-Json verification_json(const Verification& verification) {
-  const VerifiedOrbit& verified = verification.verified;
-  const PeriodicOrbit& orbit = verified.orbit;
-  Json out = {{"value", verification.value}, {"period", orbit.period},
-              {"impacts", orbit.impacts},    {"state", to_json(orbit.state)},
-              {"stable", orbit.stable()},    {"admissible", orbit.admissible == Admissibility::admissible}};
-  out["multipliers"] = {{"saltation", multipliers_json(orbit.multipliers)},
-                        {"finite_difference", multipliers_json(verified.differences)},
-                        {"general", multipliers_json(verified.general.multipliers)}};
-  out["exponents"] = {{"multipliers", exponents_json(orbit.multipliers)},
-                      {"time_average", verified.average.exponents},
-                      {"periods", verified.average.periods}};
-  out["checks"] = Json::array();
-  for (const OrbitCheck& check : verification.checks) out["checks"].push_back(check_json(check));
-  if (verification.hard) out["hard_limit"] = hard_json(*verification.hard);
-  return out;
+const Columns<OrbitCheck>& verified_columns() {
+  using C = OrbitCheck;
+  static const Columns<C> list = {
+      column<C>("name", "", "of the check", &C::name),
+      column<C>("disagreement", "", "null: not applicable",
+                [](const C& check) { return check.applicable() ? std::optional(check.disagreement) : std::nullopt; }),
+      column<C>("bound", "", "above which it has failed", &C::limit), column<C>("ok", "", "it has not failed", &C::passes)};
+  return list;
 }
 
-Json largest_json(const std::vector<Largest>& largest, const std::vector<Verification>& list) {
-  Json out = Json::array();
-  for (const Largest& worst : largest) {
-    Json entry = check_json(worst.check);
-    entry["value"] = list[worst.at].value;
-    entry["orbit"] = worst.at + 1;
-    out.push_back(std::move(entry));
-  }
-  return out;
+const Columns<StiffnessStep>& step_columns() {
+  using S = StiffnessStep;
+  static const Columns<S> list = {
+      column<S>("k_H", "", "contact stiffness", &S::k_H),
+      column<S>("state", "", "of the orbit, at forcing phase 0", [](const S& step) { return step.orbit.state; }),
+      column<S>("multipliers", "", "of the orbit", [](const S& step) { return step.orbit.multipliers; }),
+      column<S>("state_difference", "", "from the limit, relative to 1 + |x|", &S::state_difference),
+      column<S>("multiplier_difference", "", "from the limit, relative to 1 + |mu_1|", &S::multiplier_difference),
+      column<S>("order", "", "log10 of the state difference a decade softer over this one; null: of the first",
+                [](const S& step) { return finite(step.order); })};
+  return list;
+}
+
+const Columns<RestitutionPoint>& restitution_columns() {
+  using P = RestitutionPoint;
+  static const Columns<P> list = {
+      column<P>("speed", "", "of entry", &P::speed),
+      column<P>("computed", "", "at the problem's own k_H; null: the contact does not end",
+                [](const P& p) { return finite(p.computed); }),
+      column<P>("stiff", "", "at the largest k_H", [](const P& p) { return finite(p.stiff); }),
+      column<P>("closed_form", "", "of a contact that is infinitely stiff", &P::closed_form),
+      column<P>("extrapolated", "", "from all k_H", [](const P& p) { return finite(p.extrapolated); }),
+      column<P>("error", "", "of the extrapolation", [](const P& p) { return finite(p.error); })};
+  return list;
+}
+
+const Columns<HardLimit>& hard_limit_columns() {
+  using H = HardLimit;
+  const auto is_done = [](const H& hard) { return hard.stop == HardLimitStop::done; };
+  const auto has_restitution = [=](const H& hard) { return is_done(hard) && !hard.restitution.empty(); };
+  static const Columns<H> list = {
+      column<H>("stop", "", "how its computation ended",
+                [](const H& hard) { return std::string(hard_limit_stop_text(hard.stop)); }),
+      object<H>("limit", "the orbit at a rigid stop",
+                {column<H>("state", "", "at forcing phase 0", [](const H& hard) { return hard.limit.state; }),
+                 column<H>("multipliers", "", "of the orbit", [](const H& hard) { return hard.limit.multipliers; }),
+                 column<H>("restitution", "", "of its impacts; null: they differ",
+                           [](const H& hard) { return finite(hard.newton_restitution); })})
+          .where(is_done),
+      column<H>("steps", "", "orbits of growing stiffness, softest first", &H::steps).where(is_done),
+      column<H>("entry_tau", "", "time at which the contacts below begin", &H::entry_time).where(has_restitution),
+      column<H>("restitution", "", "by entry speed", &H::restitution).where(has_restitution)};
+  return list;
+}
+
+const Columns<Verification>& verification_columns() {
+  using V = Verification;
+  static const Columns<V> list = {
+      column<V>("value", "", "of the parameter", &V::value),
+      column<V>("period", "", "forcing periods", [](const V& v) { return v.verified.orbit.period; }),
+      column<V>("impacts", "", "number of impacts", [](const V& v) { return v.verified.orbit.impacts; }),
+      column<V>("state", "", "at forcing phase 0", [](const V& v) { return v.verified.orbit.state; }),
+      column<V>("stable", "", "no multiplier lies outside the unit circle", [](const V& v) { return v.verified.orbit.stable(); }),
+      column<V>("admissible", "", "it does not pass through a barrier",
+                [](const V& v) { return v.verified.orbit.admissible == Admissibility::admissible; }),
+      object<V>(
+          "multipliers", "in three ways",
+          {column<V>("saltation", "", "by saltation matrices", [](const V& v) { return v.verified.orbit.multipliers; }),
+           column<V>("finite_difference", "", "by differences of the return map",
+                     [](const V& v) { return v.verified.differences; }),
+           column<V>("general", "", "by the general integrator", [](const V& v) { return v.verified.general.multipliers; })}),
+      object<V>("exponents", "in two ways",
+                {column<V>("multipliers", "1/time", "from multipliers; null: -infinity",
+                           [](const V& v) { return exponents_of(v.verified.orbit.multipliers); }),
+                 column<V>("time_average", "1/time", "null: -infinity",
+                           [](const V& v) { return finite(v.verified.average.exponents); }),
+                 column<V>("periods", "", "of the average", [](const V& v) { return v.verified.average.periods; })}),
+      column<V>("checks", "", "each of them", &V::checks),
+      column<V>("hard_limit", "", "the stop made rigid", &V::hard).where([](const V& v) { return v.hard.has_value(); })};
+  return list;
+}
+
+Columns<Largest> largest_columns(const std::vector<Verification>& list) {
+  return joined<Largest>(
+      {of_part(verified_columns(), &Largest::check),
+       {column<Largest>("value", "", "of the parameter", [&list](const Largest& worst) { return list[worst.at].value; }),
+        column<Largest>("orbit", "", "its number, from 1", [](const Largest& worst) { return worst.at + 1; })}});
 }
 
 std::string verification_text(const Verification& verification) {

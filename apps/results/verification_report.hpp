@@ -2,8 +2,7 @@
 // What `graze verify` says: of each orbit, and of the largest disagreement of each check among all of them.
 #pragma once
 
-#include <graze/apps/text/json.hpp>
-#include <graze/apps/text/table.hpp>
+#include <graze/apps/text/column.hpp>
 
 #include <graze/floquet/verify/hard_limit.hpp>
 
@@ -29,9 +28,19 @@ struct Largest {
 };
 std::vector<Largest> largest_of(const std::vector<Verification>& list);
 
-/// As an element of "orbits" in graze.verify/1.
-Json verification_json(const Verification& verification);
-Json largest_json(const std::vector<Largest>& largest, const std::vector<Verification>& list);
+/// As elements of "orbits" and of "largest" in graze.verify/1, and what stands in them.
+const Columns<OrbitCheck>& verified_columns();
+const Columns<StiffnessStep>& step_columns();
+const Columns<RestitutionPoint>& restitution_columns();
+const Columns<HardLimit>& hard_limit_columns();
+const Columns<Verification>& verification_columns();
+Columns<Largest> largest_columns(const std::vector<Verification>& list);  ///< which outlives it
+
+template <> struct JsonForm<OrbitCheck> : RecordForm<OrbitCheck, verified_columns> {};
+template <> struct JsonForm<StiffnessStep> : RecordForm<StiffnessStep, step_columns> {};
+template <> struct JsonForm<RestitutionPoint> : RecordForm<RestitutionPoint, restitution_columns> {};
+template <> struct JsonForm<HardLimit> : RecordForm<HardLimit, hard_limit_columns> {};
+template <> struct JsonForm<Verification> : RecordForm<Verification, verification_columns> {};
 
 /// One orbit at length: multipliers by three ways, checks, hard limit.
 std::string verification_text(const Verification& verification);

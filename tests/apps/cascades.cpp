@@ -65,7 +65,7 @@ TEST_CASE("a cascade's ratios are those of its intervals") {
   CHECK(found[0].ratios()[0] == Approx(4.0).epsilon(1e-12));
   CHECK(found[0].ratios()[1] == Approx(5.0).epsilon(1e-12));
   CHECK_THAT(cascades_text(found, "eta"), Contains("4.6692") && Contains("4 -> 8") && Contains("-0.02"));
-  const Json json = cascades_json(found);
+  const Json json = json_of(found);
   REQUIRE(json.size() == 1);
   CHECK(json[0]["points"].size() == 4);
   CHECK(json[0]["points"][1] == Json({{"label", "PD2"}, {"branch", 2}, {"period", 2}, {"value", 0.5}}));
@@ -78,7 +78,7 @@ TEST_CASE("two doublings are no cascade") {
                                         branch(3, 4, {}, BranchParent{2, "PD2"})};
   CHECK(cascades(branches).empty());
   CHECK(cascades_text({}, "eta").empty());
-  CHECK(cascades_json({}) == Json::array());
+  CHECK(json_of(std::vector<Cascade>()) == Json::array());
 }
 
 TEST_CASE("a doubled branch that ends at another doubling belongs to two cascades") {

@@ -150,7 +150,7 @@ TEST_CASE("a row of a sweep reads back from its text") {
   const Json json = rows_json({row});
   CHECK(json[0]["attractor"]["sticking"] == true);
   CHECK(json[0]["exponents"][1].is_null());
-  const std::vector<SweepRow> back = rows_from(json);
+  const std::vector<SweepRow> back = value_of<std::vector<SweepRow>>(json);
   REQUIRE(back.size() == 1);
   CHECK(rows_json(back) == json);
   CHECK(back[0].value == row.value);

@@ -70,7 +70,7 @@ TEST_CASE("lyapunov: an attractor that sticks is called as graze orbit calls it"
   CHECK(attractor["sticking"] == true);
   CHECK(attractor["isolated_impacts"] == 0);
   CHECK(attractor["impacts"] > 1);
-  CHECK(attractor_name(attractor_of(attractor)) == "z = ∞/1");
+  CHECK(attractor_name(value_of<Attractor>(attractor)) == "z = ∞/1");
   CHECK_FALSE(spectrum({"--set", "eta=0.925"})["attractor"].contains("sticking"));
 }
 

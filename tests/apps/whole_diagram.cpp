@@ -108,8 +108,8 @@ TEST_CASE("a whole diagram is the skeleton and the sweeps, and the two agree") {
   const Problem model = problem_of(whole);
   const std::vector<Branch> branches = branches_from_json(whole);
   for (std::size_t i = 0; i < branches.size(); ++i)  // what is read is what was written, proofs and all
-    for (const char* part : {"points", "special_points"}) CHECK(branch_json(branches[i])[part] == whole["branches"][i][part]);
-  const std::vector<SweepRow> rows = rows_from(whole["rows"]);
+    for (const char* part : {"points", "special_points"}) CHECK(json_of(branches[i])[part] == whole["branches"][i][part]);
+  const std::vector<SweepRow> rows = value_of<std::vector<SweepRow>>(whole["rows"]);
   std::size_t periodic = 0, chaotic = 0;
   for (const SweepRow& row : rows) {
     INFO(sweep_direction_name(row.direction) << " " << row.value);

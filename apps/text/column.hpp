@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Column: one field of a result: name, unit, meaning, how it is got, and how it is put back. What a type holds is one list of
+// them, from which follow its JSON (as a tree, or written straight into a text), the reader of that, its schema, and rows of
+// tables. A further field is one line of the list.
+//
+// JsonForm<V> says how a value stands in JSON: json(), value() (the inverse, @throws Json::exception where it is of another kind)
+// and schema(). A number that may be missing is an optional one; a plain one that is not finite is null nevertheless. A type with
+// a list of columns has it as its form by
+//     template <> struct JsonForm<Contact> : RecordForm<Contact, contact_columns> {};
+// and a type of choices, of which each has a name, by
+//     template <> struct JsonForm<MapType> : ChoiceForm<MapType, map_type_name, MapType::undecided, MapType::periodic> {};
+#pragma once
+
+#include <graze/apps/text/json_text.hpp>
+#include <graze/apps/text/table.hpp>
+
+#include <fmt/format.h>
+
+#include <array>
+#include <initializer_list>
+#include <map>
+#include <stdexcept>
+#include <utility>
+
+namespace graze::apps {
+
+template <class V> struct JsonForm {
+  static_assert(std::is_arithmetic_v<V> || std::convertible_to<V, std::string_view> || std::is_same_v<V, Json>);
+  static Json json(const V& value) { return value; }
+  static V value(const Json& json) { return json.get<V>(); }
+  static void write(const V& value, JsonText& text) { text.value(value); }
+  static Json schema() {
+    if constexpr (std::is_same_v<V, Json>) return Json::object();
+    return {{"type", std::is_same_v<V, bool>   ? "boolean"
+                     : std::is_integral_v<V>   ? "integer"
+                     : std::is_arithmetic_v<V> ? "number"
+                                               : "string"}};
+  }
+};
+
+/// A list of others.
+template <class List, class Item = typename List::value_type> struct ListForm {
+  static Json json(const List& list) {
+    Json out = Json::array();
+    for (const Item& item : list) out.push_back(JsonForm<Item>::json(item));
+    return out;
+  }
+  static List value(const Json& json) {
+    List list;
+    for (const Json& item : json) list.push_back(JsonForm<Item>::value(item));
+    return list;
+  }
+  static void write(const List& list, JsonText& text) {
+    text.begin_list();
+    for (const Item& item : list) JsonForm<Item>::write(item, text);
+    text.end_list();
+  }
+  static Json schema() { return {{"type", "array"}, {"items", JsonForm<Item>::schema()}}; }
+};
+template <class Item> struct JsonForm<std::vector<Item>> : ListForm<std::vector<Item>> {};
+template <> struct JsonForm<Vector> : ListForm<Vector, double> {
+  static Vector value(const Json& json) { return vector_from(json); }
+};
+template <> struct JsonForm<std::array<double, 2>> : ListForm<std::array<double, 2>> {
+  static std::array<double, 2> value(const Json& json) { return {json.at(0).get<double>(), json.at(1).get<double>()}; }
+};
+template <> struct JsonForm<std::complex<double>> {
+  static Json json(const std::complex<double>& value) { return {value.real(), value.imag()}; }
+  static std::complex<double> value(const Json& json) { return {json.at(0).get<double>(), json.at(1).get<double>()}; }
+  static void write(const std::complex<double>& value, JsonText& text) { text.value(value); }
+  static Json schema() { return {{"type", "array"}, {"items", {{"type", "number"}}}, {"minItems", 2}, {"maxItems", 2}}; }
+};
+template <class V> struct JsonForm<std::optional<V>> {
+  static Json json(const std::optional<V>& value) { return value ? JsonForm<V>::json(*value) : Json(nullptr); }
+  static std::optional<V> value(const Json& json) {
+    return json.is_null() ? std::nullopt : std::optional(JsonForm<V>::value(json));
+  }
+  static void write(const std::optional<V>& value, JsonText& text) {
+    value ? JsonForm<V>::write(*value, text) : text.value(std::optional<bool>());
+  }
+  static Json schema() { return {{"anyOf", {JsonForm<V>::schema(), {{"type", "null"}}}}}; }
+};
+/// Values by their names, which can be any.
+template <class V> struct JsonForm<std::map<std::string, V>> {
+  using Named = std::map<std::string, V>;
+  static Json json(const Named& values) {
+    Json out = Json::object();
+    for (const auto& [name, value] : values) out[name] = JsonForm<V>::json(value);
+    return out;
+  }
+  static Named value(const Json& json) {
+    Named values;
+    for (const auto& [name, value] : json.items()) values.insert_or_assign(name, JsonForm<V>::value(value));
+    return values;
+  }
+  static void write(const Named& values, JsonText& text) {
+    text.begin_object();
+    for (const auto& [name, value] : values) {
+      text.key(name);
+      JsonForm<V>::write(value, text);
+    }
+    text.end_object();
+  }
+  static Json schema() { return {{"type", "object"}, {"additionalProperties", JsonForm<V>::schema()}}; }
+};
+
+template <class T> struct Column {
+  std::string name, unit, meaning;
+  Json schema;
+  std::function<Json(const T&)> json;
+  std::function<void(const T&, JsonText&)> write;
+  std::function<void(T&, const Json&)> set;    ///< empty: it follows from others, and is not read
+  std::function<bool(const T&)> applies = {};  ///< whether there is one at all; empty: always
+  bool needed = true;                          ///< to a reader
+
+  /// Only where this holds.
+  Column where(std::function<bool(const T&)> holds) const {
+    Column out = *this;
+    out.applies = std::move(holds);
+    out.needed = false;
+    return out;
+  }
+  /// A reader does without: it is found in results of newer versions alone, or is of no use there.
+  Column not_needed() const {
+    Column out = *this;
+    out.needed = false;
+    return out;
+  }
+  bool is_in(const T& record) const { return !applies || applies(record); }
+};
+template <class T> using Columns = std::vector<Column<T>>;
+
+/// `get`: a member, which is then read back, too, or what a T is asked for; `set(T&, V)` puts the same kind of value back.
+template <class T, class Get, class Set = std::nullptr_t>
+Column<T> column(const char* name, const char* unit, const char* meaning, Get get, [[maybe_unused]] Set set = nullptr) {
+  using V = std::remove_cvref_t<std::invoke_result_t<Get, const T&>>;
+  using Form = JsonForm<V>;
+  Column<T> out{name,
+                unit,
+                meaning,
+                Form::schema(),
+                [get](const T& record) { return Form::json(std::invoke(get, record)); },
+                [get](const T& record, JsonText& text) { Form::write(std::invoke(get, record), text); },
+                {}};
+  if constexpr (!std::is_null_pointer_v<Set>)
+    out.set = [set](T& record, const Json& json) { set(record, Form::value(json)); };
+  else if constexpr (std::is_member_object_pointer_v<Get>)
+    out.set = [get](T& record, const Json& json) { record.*get = Form::value(json); };
+  return out;
+}
+
+template <class T> void write_members(const Columns<T>& columns, const T& record, JsonText& text) {
+  for (const Column<T>& one : columns) {
+    if (!one.is_in(record)) continue;
+    text.key(one.name);
+    one.write(record, text);
+  }
+}
+
+template <class T> Json json_of(const Columns<T>& columns, const T& record) {
+  Json out = Json::object();
+  reserve_members(out, columns.size() + 1);
+  for (const Column<T>& one : columns)
+    if (one.is_in(record)) out[one.name] = one.json(record);
+  return out;
+}
+
+/// @throws Json::exception, std::invalid_argument where something is missing or of another kind.
+template <class T> void read(const Columns<T>& columns, const Json& json, T& record) {
+  for (const Column<T>& one : columns)
+    if (one.set && (one.needed || json.contains(one.name))) one.set(record, json.at(one.name));
+}
+
+/// An object with these members and no others.
+template <class T> Json schema_of(const Columns<T>& columns) {
+  Json out = {{"type", "object"}, {"properties", Json::object()}, {"required", Json::array()}, {"additionalProperties", false}};
+  for (const Column<T>& one : columns) {
+    Json& property = out["properties"][one.name] = one.schema;
+    property["description"] = one.meaning;
+    if (!one.unit.empty()) property["unit"] = one.unit;
+    if (!one.applies) out["required"].push_back(one.name);
+  }
+  return out;
+}
+
+template <class T, const Columns<T>& (*columns)()> struct RecordForm {
+  static Json json(const T& record) { return json_of(columns(), record); }
+  static T value(const Json& json) {
+    T record{};
+    read(columns(), json, record);
+    return record;
+  }
+  static void write(const T& record, JsonText& text) {
+    text.begin_object();
+    write_members(columns(), record, text);
+    text.end_object();
+  }
+  static Json schema() { return schema_of(columns()); }
+};
+
+template <class E, auto name, E... all> struct ChoiceForm {
+  static Json json(E choice) { return name(choice); }
+  static E value(const Json& json) {
+    for (const E choice : {all...})
+      if (json == name(choice)) return choice;
+    throw std::invalid_argument(fmt::format("{} is none of the names that can stand there", flat(json)));
+  }
+  static void write(E choice, JsonText& text) { text.value(name(choice)); }
+  static Json schema() { return {{"enum", {name(all)...}}}; }
+};
+
+template <class V> Json json_of(const V& value) { return JsonForm<V>::json(value); }
+template <class V> V value_of(const Json& json) { return JsonForm<V>::value(json); }
+
+/// The same columns, of a part of a record.
+template <class T, class Part> Columns<T> of_part(const Columns<Part>& columns, Part T::*part) {
+  Columns<T> list;
+  for (const Column<Part>& one : columns) {
+    Column<T> out{one.name,
+                  one.unit,
+                  one.meaning,
+                  one.schema,
+                  [=](const T& record) { return one.json(record.*part); },
+                  [=](const T& record, JsonText& text) { one.write(record.*part, text); },
+                  {}};
+    if (one.set) out.set = [=](T& record, const Json& json) { one.set(record.*part, json); };
+    if (one.applies) out.applies = [=](const T& record) { return one.applies(record.*part); };
+    out.needed = one.needed;
+    list.push_back(std::move(out));
+  }
+  return list;
+}
+
+/// Some fields of a record that stand in an object of their own.
+template <class T> Column<T> object(const char* name, const char* meaning, const Columns<T>& columns) {
+  return {name,
+          "",
+          meaning,
+          schema_of(columns),
+          [columns](const T& record) { return json_of(columns, record); },
+          [columns](const T& record, JsonText& text) {
+            text.begin_object();
+            write_members(columns, record, text);
+            text.end_object();
+          },
+          [columns](T& record, const Json& json) { read(columns, json, record); }};
+}
+
+template <class T> Columns<T> joined(std::initializer_list<Columns<T>> lists) {
+  Columns<T> out;
+  for (const Columns<T>& list : lists) out.insert(out.end(), list.begin(), list.end());
+  return out;
+}
+
+/// A column of a record in a table: the heads of its cells (one, or one for each item of a list), and digits for people; 0: exact
+/// numbers, real and imaginary part apart.
+struct Shown {
+  const char* column;
+  std::vector<std::string> heads = {column};
+  int digits = 0;
+};
+
+/// The cells of a value that stands in JSON: numbers, yes or no, text. What is missing is "-" for people, else empty.
+void add_cells(std::vector<std::string>& row, const Json& value, const Shown& shown);
+
+/// The heads, and the cells of a record.
+void add_columns(Table& table, const std::vector<Shown>& shown);
+template <class T>
+void add_cells(std::vector<std::string>& row, const Columns<T>& columns, const std::vector<Shown>& shown, const T& record) {
+  for (const Shown& one : shown)
+    for (const Column<T>& candidate : columns)
+      if (candidate.name == one.column) add_cells(row, candidate.is_in(record) ? candidate.json(record) : Json(), one);
+}
+template <class T> Table table_of(const Columns<T>& columns, const std::vector<Shown>& shown, const std::vector<T>& records) {
+  Table table;
+  add_columns(table, shown);
+  for (const T& record : records) add_cells(table.rows.emplace_back(), columns, shown, record);
+  return table;
+}
+
+/// A number where it is finite.
+inline std::optional<double> finite(double value) { return std::isfinite(value) ? std::optional(value) : std::nullopt; }
+using MaybeNumbers = std::vector<std::optional<double>>;
+inline MaybeNumbers finite(const std::vector<double>& values) {
+  MaybeNumbers out;
+  for (const double value : values) out.push_back(finite(value));
+  return out;
+}
+/// The inverse, with `otherwise` for what was not.
+inline std::vector<double> numbers(const MaybeNumbers& values, double otherwise) {
+  std::vector<double> out;
+  for (const std::optional<double>& value : values) out.push_back(value.value_or(otherwise));
+  return out;
+}
+
+}  // namespace graze::apps
