@@ -3,30 +3,15 @@
 #pragma once
 
 #include <graze/apps/map/hdf5.hpp>
-
-#include <graze/floquet/follow/parameter_map.hpp>
+#include <graze/apps/map/map_columns.hpp>
 
 #include <algorithm>
-#include <array>
+#include <string>
+#include <vector>
 
 namespace graze::apps::hdf5 {
 
 constexpr hsize_t cell = 64;  // a chunk of the file is so many rows and columns, or all
-
-/// One field of all points: how its numbers are put into memory, and how it is kept.
-struct Field {
-  const char* name;
-  const char* meaning;
-  bool of_states;
-  std::size_t size;  ///< of a number, in bytes
-};
-constexpr std::array<Field, 6> fields = {
-    Field{"attractor", "what the motion settles on", false, sizeof(unsigned char)},
-    {"period", "n of z = p/n, in forcing periods; 0: not periodic", false, sizeof(int)},
-    {"impacts", "p of z = p/n; 0 also where not periodic", false, sizeof(int)},
-    {"lambda_1", "first Lyapunov exponent per unit of dimensionless time", false, sizeof(double)},
-    {"standard_error", "of lambda_1; 0: exact, from the multipliers", false, sizeof(double)},
-    {"state", "the states on the attractor at forcing phase 0", true, sizeof(double)}};
 
 /// Places of the rows of a band: (layer, row, column) or (layer, row, column, component).
 struct Band {
@@ -55,40 +40,30 @@ struct Band {
   }
 };
 
-/// The fields of a band as arrays, in both directions.
+/// The fields of a band, each as an array of numbers.
 struct BandData {
-  std::vector<unsigned char> type;
-  std::vector<int> period, impacts;
-  std::vector<double> lambda, error, state;
-  explicit BandData(const Band& band)
-      : type(band.points()), period(band.points()), impacts(band.points()), lambda(band.points()), error(band.points()),
-        state(band.points() * static_cast<std::size_t>(band.states)) {}
-  std::array<void*, 6> memory() {
-    return {type.data(), period.data(), impacts.data(), lambda.data(), error.data(), state.data()};
-  }
-  static std::array<hid_t, 6> types(hid_t attractor) {
-    return {attractor, H5T_NATIVE_INT, H5T_NATIVE_INT, H5T_NATIVE_DOUBLE, H5T_NATIVE_DOUBLE, H5T_NATIVE_DOUBLE};
+  std::size_t states;
+  std::vector<std::string> memory;  ///< by field
+  explicit BandData(const Band& band) : states(static_cast<std::size_t>(band.states)) {
+    for (const MapField& field : map_fields()) memory.emplace_back(band.points() * field.bytes(states), '\0');
   }
   void put(std::size_t i, const MapPoint& point) {
-    type[i] = static_cast<unsigned char>(point.type);
-    period[i] = point.period;
-    impacts[i] = point.impacts;
-    lambda[i] = point.lambda_1;
-    error[i] = point.standard_error;
-    const auto states = static_cast<std::size_t>(point.state.size());
-    std::copy(point.state.begin(), point.state.end(), state.begin() + static_cast<std::ptrdiff_t>(i * states));
+    for (std::size_t k = 0; k < memory.size(); ++k)
+      put_bytes(map_fields()[k], point, &memory[k][i * map_fields()[k].bytes(states)]);
   }
-  MapPoint get(std::size_t i, std::size_t states) const {
+  MapPoint get(std::size_t i) const {
     MapPoint point;
-    point.type = static_cast<MapType>(type[i]);
-    point.period = period[i];
-    point.impacts = impacts[i];
-    point.lambda_1 = lambda[i];
-    point.standard_error = error[i];
-    point.state = Vector::Map(state.data() + i * states, static_cast<Eigen::Index>(states));
+    for (std::size_t k = 0; k < memory.size(); ++k)
+      take_bytes(map_fields()[k], &memory[k][i * map_fields()[k].bytes(states)], states, point);
     return point;
   }
 };
+
+/// Of the numbers of a field, in memory and in the file.
+inline hid_t type_of(const MapField& field, hid_t attractor) {
+  if (std::holds_alternative<MapType MapPoint::*>(field.member)) return attractor;
+  return std::holds_alternative<int MapPoint::*>(field.member) ? H5T_NATIVE_INT : H5T_NATIVE_DOUBLE;
+}
 
 inline Handle attractor_type() {
   Handle type(H5Tenum_create(H5T_STD_U8LE), H5Tclose);

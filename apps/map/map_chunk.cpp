@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/map/map_chunk.hpp>
+#include <graze/apps/map/map_columns.hpp>
 
-#include <algorithm>
 #include <cstring>
+#include <utility>
 
 namespace graze::apps {
 
@@ -20,9 +21,13 @@ class Reader {
   explicit Reader(std::string_view bytes) : rest_(bytes) {}
   template <class Number> Number take() {
     Number value;
-    std::memcpy(&value, rest_.data(), sizeof value);
-    rest_.remove_prefix(sizeof value);
+    std::memcpy(&value, take(sizeof value).data(), sizeof value);
     return value;
+  }
+  std::string_view take(std::size_t size) {
+    const std::string_view taken = rest_.substr(0, size);
+    rest_.remove_prefix(size);
+    return taken;
   }
 
  private:
@@ -43,13 +48,12 @@ std::string chunk_bytes(const MapChunk& chunk, const MapPlan& plan, std::uint64_
   put(bytes, fingerprint);
   for (const int number : {chunk.first_row, chunk.rows, plan.layers(), plan.grid.columns.count}) put<std::int32_t>(bytes, number);
   put(bytes, states);
-  for (const MapPoint& point : chunk.points) put(bytes, static_cast<std::uint8_t>(point.type));
-  for (const MapPoint& point : chunk.points) put<std::int32_t>(bytes, point.period);
-  for (const MapPoint& point : chunk.points) put<std::int32_t>(bytes, point.impacts);
-  for (const MapPoint& point : chunk.points) put(bytes, point.lambda_1);
-  for (const MapPoint& point : chunk.points) put(bytes, point.standard_error);
-  for (const MapPoint& point : chunk.points)
-    for (const double x : point.state) put(bytes, x);
+  for (const MapField& field : map_fields()) {
+    const std::size_t size = field.bytes(plan.problem.system.states);
+    std::size_t at = bytes.size();
+    bytes.resize(at + chunk.points.size() * size);
+    for (const MapPoint& point : chunk.points) put_bytes(field, point, &bytes[std::exchange(at, at + size)]);
+  }
   put(bytes, checksum(bytes));
   return bytes;
 }
@@ -60,9 +64,8 @@ std::optional<MapChunk> chunk_from(std::string_view bytes, const MapPlan& plan, 
   const std::size_t states = plan.problem.system.states;
   const std::size_t points = static_cast<std::size_t>(chunk.rows) * static_cast<std::size_t>(plan.layers()) *
                              static_cast<std::size_t>(plan.grid.columns.count);
-  constexpr std::size_t of_a_point = 1 + 2 * sizeof(std::int32_t) + 2 * sizeof(double);
-  const std::size_t size =
-      magic.size() + 2 * sizeof(std::uint64_t) + 5 * sizeof(std::int32_t) + points * (of_a_point + states * sizeof(double));
+  std::size_t size = magic.size() + 2 * sizeof(std::uint64_t) + 5 * sizeof(std::int32_t);
+  for (const MapField& field : map_fields()) size += points * field.bytes(states);
   if (bytes.size() != size || !bytes.starts_with(magic)) return std::nullopt;
   const std::string_view content = bytes.substr(0, size - sizeof(std::uint64_t));
   if (Reader(bytes.substr(content.size())).take<std::uint64_t>() != checksum(content)) return std::nullopt;
@@ -71,19 +74,10 @@ std::optional<MapChunk> chunk_from(std::string_view bytes, const MapPlan& plan, 
   for (const int wanted : {chunk.first_row, chunk.rows, plan.layers(), plan.grid.columns.count, static_cast<int>(states)})
     if (reader.take<std::int32_t>() != wanted) return std::nullopt;
   chunk.points.resize(points);
-  for (MapPoint& point : chunk.points) {
-    const auto type = reader.take<std::uint8_t>();
-    if (type >= static_cast<std::uint8_t>(MapType::not_run)) return std::nullopt;
-    point.type = static_cast<MapType>(type);
-  }
-  for (MapPoint& point : chunk.points) point.period = reader.take<std::int32_t>();
-  for (MapPoint& point : chunk.points) point.impacts = reader.take<std::int32_t>();
-  for (MapPoint& point : chunk.points) point.lambda_1 = reader.take<double>();
-  for (MapPoint& point : chunk.points) point.standard_error = reader.take<double>();
-  for (MapPoint& point : chunk.points) {
-    point.state.resize(static_cast<Eigen::Index>(states));
-    for (double& x : point.state) x = reader.take<double>();
-  }
+  for (const MapField& field : map_fields())
+    for (MapPoint& point : chunk.points) take_bytes(field, reader.take(field.bytes(states)).data(), states, point);
+  for (const MapPoint& point : chunk.points)
+    if (point.type >= MapType::not_run) return std::nullopt;
   return chunk;
 }
 

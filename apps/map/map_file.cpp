@@ -98,11 +98,11 @@ std::invalid_argument MapFile::damaged(const std::string& dataset, const std::st
 void MapFile::check_datasets() const {
   const Band all{0, plan_.grid.rows.count, plan_.layers(), plan_.grid.columns.count,
                  static_cast<int>(plan_.problem.system.states)};
-  for (const Field& field : fields) {
-    if (H5Lexists(open_->file, field.name, H5P_DEFAULT) <= 0) throw damaged(field.name, "is missing");
-    const std::vector<hsize_t> size = size_of(open_->file, field.name), wanted = all.size(field.of_states);
+  for (const MapField& field : map_fields()) {
+    if (H5Lexists(open_->file, field.dataset, H5P_DEFAULT) <= 0) throw damaged(field.dataset, "is missing");
+    const std::vector<hsize_t> size = size_of(open_->file, field.dataset), wanted = all.size(field.of_states());
     if (size != wanted)
-      throw damaged(field.name,
+      throw damaged(field.dataset,
                     fmt::format("has {} values and should have {}", fmt::join(size, " x "), fmt::join(wanted, " x ")));
   }
 }
@@ -112,24 +112,22 @@ void MapFile::read(int first) {
   const Band band{first, std::min(static_cast<int>(cell), plan_.grid.rows.count - first), layers, columns, states};
   BandData data(band);
   const Handle attractor = attractor_type();
-  const std::array<void*, 6> memory = data.memory();
-  const std::array<hid_t, 6> types = BandData::types(attractor);
-  for (std::size_t i = 0; i < fields.size(); ++i) {
+  for (std::size_t i = 0; i < map_fields().size(); ++i) {
+    const MapField& field = map_fields()[i];
     try {
-      const Handle dataset(H5Dopen2(open_->file, fields[i].name, H5P_DEFAULT), H5Dclose);
-      read_part(dataset, types[i], band, fields[i].of_states, memory[i]);
+      const Handle dataset(H5Dopen2(open_->file, field.dataset, H5P_DEFAULT), H5Dclose);
+      read_part(dataset, type_of(field, attractor), band, field.of_states(), data.memory[i].data());
     } catch (const std::runtime_error&) {
-      throw damaged(fields[i].name, "cannot be read");
+      throw damaged(field.dataset, "cannot be read");
     }
   }
-  for (const unsigned char type : data.type)
-    if (type >= static_cast<unsigned char>(MapType::not_run))
-      throw damaged("attractor", fmt::format("holds a {}, which stands for nothing", type));
   points_.clear();
   for (int row = 0; row < band.rows; ++row)
     for (int layer = 0; layer < layers; ++layer)
-      for (int column = 0; column < columns; ++column)
-        points_.push_back(data.get(band.place(layer, row, column), static_cast<std::size_t>(states)));
+      for (int column = 0; column < columns; ++column) points_.push_back(data.get(band.place(layer, row, column)));
+  for (const MapPoint& point : points_)
+    if (point.type >= MapType::not_run)
+      throw damaged("attractor", fmt::format("holds a {}, which stands for nothing", static_cast<int>(point.type)));
   band_ = first;
 }
 
@@ -189,9 +187,9 @@ Handle make_dataset(hid_t file, const std::string& name, hid_t type, const std::
   return {H5Dcreate2(file, name.c_str(), type, space, H5P_DEFAULT, options, H5P_DEFAULT), H5Dclose};
 }
 
-void describe(hid_t dataset, const std::string& meaning) {
+void describe(hid_t dataset, const std::string& meaning, const std::string& unit = "dimensionless") {
   set_attribute(dataset, "long_name", meaning);
-  set_attribute(dataset, "units", std::string("dimensionless"));
+  set_attribute(dataset, "units", unit);
 }
 
 void write_all(hid_t dataset, hid_t type, const void* data) {
@@ -268,36 +266,36 @@ void write_head(hid_t file, const MapPlan& plan, const Json& head) {
 }
 
 /// The numbers of a cell one after the other; beyond the edges of the map they are 0.
-std::string numbers_of(const Band& band, const Field& field, const void* memory, int cell_rows, int layer, int column) {
-  const std::size_t of_point = field.size * static_cast<std::size_t>(field.of_states ? band.states : 1);
+std::string numbers_of(const Band& band, const MapField& field, const std::string& memory, int cell_rows, int layer, int column) {
+  const std::size_t of_point = field.bytes(static_cast<std::size_t>(band.states));
   const auto columns = static_cast<std::size_t>(band.cell_columns());
   std::string numbers(static_cast<std::size_t>(cell_rows) * columns * of_point, '\0');
   const std::size_t there = std::min(columns, static_cast<std::size_t>(band.columns - column)) * of_point;
   for (int row = 0; row < band.rows; ++row)
     std::memcpy(numbers.data() + static_cast<std::size_t>(row) * columns * of_point,
-                static_cast<const char*>(memory) + band.place(layer, row, column) * of_point, there);
+                memory.data() + band.place(layer, row, column) * of_point, there);
   return numbers;
 }
 
 /// `cell_rows`: of the map's cells, which the last band does not fill.
-void write_band(const std::vector<Handle>& datasets, const Band& band, BandData& data, int cell_rows, int threads) {
+void write_band(const std::vector<Handle>& datasets, const Band& band, const BandData& data, int cell_rows, int threads) {
   struct Cell {
     std::size_t field;
     int layer, column;
     PackedCell packed;
   };
   std::vector<Cell> cells;
-  for (std::size_t i = 0; i < fields.size(); ++i)
+  for (std::size_t i = 0; i < map_fields().size(); ++i)
     for (int layer = 0; layer < band.layers; ++layer)
       for (int column = 0; column < band.columns; column += band.cell_columns()) cells.push_back({i, layer, column, {}});
-  const std::array<void*, 6> memory = data.memory();
   on_threads(threads, cells.size(), [&](std::size_t k) {
     Cell& one = cells[k];
-    const Field& field = fields[one.field];
-    one.packed = pack(numbers_of(band, field, memory[one.field], cell_rows, one.layer, one.column), field.size, deflation);
+    const MapField& field = map_fields()[one.field];
+    const std::string numbers = numbers_of(band, field, data.memory[one.field], cell_rows, one.layer, one.column);
+    one.packed = pack(numbers, field.bytes(), deflation);
   });
   for (const auto& [field, layer, column, packed] : cells) {
-    std::vector<hsize_t> at = band.offset(fields[field].of_states);
+    std::vector<hsize_t> at = band.offset(map_fields()[field].of_states());
     at[0] = static_cast<hsize_t>(layer);
     at[2] = static_cast<hsize_t>(column);
     check(H5Dwrite_chunk(datasets[field], H5P_DEFAULT, packed.skipped, at.data(), packed.bytes.size(), packed.bytes.data()));
@@ -325,21 +323,20 @@ void write_content(hid_t file, const MapPlan& plan, const Json& head, const MapR
   const Handle attractor = attractor_type();
   // With a name in the file, before those of the datasets: netCDF asks for both.
   check(H5Tcommit2(file, "AttractorType", attractor, H5P_DEFAULT, without_times(H5P_DATATYPE_CREATE), H5P_DEFAULT));
-  const std::array<hid_t, 6> kept = BandData::types(attractor);
   const Band all{0, grid.rows.count, plan.layers(), grid.columns.count, states};
   std::vector<Handle> datasets;
-  for (std::size_t i = 0; i < fields.size(); ++i) {
-    const std::vector<hsize_t> size = all.size(fields[i].of_states);
+  for (const MapField& field : map_fields()) {
+    const std::vector<hsize_t> size = all.size(field.of_states());
     std::vector<hsize_t> chunk = size;
     chunk[0] = 1;
     chunk[1] = static_cast<hsize_t>(all.cell_rows());
     chunk[2] = static_cast<hsize_t>(all.cell_columns());
-    datasets.push_back(make_dataset(file, fields[i].name, kept[i], size, chunk));
-    describe(datasets[i], fields[i].meaning);
-    check(H5DSattach_scale(datasets[i], layer, 0));
-    check(H5DSattach_scale(datasets[i], rows_scale, 1));
-    check(H5DSattach_scale(datasets[i], columns, 2));
-    if (fields[i].of_states) check(H5DSattach_scale(datasets[i], component, 3));
+    const Handle& dataset = datasets.emplace_back(make_dataset(file, field.dataset, type_of(field, attractor), size, chunk));
+    describe(dataset, field.column.meaning, field.column.unit);
+    check(H5DSattach_scale(dataset, layer, 0));
+    check(H5DSattach_scale(dataset, rows_scale, 1));
+    check(H5DSattach_scale(dataset, columns, 2));
+    if (field.of_states()) check(H5DSattach_scale(dataset, component, 3));
   }
   // The enumeration once more, as CF has it, for readers that give it as bare numbers.
   constexpr std::array<unsigned char, map_types - 1> flags = {0, 1, 2, 3, 4};

@@ -19,8 +19,6 @@ namespace {
 
 constexpr std::size_t most_lines = 12;  // of the overview of a layer
 
-Json number_json(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 /// By how many points they have, most first.
 template <class Counts> auto ranked(const Counts& counts) {
   std::vector<std::pair<typename Counts::key_type, std::size_t>> list(counts.begin(), counts.end());
@@ -42,27 +40,13 @@ Json counts_json(const MapCounts& counts) {
 }
 
 void add_row(Json& layer, const MapPoint* points, int columns) {
-  for (const char* name : {"type", "period", "impacts", "sticking", "lambda_1", "standard_error", "state"})
-    layer[name].push_back(Json::array());
-  const auto put = [&layer](const char* name, Json value) { layer[name].back().push_back(std::move(value)); };
-  for (int column = 0; column < columns; ++column) {
-    const MapPoint& point = points[column];
-    const bool periodic = point.type == MapType::periodic;
-    put("type", map_type_name(point.type));
-    put("period", periodic ? Json(point.period) : Json(nullptr));
-    put("impacts", periodic ? Json(point.impacts) : Json(nullptr));
-    put("sticking", sticks(point));
-    put("lambda_1", number_json(point.lambda_1));
-    put("standard_error", number_json(point.standard_error));
-    put("state", point.state.allFinite() ? to_json(point.state) : Json(nullptr));
+  for (const Column<MapPoint>& one : map_columns()) {
+    Json& row = layer[one.name].emplace_back(Json::array());
+    for (int column = 0; column < columns; ++column) row.push_back(one.json(points[column]));
   }
 }
 
 }  // namespace
-
-bool sticks(const MapPoint& point) {
-  return point.type == MapType::periodic && point.lambda_1 == -std::numeric_limits<double>::infinity();
-}
 
 std::vector<MapCounts> count_map(const MapPlan& plan, const MapRows& rows) {
   std::vector<MapCounts> counts;
@@ -168,14 +152,9 @@ MapRows rows_from_json(const MapPlan& plan, const Json& result) {
     std::vector<MapPoint> points;
     for (const Json& layer : layers)
       for (int column = 0; column < columns; ++column) {
-        const auto at = [&](const char* name) -> const Json& { return layer.at(name).at(row).at(column); };
         MapPoint point;
-        for (int type = 0; type < map_types; ++type)
-          if (at("type") == map_type_name(static_cast<MapType>(type))) point.type = static_cast<MapType>(type);
-        if (at("period").is_number()) point.period = at("period");
-        if (at("impacts").is_number()) point.impacts = at("impacts");
-        if (at("lambda_1").is_number()) point.lambda_1 = at("lambda_1");
-        if (layer.contains("sticking") && at("sticking").get<bool>()) point.lambda_1 = -std::numeric_limits<double>::infinity();
+        for (const Column<MapPoint>& one : map_columns())
+          if (one.needed || layer.contains(one.name)) one.set(point, layer.at(one.name).at(row).at(column));
         points.push_back(std::move(point));
       }
     return points;
@@ -184,9 +163,12 @@ MapRows rows_from_json(const MapPlan& plan, const Json& result) {
 
 void map_csv(const MapPlan& plan, const MapRows& rows, int threads, const TextSink& sink) {
   const ParameterGrid& grid = plan.grid;
-  Table head{{"layer", grid.rows.parameter, grid.columns.parameter, "type", "period", "impacts", "lambda_1", "standard_error"},
-             {}};
-  for (const std::string& name : state_columns(plan.problem)) head.columns.push_back(name);
+  Table head{{"layer", grid.rows.parameter, grid.columns.parameter}, {}};
+  const std::vector<std::string> names = state_columns(plan.problem);
+  for (const MapField& field : map_fields()) {
+    if (!field.of_states()) head.columns.push_back(field.column.name);
+    if (field.of_states()) head.columns.insert(head.columns.end(), names.begin(), names.end());
+  }
   sink(csv(head));
   std::vector<std::string> columns;
   for (int column = 0; column < grid.columns.count; ++column) columns.push_back(exact(grid.columns.at(column)));
@@ -196,19 +178,25 @@ void map_csv(const MapPlan& plan, const MapRows& rows, int threads, const TextSi
     const std::string value = exact(grid.rows.at(row));
     for (std::size_t i = 0; i < points.size(); ++i) {
       const MapPoint& point = points[i];
-      fmt::format_to(out, FMT_COMPILE("{},{},{},{}"), i / columns.size(), value, columns[i % columns.size()],
-                     map_type_name(point.type));
-      if (point.type == MapType::periodic)
-        fmt::format_to(out, FMT_COMPILE(",{},{}"), point.period, point.impacts);
-      else
-        lines += ",,";
-      const auto add = [&](double number) {
-        lines += ',';
-        if (!std::isnan(number)) fmt::format_to(out, FMT_COMPILE("{}"), number);
-      };
-      add(point.lambda_1);
-      add(point.standard_error);
-      for (const double number : point.state) add(number);
+      fmt::format_to(out, FMT_COMPILE("{},{},{}"), i / columns.size(), value, columns[i % columns.size()]);
+      for (const MapField& field : map_fields())
+        std::visit(
+            [&](const auto member) {
+              using Value = std::remove_cvref_t<decltype(point.*member)>;
+              const auto add = [&](bool is_known, const auto& cell) {
+                lines += ',';
+                if (is_known) fmt::format_to(out, FMT_COMPILE("{}"), cell);
+              };
+              if constexpr (std::is_same_v<Value, MapType>)
+                add(true, map_type_name(point.*member));
+              else if constexpr (std::is_same_v<Value, int>)
+                add(point.type == MapType::periodic, point.*member);
+              else if constexpr (std::is_same_v<Value, double>)
+                add(!std::isnan(point.*member), point.*member);
+              else
+                for (const double number : point.*member) add(!std::isnan(number), number);
+            },
+            field.member);
       lines += '\n';
     }
     return lines;

@@ -2,6 +2,7 @@
 // What is said of a parameter map: how often each attractor occurs, all points as JSON or as a table, and the map as it is drawn.
 #pragma once
 
+#include <graze/apps/map/map_columns.hpp>
 #include <graze/apps/map/map_file.hpp>
 #include <graze/apps/text/long_text.hpp>
 
@@ -14,10 +15,6 @@ namespace graze::apps {
 
 /// A map as JSON, which is made in memory, has no more points than this.
 inline constexpr double most_points_in_json = 1e6;
-
-/// Whether the motion sticks to the barrier in every turn: it then forgets all at once, and its first exponent is -infinity. Its
-/// number of impacts is a matter of definition.
-bool sticks(const MapPoint& point);
 
 /// How many points of a layer are of a type, a period, a number of impacts, and stick.
 using MapCounts = std::map<std::tuple<MapType, int, int, bool>, std::size_t>;

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/map/map_columns.hpp>
+
+#include <cstring>
+#include <limits>
+
+namespace graze::apps {
+
+namespace {
+
+Column<MapPoint> column_of(const char* name, const char* unit, const char* meaning, MapType MapPoint::*member) {
+  return column<MapPoint>(name, unit, meaning, member);
+}
+
+Column<MapPoint> column_of(const char* name, const char* unit, const char* meaning, int MapPoint::*member) {
+  return column<MapPoint>(
+      name, unit, meaning,
+      [member](const MapPoint& point) { return point.type == MapType::periodic ? std::optional(point.*member) : std::nullopt; },
+      [member](MapPoint& point, std::optional<int> value) { point.*member = value.value_or(0); });
+}
+
+Column<MapPoint> column_of(const char* name, const char* unit, const char* meaning, double MapPoint::*member) {
+  return column<MapPoint>(
+      name, unit, meaning, [member](const MapPoint& point) { return finite(point.*member); },
+      [member](MapPoint& point, std::optional<double> value) { point.*member = value.value_or(point.*member); });
+}
+
+Column<MapPoint> column_of(const char* name, const char* unit, const char* meaning, Vector MapPoint::*member) {
+  return column<MapPoint>(
+      name, unit, meaning,
+      [member](const MapPoint& point) { return (point.*member).allFinite() ? std::optional(point.*member) : std::nullopt; },
+      [member](MapPoint& point, const std::optional<Vector>& value) { point.*member = value.value_or(Vector()); });
+}
+
+MapField field(const char* name, const char* dataset, const char* meaning, auto member) {
+  return {member, dataset, column_of(name, "dimensionless", meaning, member)};
+}
+
+}  // namespace
+
+const std::vector<MapField>& map_fields() {
+  static const std::vector<MapField> list = {
+      field("type", "attractor", "what the motion settles on", &MapPoint::type),
+      field("period", "period", "n of z = p/n, in forcing periods; 0: not periodic", &MapPoint::period),
+      field("impacts", "impacts", "p of z = p/n; 0 also where not periodic", &MapPoint::impacts),
+      field("lambda_1", "lambda_1", "first Lyapunov exponent per unit of dimensionless time", &MapPoint::lambda_1),
+      field("standard_error", "standard_error", "of lambda_1; 0: exact, from the multipliers", &MapPoint::standard_error),
+      field("state", "state", "the states on the attractor at forcing phase 0", &MapPoint::state)};
+  return list;
+}
+
+const Columns<MapPoint>& map_columns() {
+  static const Columns<MapPoint> list = [] {
+    Columns<MapPoint> columns;
+    for (const MapField& one : map_fields()) columns.push_back(one.column);
+    const auto forgets = [](MapPoint& point, bool value) {
+      if (value) point.lambda_1 = -std::numeric_limits<double>::infinity();
+    };
+    constexpr std::ptrdiff_t behind_impacts = 3;
+    columns.insert(
+        columns.begin() + behind_impacts,
+        column<MapPoint>("sticking", "", "the mass sticks in every turn: lambda_1 is -infinity", sticks, forgets).not_needed());
+    return columns;
+  }();
+  return list;
+}
+
+std::size_t MapField::bytes() const {
+  return std::holds_alternative<MapType MapPoint::*>(member) ? sizeof(MapType)
+         : std::holds_alternative<int MapPoint::*>(member)   ? sizeof(int)
+                                                             : sizeof(double);
+}
+
+void put_bytes(const MapField& field, const MapPoint& point, char* bytes) {
+  std::visit(
+      [&](const auto member) {
+        if constexpr (requires { (point.*member).data(); })
+          std::memcpy(bytes, (point.*member).data(), static_cast<std::size_t>((point.*member).size()) * sizeof(double));
+        else
+          std::memcpy(bytes, &(point.*member), sizeof(point.*member));
+      },
+      field.member);
+}
+
+void take_bytes(const MapField& field, const char* bytes, std::size_t states, MapPoint& point) {
+  std::visit(
+      [&](const auto member) {
+        if constexpr (requires { (point.*member).data(); }) {
+          (point.*member).resize(static_cast<Eigen::Index>(states));
+          std::memcpy((point.*member).data(), bytes, states * sizeof(double));
+        } else {
+          std::memcpy(&(point.*member), bytes, sizeof(point.*member));
+        }
+      },
+      field.member);
+}
+
+bool sticks(const MapPoint& point) {
+  return point.type == MapType::periodic && point.lambda_1 == -std::numeric_limits<double>::infinity();
+}
+
+}  // namespace graze::apps
