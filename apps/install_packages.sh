@@ -15,7 +15,7 @@ command -v gnuplot > /dev/null || packages+=(gnuplot-nox) # any flavour that pro
 for purpose in "$@"; do
   case "$purpose" in
     run) ;;
-    tests) packages+=(catch2 hdf5-tools python3-h5py python3-numpy python3-scipy) ;;
+    tests) packages+=(catch2 hdf5-tools python3-h5py python3-jsonschema python3-numpy python3-scipy) ;;
     benchmarks) packages+=(libbenchmark-dev libboost-dev libsundials-dev) ;;
     *) echo "install_packages.sh: unknown purpose '$purpose'; known are run, tests, benchmarks" >&2; exit 2 ;;
   esac

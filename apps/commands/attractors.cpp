@@ -450,6 +450,26 @@ int run(const Options& given, const Console& console) {
   return deliver(result, options.output, "attractors", exit_code(status), console);
 }
 
+Json schema() {
+  const Json count = JsonForm<int>::schema(), number = JsonForm<double>::schema();
+  const Json found =
+      merged_schemas({object_schema({{"id", "number of the attractor, from 1", count}}), schema_of(found_columns())});
+  const Json code = JsonForm<std::optional<int>>::schema();
+  Json basins = object_schema(
+      {{"plane", "the two states that vary, of a system from a text", list_schema(JsonForm<std::string>::schema()), false},
+       {"starts", "random ones", JsonForm<std::vector<Vector>>::schema(), false},
+       {"attractor", "its id, by start, or by row and column of a grid; null: beyond a barrier, 0: lost, -1: not run",
+        list_schema({{"anyOf", {code, list_schema(code)}}})}});
+  basins["additionalProperties"] = list_schema(number);  // the axes, by the names of the states
+  return result_schema("attractors/1", "coexisting attractors, and which start leads where",
+                       {object_schema({{"starts", "how many there are", count},
+                                       {"admissible", "of them, those that were run and lie beyond no barrier", count},
+                                       {"lost", "of them, those whose motion could not be carried on", count},
+                                       {"periods", "that were computed for them", count},
+                                       {"attractors", "most starts first", list_schema(found)},
+                                       {"basins", "which start leads where", basins, false}})});
+}
+
 std::function<int(const Console&)> setup(CLI::App& app) {
   auto options = std::make_shared<Options>();
   add_problem_options(app, options->start);
@@ -488,7 +508,8 @@ Command attractors_command() {
           {"graze attractors data/problems/newton-elastic.toml --set eta=0.744 --plot basins.png",
            "graze attractors data/problems/hertz-damped.toml --set eta=0.711 --x=-2:1.9:200 --v=-2:2:200 --out run",
            "graze attractors data/problems/hertz-damped.toml --set eta=0.696 --random 2000 --json -"},
-          setup};
+          setup,
+          {{"attractors", schema}}};
 }
 
 }  // namespace graze::apps

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <graze/apps/console/console.hpp>
+#include <graze/apps/text/json.hpp>
 
 #include <functional>
 #include <string>
@@ -15,6 +16,12 @@ class App;
 
 namespace graze::apps {
 
+/// A kind of result that a command gives.
+struct ResultKind {
+  std::string name;  ///< "orbit" of "graze.orbit/1"
+  Json (*schema)() = nullptr;
+};
+
 struct Command {
   std::string name;
   std::string summary;  ///< one line, for the list
@@ -22,6 +29,7 @@ struct Command {
   std::vector<std::string> examples;
   /// Adds the options to the subcommand and returns what runs it: the exit code is its result, misuse is a std::invalid_argument.
   std::function<int(const Console&)> (*setup)(CLI::App& app) = nullptr;
+  std::vector<ResultKind> results = {};
 };
 
 /// All commands, in the order in which they are listed to users.
@@ -41,5 +49,6 @@ Command reproduce_command();
 Command trajectory_command();
 Command poincare_command();
 Command plot_command();
+Command schema_command();
 
 }  // namespace graze::apps

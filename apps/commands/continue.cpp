@@ -9,6 +9,7 @@
 #include <graze/apps/results/branch_report.hpp>
 #include <graze/apps/results/cascades.hpp>
 #include <graze/apps/results/find_orbit.hpp>
+#include <graze/apps/results/skeleton_report.hpp>
 #include <graze/apps/text/number.hpp>
 
 #include <graze/continuation/graph/continuation.hpp>
@@ -128,7 +129,7 @@ int run(const Options& given, const Console& console) {
                             rounded(branches.back().stop_value, 12));
   }
   set_status(result.json, status, message);
-  add_origin(result.json, found);
+  result.json.update(json_of(origin_columns(), found));
   result.json["branches"] = Json::array();
   result.text = describe(problem, options.parameter) + "\n";
   const SamePoints same = same_points(branches);
@@ -147,6 +148,12 @@ int run(const Options& given, const Console& console) {
   result.table = branches_table(problem, branches, measured);
   if (status != Status::done) console.err << "graze continue: " << message << "\n";
   return deliver(result, options.output, "continue", exit_code(status), console);
+}
+
+Json schema() {
+  return result_schema("branch/1", "a branch of periodic orbits, and the branches born on it; or the skeleton of a diagram",
+                       {object_schema({{"parameter", "that changes along the branches", JsonForm<std::string>::schema()}}),
+                        schema_of(origin_columns()), skeleton_schema()});
 }
 
 std::function<int(const Console&)> setup(CLI::App& app) {
@@ -182,7 +189,8 @@ Command continue_command() {
           "With --switch 2 and more, the intervals of a cascade of doublings are compared with Feigenbaum's constant.",
           {"graze continue data/problems/hertz-damped.toml --param eta --from 0.95 --to 0.90 --plot branch.png",
            "graze continue data/problems/hertz-damped.toml --from 0.95 --to 0.70 --switch 2 --json branch.json"},
-          setup};
+          setup,
+          {{"branch", schema}}};
 }
 
 }  // namespace graze::apps

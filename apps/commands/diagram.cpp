@@ -341,6 +341,21 @@ int run(const Options& given, const Console& console) {
   return deliver(result, options.output, "diagram", exit_code(status), console);
 }
 
+Json schema() {
+  const Json text = JsonForm<std::string>::schema(), count = JsonForm<int>::schema();
+  const Json off = object_schema({{"compared", "periodic rows with periods up to --max-period", count},
+                                  {"longer", "rows with longer ones", count},
+                                  {"rows", "numbers, from 0, of those that lie on no branch", list_schema(count)}});
+  return result_schema(
+      "diagram/1", "sweeps and branches over a range of a parameter",
+      {object_schema({{"parameter", "that changes", text}}), skeleton_schema(),
+       object_schema({{"parts", "how each of them ended",
+                       object_schema({{"skeleton", "the branches", text}, {"sweeps", "the rows", text}})},
+                      {"rows", "of the sweeps", rows_schema()},
+                      {"chaotic_windows", "in the sweeps", JsonForm<std::vector<ChaoticWindow>>::schema(), false},
+                      {"off_branches", "sweeps against branches", off, false}})});
+}
+
 std::function<int(const Console&)> setup(CLI::App& app) {
   auto options = std::make_shared<Options>();
   add_start_options(app, options->start);
@@ -395,7 +410,8 @@ Command diagram_command() {
       "the JSON, as in that of graze sweep.",
       {"graze diagram data/problems/hertz-damped.toml --from 0.65 --to 0.95 --plot diagram.png",
        "graze diagram data/problems/newton-elastic.toml --skeleton --param eta --from 0.65 --to 0.95 --plot skeleton.png"},
-      setup};
+      setup,
+      {{"diagram", schema}}};
 }
 
 }  // namespace graze::apps

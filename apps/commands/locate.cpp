@@ -213,7 +213,7 @@ int run(const Options& given, const Console& console) {
                               : options.from              ? located.first.message
                                              : located.first.message + "; at other values within the reach there is none either";
   set_status(result.json, status, message);
-  add_origin(result.json, located.first);
+  result.json.update(json_of(origin_columns(), located.first));
   result.json["special_point"] = point ? json_of(*point) : Json(nullptr);
   result.text = describe(problem, options.parameter) + "\n\n";
   if (point) {
@@ -233,6 +233,12 @@ int run(const Options& given, const Console& console) {
   if (status != Status::done) console.err << "graze locate: " << message << "\n";
   if (status == Status::done && !message.empty()) console.note(message);
   return deliver(result, options.output, "locate", exit_code(status), console);
+}
+
+Json schema() {
+  return result_schema(
+      "point/1", "a special point of a branch",
+      {schema_of(origin_columns()), object_schema({{"special_point", "null: there is none", or_null(special_point_schema())}})});
 }
 
 std::function<int(const Console&)> setup(CLI::App& app) {
@@ -263,7 +269,8 @@ Command locate_command() {
           "there is none.",
           {"graze locate data/problems/hertz-damped.toml --type PD --param eta --near 0.92",
            "graze locate data/problems/hertz-damped.toml --type PD --near 0.7433 --period 2"},
-          setup};
+          setup,
+          {{"point", schema}}};
 }
 
 }  // namespace graze::apps

@@ -48,6 +48,28 @@ AttractorOptions attractor_options(const Options& options, const Problem& proble
   return out;
 }
 
+const Columns<Attractor>& result_columns() {
+  using A = Attractor;
+  const auto is_orbit = [](const A& attractor) { return attractor.type == AttractorType::periodic; };
+  static const Columns<A> list = joined<A>(
+      {exponents_columns(),
+       {column<A>("converged", "", "the errors are below their bounds",
+                  [=](const A& attractor) { return is_orbit(attractor) || attractor.time_average.converged(); })},
+       {column<A>("periods", "", "of the time average", [](const A& attractor) { return attractor.time_average.periods; }),
+        column<A>("liouville_residual", "", "of the time average; null: not applicable",
+                  [](const A& attractor) { return liouville_residual(attractor.time_average); }),
+        column<A>("kaplan_yorke", "", "dimension",
+                  [](const A& attractor) { return kaplan_yorke_dimension(attractor.exponents); }),
+        column<A>("stop", "", "why the average ended",
+                  [=](const A& attractor) {
+                    return std::string(is_orbit(attractor) ? "the attractor is a stable orbit"
+                                                           : lyapunov_stop_text(attractor.time_average.stop));
+                  }),
+        column<A>("attractor", "", "that is reached", [](const A& attractor) { return attractor; }),
+        column<A>("time_average", "", "along the motion, on an orbit too", &A::time_average)}});
+  return list;
+}
+
 int run(const Options& options, const Console& console) {
   const OutputFolder folder(options.output, "lyapunov", options.start.file);
   for (const auto& [name, value] : {std::pair{"--standard-error", options.standard_error}, {"--change", options.change}})
@@ -95,16 +117,7 @@ int run(const Options& options, const Console& console) {
     console.note(message);
   }
   set_status(result.json, status, message);
-  const bool periodic = attractor.type == AttractorType::periodic;
-  const Json average = json_of(attractor.time_average);
-  result.json.update(json_of(exponents_columns(), attractor));
-  result.json["converged"] = periodic || attractor.time_average.converged();
-  result.json["periods"] = attractor.time_average.periods;
-  result.json["liouville_residual"] = average["liouville_residual"];
-  result.json["kaplan_yorke"] = kaplan_yorke_dimension(attractor.exponents);
-  result.json["stop"] = periodic ? Json("the attractor is a stable orbit") : average["stop"];
-  result.json["attractor"] = json_of(attractor);
-  result.json["time_average"] = average;
+  result.json.update(json_of(result_columns(), attractor));
   result.table = {{"exponent", "value", "standard_error", "time_average", "time_average_error"}, {}};
   for (std::size_t i = 0; i < attractor.exponents.size(); ++i) {
     const LyapunovSpectrum& mean = attractor.time_average;
@@ -118,6 +131,8 @@ int run(const Options& options, const Console& console) {
   if (status != Status::done) console.err << "graze lyapunov: " << message << "\n";
   return deliver(result, options.output, "lyapunov", exit_code(status), console);
 }
+
+Json schema() { return result_schema("lyapunov/1", "the exponents on an attractor", {schema_of(result_columns())}); }
 
 std::function<int(const Console&)> setup(CLI::App& app) {
   auto options = std::make_shared<Options>();
@@ -147,7 +162,8 @@ Command lyapunov_command() {
       "then, and \"message\" says why). The sum is checked by Liouville's identity.",
       {"graze lyapunov data/problems/hertz-damped.toml --set eta=0.72",
        "graze lyapunov data/problems/newton-elastic.toml --set eta=0.711 --standard-error 1e-4 --json -"},
-      setup};
+      setup,
+      {{"lyapunov", schema}}};
 }
 
 }  // namespace graze::apps

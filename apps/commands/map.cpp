@@ -286,6 +286,8 @@ int run(const Options& options, const Console& console) {
   }
 }
 
+Json schema() { return result_schema("map/1", "the attractor at each point of a grid over two parameters", {map_schema()}); }
+
 std::function<int(const Console&)> setup(CLI::App& app) {
   auto options = std::make_shared<Options>();
   add_problem_options(app, options->start);
@@ -338,7 +340,8 @@ Command map_command() {
       {"graze map data/problems/hertz-damped.toml --param eta:0.65:0.95:200 --param r:1:3:150 --out run",
        "graze map data/problems/newton-elastic.toml --param eta:0.65:0.95:90 --param r:1:3:60 --follow both --plot map.png",
        "mpirun -n 4 graze map data/problems/hertz-damped.toml --param eta:0.65:0.95:800 --param r:1:3:800 --out run"},
-      setup};
+      setup,
+      {{"map", schema}}};
 }
 
 }  // namespace graze::apps

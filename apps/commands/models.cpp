@@ -6,6 +6,7 @@
 #include <graze/apps/output/result.hpp>
 #include <graze/apps/problem/problem.hpp>
 #include <graze/apps/problem/shipped.hpp>
+#include <graze/apps/text/column.hpp>
 #include <graze/apps/text/number.hpp>
 #include <graze/apps/text/version.hpp>
 
@@ -21,14 +22,22 @@ namespace graze::apps {
 
 namespace {
 
+Columns<ParameterInfo> parameter_columns(bool with_default) {
+  using P = ParameterInfo;
+  Columns<P> list = {column<P>("name", "", "of the parameter", &P::name),
+                     column<P>("meaning", "", "of the parameter", &P::meaning),
+                     column<P>("unit", "", "of the parameter", &P::unit),
+                     column<P>("range", "", "in words", [](const P& info) { return range_text(info); }),
+                     column<P>("lower", "", "end of the range; null: none", [](const P& info) { return finite(info.lower); }),
+                     column<P>("lower_open", "", "the lower end is not in it", &P::lower_open),
+                     column<P>("upper", "", "end of the range; null: none", [](const P& info) { return finite(info.upper); })};
+  if (with_default) list.push_back(column<P>("default", "", "where the file gives none", &P::default_value));
+  return list;
+}
+
 Json parameters_json(const std::vector<ParameterInfo>& list, bool with_default) {
   Json out = Json::array();
-  for (const ParameterInfo& info : list) {
-    Json entry = {{"name", info.name},   {"meaning", info.meaning},       {"unit", info.unit},  {"range", range_text(info)},
-                  {"lower", info.lower}, {"lower_open", info.lower_open}, {"upper", info.upper}};
-    if (with_default) entry["default"] = info.default_value;
-    out.push_back(std::move(entry));
-  }
+  for (const ParameterInfo& info : list) out.push_back(json_of(parameter_columns(with_default), info));
   return out;
 }
 
@@ -100,6 +109,26 @@ Result describe_models() {
   return result;
 }
 
+Json schema() {
+  const Json text = JsonForm<std::string>::schema(), number = JsonForm<double>::schema();
+  const Json parameters = list_schema(schema_of(parameter_columns(true))),
+             quantities = list_schema(schema_of(parameter_columns(false)));
+  const Member name = {"name", "as problem files have it", text}, formula = {"formula", "in words", text};
+  const Json oscillator = object_schema({name, formula, {"beta", "its cubic stiffness", number}});
+  const Json law = object_schema(
+      {name, formula, {"hard", "contacts take no time", JsonForm<bool>::schema()}, {"parameters", "of the law", parameters}});
+  const Json excitation = object_schema({name, formula, {"quantities", "physical ones", quantities}});
+  const Json model = object_schema({name, {"title", "first line of the file", text}});
+  return plain_result_schema("models/1", "what problem files may name",
+                             {object_schema({{"oscillators", "built in", list_schema(oscillator)},
+                                             {"parameters", "of every oscillator", parameters},
+                                             {"contact_laws", "built in", list_schema(law)},
+                                             {"smallest_eta", "for which motions are computed", number},
+                                             {"excitations", "of physical problems", list_schema(excitation)},
+                                             {"contact_quantities", "of physical problems", quantities},
+                                             {"models", "that come as files", list_schema(model), false}})});
+}
+
 std::function<int(const Console&)> setup(CLI::App& app) {
   auto options = std::make_shared<OutputOptions>();
   auto name = std::make_shared<std::string>();
@@ -124,7 +153,8 @@ Command models_command() {
           "built-in oscillators and contact laws, their parameters, ranges, defaults",
           "Everything that a problem file may name, and the models that come as files with their own equations.",
           {"graze models", "graze models duffing-two-stops > mine.toml", "graze models --json -"},
-          setup};
+          setup,
+          {{"models", schema}}};
 }
 
 }  // namespace graze::apps

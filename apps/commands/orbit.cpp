@@ -41,7 +41,7 @@ int run(const Options& options, const Console& console) {
   }
   result.json["orbit"] = found.status != Status::failed && !found.orbits.empty() ? orbits.front() : Json(nullptr);
   if (found.origin != "settled") result.json["orbits"] = std::move(orbits);
-  add_origin(result.json, found);
+  result.json.update(json_of(origin_columns(), found));
 
   result.table = orbits_table(problem, found.orbits, false, measured);
   result.text = describe(problem) + "\n\n";
@@ -55,6 +55,14 @@ int run(const Options& options, const Console& console) {
                                                              : "the orbit above is not what the motion settles on");
   if (found.status != Status::done) console.err << "graze orbit: " << found.message << "\n";
   return deliver(result, options.output, "orbit", exit_code(found.status), console);
+}
+
+Json schema() {
+  const Json orbit = with_quantities(schema_of(orbit_columns()));
+  return result_schema("orbit/1", "a periodic orbit",
+                       {object_schema({{"orbit", "null: there is none of the period that was asked for", or_null(orbit)},
+                                       {"orbits", "all that a search found, the orbit first", list_schema(orbit), false}}),
+                        schema_of(origin_columns())});
 }
 
 std::function<int(const Console&)> setup(CLI::App& app) {
@@ -77,7 +85,8 @@ Command orbit_command() {
           "Exit 1 and what was found instead, if there is none.",
           {"graze orbit data/problems/hertz-damped.toml --set eta=0.925",
            "graze orbit data/problems/hertz-damped.toml --set eta=0.85 --period 2 --search --json -"},
-          setup};
+          setup,
+          {{"orbit", schema}}};
 }
 
 }  // namespace graze::apps

@@ -110,6 +110,8 @@ int run(const Options& options, const Console& console) {
   return deliver(result, options.output, "poincare", exit_code(status), console);
 }
 
+Json schema() { return result_schema("poincare/1", "points of a section", {schema_of(listed_section_columns())}); }
+
 std::function<int(const Console&)> setup(CLI::App& app) {
   auto options = std::make_shared<Options>();
   add_start_options(app, options->start);
@@ -134,7 +136,8 @@ Command poincare_command() {
           "into contact) the forcing phase and the speed of approach.",
           {"graze poincare data/problems/newton-elastic.toml --set eta=0.711 --points 5000 --plot section.png",
            "graze poincare data/problems/beam-newton.toml --section impact --csv -"},
-          setup};
+          setup,
+          {{"poincare", schema}}};
 }
 
 }  // namespace graze::apps

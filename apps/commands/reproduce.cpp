@@ -164,6 +164,24 @@ int run(const Options& given, const Console& console) {
   return code;
 }
 
+Json schema() {
+  const Json text = JsonForm<std::string>::schema(), number = JsonForm<double>::schema();
+  const Json system = object_schema(
+      {{"contact", "its law", text}, {"parameters", "of the system", JsonForm<std::map<std::string, double>>::schema(), false}});
+  const Json diagram = object_schema({{"figure", "in which it is published", text},
+                                      {"system", "id of the system", text},
+                                      {"eta", "its range", JsonForm<std::array<double, 2>>::schema()},
+                                      {"step", "from one value to the next", number},
+                                      {"rows", "of the sweeps", rows_schema()}});
+  return plain_result_schema("reproduce/1", "published figures against computed ones",
+                             {object_schema({{"file", "of the published figures", text},
+                                             {"systems", "by id", {{"type", "object"}, {"additionalProperties", system}}},
+                                             {"options", "what was asked for", {{"type", "object"}}},
+                                             {"rows", "one for each published item", JsonForm<std::vector<Comparison>>::schema()},
+                                             {"claims", "that are made in words", JsonForm<std::vector<Claim>>::schema()},
+                                             {"diagrams", "bifurcation diagrams", list_schema(diagram)}})});
+}
+
 std::function<int(const Console&)> setup(CLI::App& app) {
   auto options = std::make_shared<Options>();
   begin_group(app, "Reproduction");
@@ -186,7 +204,8 @@ Command reproduce_command() {
       "ours; a remark says what is known where it does not. --out gets the figures as well, and index.html, which shows them\n"
       "beside the comparison. The exit code is 0 whatever the verdicts are.",
       {"graze reproduce --out reproduction", "graze reproduce data/published.toml --json -"},
-      setup};
+      setup,
+      {{"reproduce", schema}}};
 }
 
 }  // namespace graze::apps

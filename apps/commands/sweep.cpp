@@ -106,6 +106,12 @@ int run(const Options& given, const Console& console) {
   return code;
 }
 
+Json schema() {
+  return result_schema("sweep/1", "the attractor at each value of a parameter",
+                       {object_schema({{"parameter", "that changes from row to row", JsonForm<std::string>::schema()},
+                                       {"rows", "in the order in which they are reached", rows_schema()}})});
+}
+
 std::function<int(const Console&)> setup(CLI::App& app) {
   auto options = std::make_shared<Options>();
   add_start_options(app, options->start);
@@ -135,7 +141,8 @@ Command sweep_command() {
           "stroboscopic states.",
           {"graze sweep data/problems/hertz-damped.toml --from 0.69 --to 0.75 --step 0.0005 --direction both --plot sweep.png",
            "graze sweep data/problems/newton-elastic.toml --from 0.7 --to 0.76 --step 0.001 --out run"},
-          setup};
+          setup,
+          {{"sweep", schema}}};
 }
 
 }  // namespace graze::apps

@@ -103,6 +103,8 @@ int run(const Options& given, const Console& console) {
   return deliver(result, options.output, "trajectory", exit_code(status), console);
 }
 
+Json schema() { return result_schema("trajectory/1", "a run of a motion", {schema_of(listed_motion_columns())}); }
+
 std::function<int(const Console&)> setup(CLI::App& app) {
   auto options = std::make_shared<Options>();
   add_start_options(app, options->start);
@@ -128,7 +130,8 @@ Command trajectory_command() {
           "speed, duration, equivalent coefficient of restitution, energy lost.",
           {"graze trajectory data/problems/hertz-damped.toml --periods 4 --plot run.png",
            "graze trajectory data/problems/newton-elastic.toml --start -0.169,-0.962 --settle 0 --csv run.csv"},
-          setup};
+          setup,
+          {{"trajectory", schema}}};
 }
 
 }  // namespace graze::apps

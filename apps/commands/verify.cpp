@@ -251,7 +251,7 @@ int run(const Options& given, const Console& console) {
 
   const std::string message = sentence(collected.complaints);
   set_status(result.json, collected.status, message);
-  add_origin(result.json, collected.first);
+  result.json.update(json_of(origin_columns(), collected.first));
   result.json["agrees"] = collected.status == Status::done;
   result.json["parameter"] = options.parameter;
   result.json["orbits"] = json_of(list);
@@ -264,6 +264,16 @@ int run(const Options& given, const Console& console) {
     for (const Verification& verification : list) result.text += "\n" + verification_text(verification);
   if (collected.status != Status::done) console.err << "graze verify: " << message << "\n";
   return deliver(result, options.output, "verify", exit_code(collected.status), console);
+}
+
+Json schema() {
+  return result_schema("verify/1", "orbits with what is known of them in several ways, and how far these disagree",
+                       {schema_of(origin_columns()),
+                        object_schema({{"agrees", "no check of any orbit has failed", JsonForm<bool>::schema()},
+                                       {"parameter", "whose values the orbits are at", JsonForm<std::string>::schema()},
+                                       {"orbits", "by value", JsonForm<std::vector<Verification>>::schema()},
+                                       {"largest", "the worst of each check, in units of its bound",
+                                        list_schema(schema_of(largest_columns({})))}})});
 }
 
 std::function<int(const Console&)> setup(CLI::App& app) {
@@ -296,7 +306,8 @@ Command verify_command() {
        "graze verify data/problems/newton-elastic.toml --period 2 --search",
        "graze verify data/problems/hertz-damped.toml --from 0.95 --to 0.9 --step 0.005 --plot verify.png",
        "graze verify data/problems/hertz-damped.toml --hard-limit --plot restitution.png --plot-kind restitution"},
-      setup};
+      setup,
+      {{"verify", schema}}};
 }
 
 }  // namespace graze::apps

@@ -139,6 +139,21 @@ Json map_json(const MapPlan& plan, const std::vector<MapCounts>& counts, const M
   return layers;
 }
 
+Json map_schema() {
+  const Json count = JsonForm<int>::schema();
+  const Json kind = object_schema({{"type", "of the points", JsonForm<MapType>::schema()},
+                                   {"period", "of periodic ones", count, false},
+                                   {"impacts", "of periodic ones", count, false},
+                                   {"sticking", "true: the mass sticks in every turn", JsonForm<bool>::schema(), false},
+                                   {"points", "how many there are", count}});
+  std::vector<Member> layer = {{"start", "of every row or point; null: at rest", JsonForm<std::optional<Vector>>::schema()},
+                               {"follow", "way along the rows", {{"enum", {"none", "up", "down"}}}},
+                               {"counts", "of kinds of points", list_schema(kind)}};
+  for (const Column<MapPoint>& one : map_columns())
+    layer.push_back({one.name, one.meaning, list_schema(list_schema(one.schema)), true, one.unit});
+  return object_schema({{"layers", "the grid from each start, by row and column", list_schema(object_schema(layer))}});
+}
+
 MapRows rows_from_json(const MapPlan& plan, const Json& result) {
   const Json& layers = result.at("layers");
   const auto count = [](const Json& json) { return static_cast<int>(json.size()); };

@@ -38,6 +38,9 @@ std::string map_overview(const MapPlan& plan, const std::vector<MapCounts>& coun
 /// "layers": start, follow, counts, and all points, row by row. "sticking" tells where the null of "lambda_1" is -infinity.
 Json map_json(const MapPlan& plan, const std::vector<MapCounts>& counts, const MapRows& rows);
 
+/// The schema of "layers".
+Json map_schema();
+
 /// The rows of a result as map_json gives it. @throws std::invalid_argument if it does not fit the plan.
 MapRows rows_from_json(const MapPlan& plan, const Json& result);
 

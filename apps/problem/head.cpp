@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/console/interrupt.hpp>
 #include <graze/apps/problem/head.hpp>
+#include <graze/apps/text/column.hpp>
 #include <graze/apps/text/version.hpp>
 
 #include <stdexcept>
@@ -33,6 +34,39 @@ Json result_head(const std::string& schema, const std::string& command, const Pr
   }
   head["options"] = std::move(options);
   return head;
+}
+
+Json plain_result_schema(const std::string& schema, const std::string& meaning, const std::vector<Json>& members) {
+  const Json text = JsonForm<std::string>::schema();
+  const Json head = object_schema({{"schema", "name and version of the format", {{"const", "graze." + schema}}},
+                                   {"graze", "version of the program", text},
+                                   {"command", "that made it", text},
+                                   {"status", "how the command ended", {{"enum", {"done", "failed", "interrupted"}}}},
+                                   {"message", "what there is to say of it, for example why it failed", text, false}});
+  std::vector<Json> all = {head};
+  all.insert(all.end(), members.begin(), members.end());
+  Json out = {
+      {"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", "graze." + schema}, {"description", meaning}};
+  out.update(merged_schemas(all));
+  return out;
+}
+
+Json result_schema(const std::string& schema, const std::string& meaning, const std::vector<Json>& members) {
+  const Json text = JsonForm<std::string>::schema(), number = JsonForm<double>::schema();
+  const Json numbers = JsonForm<std::map<std::string, double>>::schema(), any = {{"type", "object"}};
+  const Json built_in = object_schema({{"oscillator", "its name", text}, {"contact", "its law", text}});
+  const Json written =
+      object_schema({{"system", "its name", text}, {"file", "it was read from", text}, {"text", "of the file", text}});
+  const Json from = {{"type", "object"}, {"additionalProperties", {{"type", {"string", "number"}}}}};
+  std::vector<Json> all = {object_schema(
+      {{"model", "what it is computed of", {{"anyOf", {built_in, written}}}},
+       {"states", "their names, in the order of every state below; x, v where it is missing", list_schema(text), false},
+       {"parameters", "all of them", numbers, false},
+       {"tied", "values of the parameters that are expressions of others", numbers, false},
+       {"converted_from", "the physical quantities that were given", from, false},
+       {"options", "what was asked for", any}})};
+  all.insert(all.end(), members.begin(), members.end());
+  return plain_result_schema(schema, meaning, all);
 }
 
 const char* status_name(Status status) {

@@ -14,6 +14,11 @@ namespace graze::apps {
 /// `schema` is "orbit/1" and the like.
 Json result_head(const std::string& schema, const std::string& command, const Problem& problem, Json options);
 
+/// The schema of a result that begins with a head, and has these members behind it.
+Json result_schema(const std::string& schema, const std::string& meaning, const std::vector<Json>& members);
+/// The same of one that is not of a problem.
+Json plain_result_schema(const std::string& schema, const std::string& meaning, const std::vector<Json>& members);
+
 /// How a command ended, as it stands in its result.
 enum class Status { done, failed, interrupted };
 const char* status_name(Status status);

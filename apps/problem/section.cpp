@@ -63,13 +63,18 @@ std::vector<std::string> section_columns(const Problem& problem, SectionKind kin
   return {is_forced(problem.system) ? "phase" : "interval", "speed"};
 }
 
+const Columns<ListedSection>& listed_section_columns() {
+  using S = ListedSection;
+  static const Columns<S> list = {column<S>("section", "", "stroboscopic, returns, or impact",
+                                            [](const S& s) { return std::string(section_name(s.section.kind)); }),
+                                  column<S>("periods", "", "of the run", [](const S& s) { return s.section.periods; }),
+                                  column<S>("columns", "", "of the points", &S::columns),
+                                  column<S>("points", "", "in the order of time", [](const S& s) { return s.section.points; })};
+  return list;
+}
+
 Json section_json(const Problem& problem, const Section& section) {
-  Json out;
-  out["section"] = section_name(section.kind);
-  out["periods"] = section.periods;
-  out["columns"] = section_columns(problem, section.kind);
-  out["points"] = to_json(section.points);
-  return out;
+  return json_of(listed_section_columns(), {section, section_columns(problem, section.kind)});
 }
 
 }  // namespace graze::apps

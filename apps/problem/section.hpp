@@ -3,6 +3,7 @@
 #pragma once
 
 #include <graze/apps/problem/head.hpp>
+#include <graze/apps/text/column.hpp>
 
 #include <graze/lib/motion/trajectory.hpp>
 
@@ -40,7 +41,12 @@ struct SectionOptions {
 /// From `start` at forcing phase 0, until there are enough points, or nothing comes any more.
 Section collect_section(const Problem& problem, const Vector& start, const SectionOptions& options);
 
-/// What graze.poincare/1 has beside its head: "section", "periods", "columns", "points".
+/// What graze.poincare/1 has beside its head.
+struct ListedSection {
+  const Section& section;
+  std::vector<std::string> columns;
+};
+const Columns<ListedSection>& listed_section_columns();
 Json section_json(const Problem& problem, const Section& section);
 
 /// Names of the columns of its points.

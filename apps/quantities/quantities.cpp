@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/console/arguments.hpp>
 #include <graze/apps/quantities/quantities.hpp>
+#include <graze/apps/text/column.hpp>
 #include <graze/apps/text/number.hpp>
 
 #include <graze/lib/motion/extent.hpp>
@@ -334,6 +335,12 @@ QuantityValues measure(const Quantities& quantities, const HybridSystem& system,
 void put_quantities(Json& json, const QuantityValues& values) {
   json.erase("y");
   if (!values.empty()) json["y"] = tree_of([&](JsonText& text) { write_quantities(values, text); });
+}
+
+Json with_quantities(Json schema) {
+  const Json number = JsonForm<std::optional<double>>::schema();
+  Json values = {{"type", "object"}, {"additionalProperties", {{"anyOf", {number, list_schema(number)}}}}};
+  return merged_schemas({schema, object_schema({{"y", "quantities that --y asks for", values, false}})});
 }
 
 void write_quantities(const QuantityValues& values, JsonText& json) {

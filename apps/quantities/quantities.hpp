@@ -99,6 +99,8 @@ QuantityValues measure(const Quantities& quantities, const HybridSystem& system,
 /// Adds "y": {"max(x)": 1.2, "x": [0.3, 0.5]}, a number or a list of several; nothing where there are no values, and what was
 /// there goes.
 void put_quantities(Json& json, const QuantityValues& values);
+/// The schema of an object that gets them.
+Json with_quantities(Json schema);
 void write_quantities(const QuantityValues& values, JsonText& json);
 
 /// The value of each in a period, the first or the only one.

@@ -36,6 +36,10 @@ std::string exponent_text(double value, int digits) {
 
 std::string error_text(double value, int digits) { return std::isfinite(value) ? rounded(value, digits) : "unknown"; }
 
+std::optional<double> liouville_residual(const LyapunovSpectrum& spectrum) {
+  return spectrum.liouville_residual < 0.0 ? std::nullopt : std::optional(spectrum.liouville_residual);
+}
+
 const Columns<LyapunovSpectrum>& spectrum_columns() {
   using S = LyapunovSpectrum;
   static const Columns<S> list = {
@@ -45,7 +49,7 @@ const Columns<LyapunovSpectrum>& spectrum_columns() {
       column<S>("correlation_times", "periods", "of each one's growth", [](const S& s) { return finite(s.correlation_times); }),
       column<S>("kaplan_yorke", "", "dimension", &S::kaplan_yorke),
       column<S>("liouville_residual", "", "largest disagreement with Liouville's identity, per period; null: not applicable",
-                [](const S& s) { return s.liouville_residual < 0.0 ? std::nullopt : std::optional(s.liouville_residual); }),
+                liouville_residual),
       column<S>("periods", "", "of the average", &S::periods),
       column<S>("impacts", "", "on the way", &S::impacts),
       column<S>("converged", "", "the errors are below their bounds", &S::converged),

@@ -17,6 +17,9 @@ std::string exponent_text(double value, int digits);
 /// A standard error for people: "unknown" where the average was too short for one.
 std::string error_text(double value, int digits);
 
+/// Empty: not applicable.
+std::optional<double> liouville_residual(const LyapunovSpectrum& spectrum);
+
 /// "time_average" in graze.lyapunov/1; "attractor" in graze.lyapunov/1, graze.sweep/1 and graze.attractors/1, which is read back
 /// without `time_average`.
 const Columns<LyapunovSpectrum>& spectrum_columns();

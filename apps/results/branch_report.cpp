@@ -193,6 +193,21 @@ const Columns<Branch>& branch_columns() {
   return list;
 }
 
+Json special_point_schema() {
+  const Json same = schema_of(parent_columns());
+  return merged_schemas({with_quantities(schema_of(special_point_columns())),
+                         object_schema({{"same_as", "a special point of an earlier branch that it is", same, false}})});
+}
+
+Json branches_schema() {
+  const Member family = {"family", "id of the first branch of a curve that was followed both ways", JsonForm<int>::schema(),
+                         false};
+  Json branch = merged_schemas({schema_of(branch_columns()), object_schema({family})});
+  branch["properties"]["points"]["items"] = with_quantities(schema_of(point_columns()));
+  branch["properties"]["special_points"]["items"] = special_point_schema();
+  return list_schema(branch);
+}
+
 std::string special_point_text(const SpecialPoint& point, const std::string& parameter) {
   std::string text = fmt::format("  {:<5} {} = {} +- {}  ({}, {}{})\n", point.label, parameter, rounded(point.value, 12),
                                  rounded(point.precision, 2), point_status_name(point.status), z_label(point.orbit),

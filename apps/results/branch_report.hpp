@@ -67,6 +67,10 @@ template <> struct JsonForm<BranchPoint> : RecordForm<BranchPoint, point_columns
 template <> struct JsonForm<SpecialPoint> : RecordForm<SpecialPoint, special_point_columns> {};
 template <> struct JsonForm<Branch> : RecordForm<Branch, branch_columns> {};
 
+/// The schema of a special point, and of a list of branches, with what is added to them.
+Json special_point_schema();
+Json branches_schema();
+
 /// A special point with twelve digits: where, how well known, its orbit and its details.
 std::string special_point_text(const SpecialPoint& point, const std::string& parameter);
 

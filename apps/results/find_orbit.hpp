@@ -5,6 +5,7 @@
 
 #include <graze/apps/console/console.hpp>
 #include <graze/apps/problem/head.hpp>
+#include <graze/apps/text/column.hpp>
 #include <graze/apps/problem/problem.hpp>
 
 #include <graze/floquet/attractor/settle.hpp>
@@ -76,6 +77,6 @@ FoundOrbits find_orbits(const Problem& problem, const OrbitOptions& options, con
 FoundOrbits search_for_orbits(const Problem& problem, const OrbitOptions& options, const Console& console);
 
 /// What of the search for an orbit goes into every result: origin, and the settled state.
-void add_origin(Json& result, const FoundOrbits& found);
+const Columns<FoundOrbits>& origin_columns();
 
 }  // namespace graze::apps

@@ -10,16 +10,21 @@ std::vector<std::string> motion_columns(const Problem& problem, const Quantities
   return columns;
 }
 
+const Columns<ListedMotion>& listed_motion_columns() {
+  using M = ListedMotion;
+  static const Columns<M> list = {
+      column<M>("periods", "", "that were completed", [](const M& m) { return m.motion.periods; }),
+      column<M>("end", "", "how the run ended", [](const M& m) { return std::string(termination_text(m.motion.termination)); }),
+      column<M>("columns", "", "of the samples", &M::columns),
+      column<M>("samples", "", "at equal steps of time", [](const M& m) { return m.motion.samples; }),
+      column<M>("stroboscopic", "", "states at forcing phase 0 (behind returns)", [](const M& m) { return m.motion.strobe; }),
+      column<M>("events", "", "on the way", [](const M& m) { return listed(m.motion.events, m.list); }),
+      column<M>("contacts", "", "that begin or end on the way", [](const M& m) { return m.list.contacts; })};
+  return list;
+}
+
 Json motion_json(const Problem& problem, const Motion& motion, const ContactList& list, const Quantities& expressions) {
-  Json out;
-  out["periods"] = motion.periods;
-  out["end"] = termination_text(motion.termination);
-  out["columns"] = motion_columns(problem, expressions);
-  out["samples"] = to_json(motion.samples);
-  out["stroboscopic"] = to_json(motion.strobe);
-  out["events"] = json_of(listed(motion.events, list));
-  out["contacts"] = json_of(list.contacts);
-  return out;
+  return json_of(listed_motion_columns(), {motion, list, motion_columns(problem, expressions)});
 }
 
 }  // namespace graze::apps

@@ -7,7 +7,13 @@
 
 namespace graze::apps {
 
-/// What graze.trajectory/1 has beside its head: "periods", "end", "columns", "samples", "stroboscopic", "events", "contacts".
+/// What graze.trajectory/1 has beside its head.
+struct ListedMotion {
+  const Motion& motion;
+  const ContactList& list;
+  std::vector<std::string> columns;
+};
+const Columns<ListedMotion>& listed_motion_columns();
 Json motion_json(const Problem& problem, const Motion& motion, const ContactList& list, const Quantities& expressions = {});
 
 /// "tau" and the states: the columns of its samples.

@@ -232,6 +232,22 @@ const Columns<CutOff>& cut_off_columns() {
   return list;
 }
 
+Json skeleton_schema() {
+  const Json count = JsonForm<int>::schema();
+  Json seed = merged_schemas({schema_of(seed_columns(0)), schema_of(kept_columns())});
+  seed["required"] = schema_of(seed_columns(0))["required"];
+  return object_schema({{"search", "how fine the search for seeds was", schema_of(fineness_columns()), false},
+                        {"seeds", "orbits from which branches are followed; those of an unfinished result can be read back",
+                         list_schema(seed), false},
+                        {"branches", "each with its special points", branches_schema()},
+                        {"cascades", "of period doublings", JsonForm<std::vector<Cascade>>::schema()},
+                        {"cut_off", "what was not followed", JsonForm<std::vector<CutOff>>::schema(), false},
+                        {"seed_search", "of an unfinished result",
+                         object_schema({{"parts", "into which the search is divided", count},
+                                        {"done", "their numbers, from 0", list_schema(count)}}),
+                         false}});
+}
+
 void put_skeleton(Json& result, const Skeleton& found, std::size_t parameter, int threads) {
   if (result.is_null()) result = Json::object();
   reserve_members(result, result.size() + 9);

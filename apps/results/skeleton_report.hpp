@@ -22,6 +22,9 @@ const Columns<CutOff>& cut_off_columns();
 Columns<SkeletonSeed> seed_columns(std::size_t parameter);  ///< its index
 template <> struct JsonForm<CutOff> : RecordForm<CutOff, cut_off_columns> {};
 
+/// The schema of what it can add to a result; branches and cascades are always there.
+Json skeleton_schema();
+
 /// Adds these to the result, made on so many threads; `parameter`: index of the continuation parameter. To one that was
 /// interrupted it adds "seed_search", the "parts" of it that are "done", and the "part" of each seed, so that these are not
 /// searched again.

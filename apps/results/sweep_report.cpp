@@ -70,6 +70,8 @@ Json rows_json(const std::vector<SweepRow>& rows, const RowQuantities& measured)
   return list;
 }
 
+Json rows_schema() { return list_schema(with_quantities(schema_of(row_columns()))); }
+
 Table sweep_overview(const std::vector<SweepRow>& rows, const std::string& parameter, const RowQuantities& measured) {
   Table table{{"direction", parameter + " from", "to", "attractor", "values", "largest exponent from", "to"}, {}};
   const auto with_values = std::find_if(measured.begin(), measured.end(), [](const auto& values) { return !values.empty(); });

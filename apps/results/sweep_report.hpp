@@ -32,6 +32,9 @@ template <> struct JsonForm<SweepRow> : RecordForm<SweepRow, row_columns> {};
 void write_row(const SweepRow& row, JsonText& json, const QuantityValues& values = {});
 Json rows_json(const std::vector<SweepRow>& rows, const RowQuantities& measured = {});
 
+/// The schema of rows, with their quantities.
+Json rows_schema();
+
 /// One line per stretch of rows with the same attractor.
 Table sweep_overview(const std::vector<SweepRow>& rows, const std::string& parameter, const RowQuantities& measured = {});
 

@@ -17,6 +17,35 @@ std::string cell_of(const Json& value, int digits) {
 
 }  // namespace
 
+Json object_schema(const std::vector<Member>& members) {
+  Json out = {{"type", "object"}, {"properties", Json::object()}, {"required", Json::array()}, {"additionalProperties", false}};
+  for (const Member& member : members) {
+    Json& property = out["properties"][member.name] = {{"description", member.meaning}};
+    if (!member.unit.empty()) property["unit"] = member.unit;
+    property.update(member.schema);
+    if (member.always) out["required"].push_back(member.name);
+  }
+  return out;
+}
+
+Json merged_schemas(const std::vector<Json>& objects) {
+  Json out = object_schema({});
+  for (const Json& object : objects) {
+    out["properties"].update(object.at("properties"));
+    out["required"].insert(out["required"].end(), object.at("required").begin(), object.at("required").end());
+  }
+  return out;
+}
+
+Json list_schema(const Json& item) { return {{"type", "array"}, {"items", item}}; }
+
+Json or_null(const Json& schema) {
+  if (!schema.contains("type") || !schema["type"].is_string()) return {{"anyOf", {schema, {{"type", "null"}}}}};
+  Json out = schema;
+  out["type"] = {schema["type"], "null"};
+  return out;
+}
+
 void add_columns(Table& table, const std::vector<Shown>& shown) {
   for (const Shown& one : shown) table.columns.insert(table.columns.end(), one.heads.begin(), one.heads.end());
 }

@@ -24,6 +24,20 @@
 
 namespace graze::apps {
 
+/// A member of an object, as a JSON Schema (draft 2020-12) says it. `always`: it is not left out.
+struct Member {
+  std::string name, meaning;
+  Json schema;
+  bool always = true;
+  std::string unit = {};
+};
+/// An object with these members and no others.
+Json object_schema(const std::vector<Member>& members);
+/// The members of several objects in one.
+Json merged_schemas(const std::vector<Json>& objects);
+Json list_schema(const Json& item);
+Json or_null(const Json& schema);
+
 template <class V> struct JsonForm {
   static_assert(std::is_arithmetic_v<V> || std::convertible_to<V, std::string_view> || std::is_same_v<V, Json>);
   static Json json(const V& value) { return value; }
@@ -55,7 +69,7 @@ template <class List, class Item = typename List::value_type> struct ListForm {
     for (const Item& item : list) JsonForm<Item>::write(item, text);
     text.end_list();
   }
-  static Json schema() { return {{"type", "array"}, {"items", JsonForm<Item>::schema()}}; }
+  static Json schema() { return list_schema(JsonForm<Item>::schema()); }
 };
 template <class Item> struct JsonForm<std::vector<Item>> : ListForm<std::vector<Item>> {};
 template <> struct JsonForm<Vector> : ListForm<Vector, double> {
@@ -78,7 +92,7 @@ template <class V> struct JsonForm<std::optional<V>> {
   static void write(const std::optional<V>& value, JsonText& text) {
     value ? JsonForm<V>::write(*value, text) : text.value(std::optional<bool>());
   }
-  static Json schema() { return {{"anyOf", {JsonForm<V>::schema(), {{"type", "null"}}}}}; }
+  static Json schema() { return or_null(JsonForm<V>::schema()); }
 };
 /// Values by their names, which can be any.
 template <class V> struct JsonForm<std::map<std::string, V>> {
@@ -171,16 +185,10 @@ template <class T> void read(const Columns<T>& columns, const Json& json, T& rec
     if (one.set && (one.needed || json.contains(one.name))) one.set(record, json.at(one.name));
 }
 
-/// An object with these members and no others.
 template <class T> Json schema_of(const Columns<T>& columns) {
-  Json out = {{"type", "object"}, {"properties", Json::object()}, {"required", Json::array()}, {"additionalProperties", false}};
-  for (const Column<T>& one : columns) {
-    Json& property = out["properties"][one.name] = one.schema;
-    property["description"] = one.meaning;
-    if (!one.unit.empty()) property["unit"] = one.unit;
-    if (!one.applies) out["required"].push_back(one.name);
-  }
-  return out;
+  std::vector<Member> members;
+  for (const Column<T>& one : columns) members.push_back({one.name, one.meaning, one.schema, !one.applies, one.unit});
+  return object_schema(members);
 }
 
 template <class T, const Columns<T>& (*columns)()> struct RecordForm {

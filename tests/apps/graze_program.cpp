@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "graze_program.hpp"
 
+#include "json_schema.hpp"
+
 #include <graze/apps/program/program.hpp>
 
 #include <catch2/catch.hpp>
@@ -28,6 +30,7 @@ Outcome call(const std::vector<std::string>& arguments) {
   outcome.code = apps::run_program(arguments, out, err);
   outcome.out = out.str();
   outcome.err = err.str();
+  check_results(arguments, outcome.out);
   return outcome;
 }
 
@@ -61,6 +64,8 @@ Outcome spawn(const std::string& arguments, int signal, double delay) {
   outcome.code = WIFEXITED(state) ? WEXITSTATUS(state) : -WTERMSIG(state);
   outcome.out = read_file(out);
   outcome.err = read_file(err);
+  std::istringstream words(arguments);
+  check_results({std::istream_iterator<std::string>(words), {}}, outcome.out);
   return outcome;
 }
 

@@ -18,7 +18,7 @@ struct Outcome {
   std::string out, err;
 };
 
-/// run_program within this process.
+/// run_program within this process. A result that it leaves has to be as its schema says.
 Outcome call(const std::vector<std::string>& arguments);
 
 /// A command on a problem that is shipped, without progress and notes.
