@@ -57,7 +57,7 @@ Json result_schema(const std::string& schema, const std::string& meaning, const 
   const Json built_in = object_schema({{"oscillator", "its name", text}, {"contact", "its law", text}});
   const Json written =
       object_schema({{"system", "its name", text}, {"file", "it was read from", text}, {"text", "of the file", text}});
-  const Json from = {{"type", "object"}, {"additionalProperties", {{"type", {"string", "number"}}}}};
+  const Json from = {{"type", "object"}, {"additionalProperties", {{"type", {"string", "number", "array"}}}}};
   std::vector<Json> all = {object_schema(
       {{"model", "what it is computed of", {{"anyOf", {built_in, written}}}},
        {"states", "their names, in the order of every state below; x, v where it is missing", list_schema(text), false},
