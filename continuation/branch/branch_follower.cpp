@@ -400,6 +400,7 @@ std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const Br
     signature.measure_by(by_events->u);
     const Curve curve = follow_signature(signature, *by_events, branch);
     if (const auto states = goes_on_in_states(problem, signature, curve, branch)) {
+      last_ = states->u;
       const Curve on = follow_states(problem, *states, branch);
       return finish(problem, on, branch, false);
     }
@@ -440,7 +441,9 @@ std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const C
     branch.message = std::move(message);
   };
   auto* states = dynamic_cast<OrbitProblem*>(&problem);
-  if (why == TraceStop::min_step && states) grazing_ = broken_off_at_grazing(*states, branch);
+  // A weak impact at the last point, which a free motion does not meet again, leaves no start for states.
+  const bool broken_off = why == TraceStop::min_step || why == TraceStop::start_failed;
+  if (broken_off && states) grazing_ = broken_off_at_grazing(*states, branch);
   if (grazing_) {
     const SpecialPoint& point = branch.special_points.back();
     branch.stop_value = point.value;

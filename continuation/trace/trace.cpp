@@ -149,9 +149,13 @@ Curve trace(const ZeroProblem& problem, const Vector& u0, const Vector& orientat
       };
       closes = smooth && (std::any_of(origins.begin(), origins.end(), comes_to) ||
                           (curve.points.size() > 2 && std::any_of(curve.points.begin() + 1, curve.points.end() - 2, comes_to)));
-      if (smooth || (step <= options.min_step && next.tangent.size() > 0))
+      // At the smallest step a kink is for the monitor to judge; a curve that begins elsewhere is not this one.
+      constexpr double elsewhere = 1e-3;
+      const bool jumps = !smooth && step <= options.min_step && length > elsewhere;
+      if (smooth || (step <= options.min_step && !jumps && next.tangent.size() > 0))
         verdict = monitor ? monitor(last, next) : Verdict::go_on;
-      if (!smooth && verdict == Verdict::reject) curve.failure = "the curve turns too sharply";
+      if (!smooth && verdict == Verdict::reject)
+        curve.failure = jumps ? "the orbit found beyond lies elsewhere" : "the curve turns too sharply";
       if (smooth && verdict == Verdict::reject) curve.failure = "the point was rejected";
     } else {
       curve.failure = reason(problem, next.newton.status);

@@ -218,6 +218,26 @@ TEST_CASE("a mass that friction holds as it touches a rigid stop gains an impact
   CHECK(down[1].points.back().state().isApprox(once.state, 1e-8));
 }
 
+TEST_CASE("a branch of orbits held by friction ends where it first lets go, and does not jump to those that slide") {
+  SystemWriter writer;
+  writer.forcing("om")
+      .parameter("om", "0.5")
+      .parameter("F", "0.3")
+      .parameter("mu", "0.3")
+      .parameter("ms", "0.4")
+      .parameter("N", "1.1");
+  writer.mechanics({"x"}, {"v"}, {{{"1"}}, {{"0.02"}}, {{"1"}}, {"F*cos(om*t)"}});
+  writer.friction("slide", "v", "N", "mu", "ms");
+  const HybridSystem system = equations::make_system(writer.system).system;
+  const PeriodicOrbit held = shoot(system, parameters(system), vector({0.0, 0.0}), 1);
+  REQUIRE(held.converged());
+  const std::vector<Branch> branches = continue_orbit(system, held, options_in("F", 0.7));
+  REQUIRE(branches.size() == 1);
+  CHECK(branches[0].stop == BranchStop::step_too_small);
+  CHECK(branches[0].stop_value == Approx(0.4 * 1.1).epsilon(1e-8));  // ms N
+  for (const BranchPoint& point : branches[0].points) CHECK(point.state().norm() < 1e-6);
+}
+
 TEST_CASE("an impact that sets a mass sliding begins at its grazing, COCO's stick-slip") {
   SystemWriter writer;
   writer.states({"q", "v", "u"});
