@@ -173,7 +173,7 @@ std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGra
   const Event& contact = problem.system().events[grazing.event];
   if (!lost && grazing.leads_away) return std::nullopt;
   // Its events come together at the grazing, where the coordinates of the events are singular.
-  const bool through_modes = !lost && contact.to != contact.from;
+  const bool through_modes = !lost && (contact.to != contact.from || !grazing.contact_events.empty());
   const bool sticks = nodes.sequence.size() != grazing.orbit.events.size();
   if (!sticks && !through_modes && !problem.equations().autonomous() && (!lost || !nodes.sequence.empty())) {
     // The grazing itself is the orbit without that impact, and the one with it at speed zero; the speed grows from there.

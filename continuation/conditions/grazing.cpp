@@ -226,6 +226,7 @@ std::optional<GrazingGuess> nearest_miss(OrbitProblem& problem, const Vector& u)
 
 std::vector<GrazingGuess> near_misses(OrbitProblem& problem, const Vector& u, double within) {
   constexpr int samples = 400;
+  constexpr double no_miss = 1e-5;  // a contact of less speed, less deep than events are located to, may as well be a miss
   std::vector<GrazingGuess> list;
   if (!problem.evaluate(u, {.sensitivity = Sensitivity::none, .keep_events = true})) return list;
   const HybridSystem& system = problem.system();
@@ -263,6 +264,8 @@ std::vector<GrazingGuess> near_misses(OrbitProblem& problem, const Vector& u, do
           const EventRecord& met = propagator.record();
           for (std::size_t e = 0; e < system.events.size(); ++e)
             if (const auto gap = gap_at_event(e, met)) list.push_back({e, j, events, met.t, met.t, 0.0, *gap});
+          if (may_be_touched(met.kind) && met.normal_speed < no_miss)
+            list.push_back({met.event, j, events, met.t, met.t + 0.02 * length, met.normal_speed, 0.0});
           ++events;
           std::fill(before.begin(), before.end(), -std::numeric_limits<double>::infinity());
           last = before;

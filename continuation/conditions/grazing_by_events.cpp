@@ -134,6 +134,7 @@ std::optional<LocatedGrazing> grazing_near(OrbitProblem& problem, const Vector& 
 
 std::optional<LocatedGrazing> grazing_beside(OrbitProblem& problem, const Vector& u) {
   constexpr std::size_t considered = 4;  // of weak contacts and of free maxima: the nearest grazing need not be of the weakest
+  constexpr double same_value = 1e-9;
   const bool hard_contacts = has_hard_contacts(problem.system());
   std::vector<GrazingGuess> guesses = near_misses(problem, u, std::numeric_limits<double>::infinity());
   guesses.resize(std::min(guesses.size(), considered));
@@ -144,7 +145,10 @@ std::optional<LocatedGrazing> grazing_beside(OrbitProblem& problem, const Vector
     std::optional<LocatedGrazing> located = grazing_near(problem, u, guess);
     if (!located || (!hard_contacts && located->scenario == GrazingScenario::smooth)) continue;
     const double away = weighted_norm(problem.zero_problem().weights, located->u - u);
-    if (!(away < distance)) continue;
+    // The same touch may be found with its contact left out, or with one that a free motion still makes.
+    const bool same = nearest && std::abs(problem.value(located->u) - problem.value(nearest->u)) <
+                                     same_value * (1.0 + std::abs(problem.value(located->u)));
+    if (same ? located->orbit.impacts >= nearest->orbit.impacts : !(away < distance)) continue;
     distance = away;
     nearest = std::move(located);
   }
@@ -252,7 +256,10 @@ std::optional<GrazingAhead> grazing_ahead(SignatureProblem& problem, const Vecto
   OrbitProblem& states = problem.stroboscopic(u, v);
   std::optional<LocatedGrazing> located = grazing_beside(states, v);
   const bool right_there = located && weighted_norm(states.zero_problem().weights, located->u - v) <= reach;
-  return right_there ? std::optional(GrazingAhead{std::move(*located), false, u}) : std::nullopt;
+  if (!right_there) return std::nullopt;
+  // A weak contact of the branch, the events of which come together, is met early.
+  const bool lost = located->orbit.impacts < impacts(equations.system(), {0, equations.sequence()});
+  return GrazingAhead{std::move(*located), lost, u};
 }
 
 }  // namespace graze

@@ -188,6 +188,12 @@ TEST_CASE("a weak contact with a spring and a damper is lost, and the branch goe
   CHECK(down[1].points.front().impacts == 3);
   CHECK(down[1].stop == BranchStop::reached_bound);
   CHECK(down[1].points.back().state().isApprox(with_contact.state, 1e-8));
+  // The other way one impact is lost and another one gained.
+  const std::vector<Branch> on = continue_orbit(system, with_contact, options_in("w", 0.5));
+  REQUIRE(on.size() == 3);
+  CHECK(impacts_at(on[0].special_points.back()) == Impacts{3.0, 2.0});
+  CHECK(impacts_at(on[1].special_points.back()) == Impacts{2.0, 3.0});
+  CHECK(on[2].stop == BranchStop::reached_bound);
 }
 
 TEST_CASE("a mass that friction holds as it touches a rigid stop gains an impact there") {
@@ -216,6 +222,24 @@ TEST_CASE("a mass that friction holds as it touches a rigid stop gains an impact
   CHECK(down[0].special_points.back().value == Approx(exact).epsilon(1e-12));
   CHECK(impacts_at(down[0].special_points.back()) == Impacts{2.0, 1.0});
   CHECK(down[1].points.back().state().isApprox(once.state, 1e-8));
+}
+
+TEST_CASE("an impact begins at its grazing where drag changes its sign at the touch") {
+  SystemWriter writer;
+  writer.states({"x", "v"}).forcing("w");
+  writer.parameter("A", "1.3").parameter("w", "0.9").parameter("r", "0.6").parameter("e", "0.7");
+  writer.mode("m", "x' = v\nv' = A*cos(w*t) - 0.1*v*abs(v) - x").event({"h", "impact", "x - r", "v = -e*v", "", ""});
+  const HybridSystem system = equations::make_system(writer.system).system;
+  const PeriodicOrbit once = settled(system, parameters(system), vector({0.4649, -1.6085}));
+  REQUIRE(once.impacts == 1);
+  const std::vector<Branch> branches = continue_orbit(system, once, options_in("w", 0.75));
+  REQUIRE(branches.size() == 2);
+  REQUIRE(branches[0].stop == BranchStop::grazing);
+  CHECK(impacts_at(branches[0].special_points.back()) == Impacts{1.0, 2.0});
+  CHECK(text_detail(branches[0].special_points.back(), "scenario") == "nonsmooth-fold");
+  CHECK(branches[1].points.front().impacts == 2);
+  CHECK(branches[1].points.front().value > branches[0].special_points.back().value);
+  CHECK(branches[1].stop == BranchStop::reached_bound);
 }
 
 TEST_CASE("a branch of orbits held by friction ends where it first lets go, and does not jump to those that slide") {
