@@ -261,15 +261,14 @@ Json basins_json(const Problem& problem, const Plane& plane, const Options& opti
 
 const Columns<CoexistingAttractor>& found_columns() {
   using F = CoexistingAttractor;
-  static const Columns<F> list = joined<F>(
-      {of_part(attractor_columns(), &F::attractor),
-       of_part(exponents_columns(), &F::attractor),
-       {column<F>("kaplan_yorke", "", "dimension",
-                  [](const F& found) { return kaplan_yorke_dimension(found.attractor.exponents); }),
-        column<F>("count", "", "starts that reach it", [](const F& found) { return found.count; }),
-        column<F>("fraction", "", "of the admissible starts", [](const F& found) { return found.fraction; }),
-        column<F>("fraction_error", "", "standard error of the fraction", [](const F& found) { return found.fraction_error; }),
-        column<F>("states", "", "on it, at forcing phase 0", &F::states)}});
+  static const Columns<F> list =
+      joined<F>({of_part(attractor_columns(), &F::attractor),
+                 of_part(exponents_columns(), &F::attractor),
+                 {{"kaplan_yorke", "dimension", [](const F& found) { return kaplan_yorke_dimension(found.attractor.exponents); }},
+                  {"count", "starts that reach it", [](const F& found) { return found.count; }},
+                  {"fraction", "of the admissible starts", [](const F& found) { return found.fraction; }},
+                  {"fraction_error", "standard error of the fraction", [](const F& found) { return found.fraction_error; }},
+                  {"states", "on it, at forcing phase 0", &F::states}}});
   return list;
 }
 

@@ -51,22 +51,21 @@ AttractorOptions attractor_options(const Options& options, const Problem& proble
 const Columns<Attractor>& result_columns() {
   using A = Attractor;
   const auto is_orbit = [](const A& attractor) { return attractor.type == AttractorType::periodic; };
-  static const Columns<A> list = joined<A>(
-      {exponents_columns(),
-       {column<A>("converged", "", "the errors are below their bounds",
-                  [=](const A& attractor) { return is_orbit(attractor) || attractor.time_average.converged(); })},
-       {column<A>("periods", "", "of the time average", [](const A& attractor) { return attractor.time_average.periods; }),
-        column<A>("liouville_residual", "", "of the time average; null: not applicable",
-                  [](const A& attractor) { return liouville_residual(attractor.time_average); }),
-        column<A>("kaplan_yorke", "", "dimension",
-                  [](const A& attractor) { return kaplan_yorke_dimension(attractor.exponents); }),
-        column<A>("stop", "", "why the average ended",
-                  [=](const A& attractor) {
-                    return std::string(is_orbit(attractor) ? "the attractor is a stable orbit"
-                                                           : lyapunov_stop_text(attractor.time_average.stop));
-                  }),
-        column<A>("attractor", "", "that is reached", [](const A& attractor) { return attractor; }),
-        column<A>("time_average", "", "along the motion, on an orbit too", &A::time_average)}});
+  static const Columns<A> list =
+      joined<A>({exponents_columns(),
+                 {{"converged", "the errors are below their bounds",
+                   [=](const A& attractor) { return is_orbit(attractor) || attractor.time_average.converged(); }}},
+                 {{"periods", "of the time average", [](const A& attractor) { return attractor.time_average.periods; }},
+                  {"liouville_residual", "of the time average; null: not applicable",
+                   [](const A& attractor) { return liouville_residual(attractor.time_average); }},
+                  {"kaplan_yorke", "dimension", [](const A& attractor) { return kaplan_yorke_dimension(attractor.exponents); }},
+                  {"stop", "why the average ended",
+                   [=](const A& attractor) {
+                     return std::string(is_orbit(attractor) ? "the attractor is a stable orbit"
+                                                            : lyapunov_stop_text(attractor.time_average.stop));
+                   }},
+                  {"attractor", "that is reached", [](const A& attractor) { return attractor; }},
+                  {"time_average", "along the motion, on an orbit too", &A::time_average}}});
   return list;
 }
 

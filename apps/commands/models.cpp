@@ -24,14 +24,14 @@ namespace {
 
 Columns<ParameterInfo> parameter_columns(bool with_default) {
   using P = ParameterInfo;
-  Columns<P> list = {column<P>("name", "", "of the parameter", &P::name),
-                     column<P>("meaning", "", "of the parameter", &P::meaning),
-                     column<P>("unit", "", "of the parameter", &P::unit),
-                     column<P>("range", "", "in words", [](const P& info) { return range_text(info); }),
-                     column<P>("lower", "", "end of the range; null: none", [](const P& info) { return finite(info.lower); }),
-                     column<P>("lower_open", "", "the lower end is not in it", &P::lower_open),
-                     column<P>("upper", "", "end of the range; null: none", [](const P& info) { return finite(info.upper); })};
-  if (with_default) list.push_back(column<P>("default", "", "where the file gives none", &P::default_value));
+  Columns<P> list = {{"name", "of the parameter", &P::name},
+                     {"meaning", "of the parameter", &P::meaning},
+                     {"unit", "of the parameter", &P::unit},
+                     {"range", "in words", [](const P& info) { return range_text(info); }},
+                     {"lower", "end of the range; null: none", [](const P& info) { return finite(info.lower); }},
+                     {"lower_open", "the lower end is not in it", &P::lower_open},
+                     {"upper", "end of the range; null: none", [](const P& info) { return finite(info.upper); }}};
+  if (with_default) list.push_back(Column<P>("default", "where the file gives none", &P::default_value));
   return list;
 }
 

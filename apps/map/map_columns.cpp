@@ -8,32 +8,34 @@ namespace graze::apps {
 
 namespace {
 
-Column<MapPoint> column_of(const char* name, const char* unit, const char* meaning, MapType MapPoint::*member) {
-  return column<MapPoint>(name, unit, meaning, member);
+Column<MapPoint> column_of(const char* name, const char* meaning, MapType MapPoint::*member) {
+  return Column<MapPoint>(name, meaning, member);
 }
 
-Column<MapPoint> column_of(const char* name, const char* unit, const char* meaning, int MapPoint::*member) {
-  return column<MapPoint>(
-      name, unit, meaning,
+Column<MapPoint> column_of(const char* name, const char* meaning, int MapPoint::*member) {
+  return Column<MapPoint>(
+      name, meaning,
       [member](const MapPoint& point) { return point.type == MapType::periodic ? std::optional(point.*member) : std::nullopt; },
       [member](MapPoint& point, std::optional<int> value) { point.*member = value.value_or(0); });
 }
 
-Column<MapPoint> column_of(const char* name, const char* unit, const char* meaning, double MapPoint::*member) {
-  return column<MapPoint>(
-      name, unit, meaning, [member](const MapPoint& point) { return finite(point.*member); },
+Column<MapPoint> column_of(const char* name, const char* meaning, double MapPoint::*member) {
+  return Column<MapPoint>(
+      name, meaning, [member](const MapPoint& point) { return finite(point.*member); },
       [member](MapPoint& point, std::optional<double> value) { point.*member = value.value_or(point.*member); });
 }
 
-Column<MapPoint> column_of(const char* name, const char* unit, const char* meaning, Vector MapPoint::*member) {
-  return column<MapPoint>(
-      name, unit, meaning,
+Column<MapPoint> column_of(const char* name, const char* meaning, Vector MapPoint::*member) {
+  return Column<MapPoint>(
+      name, meaning,
       [member](const MapPoint& point) { return (point.*member).allFinite() ? std::optional(point.*member) : std::nullopt; },
       [member](MapPoint& point, const std::optional<Vector>& value) { point.*member = value.value_or(Vector()); });
 }
 
 MapField field(const char* name, const char* dataset, const char* meaning, auto member) {
-  return {member, dataset, column_of(name, "dimensionless", meaning, member)};
+  MapField out{member, dataset, column_of(name, meaning, member)};
+  out.column.unit = "dimensionless";
+  return out;
 }
 
 }  // namespace
@@ -59,7 +61,7 @@ const Columns<MapPoint>& map_columns() {
     constexpr std::ptrdiff_t behind_impacts = 3;
     columns.insert(
         columns.begin() + behind_impacts,
-        column<MapPoint>("sticking", "", "the mass sticks in every turn: lambda_1 is -infinity", sticks, forgets).not_needed());
+        Column<MapPoint>("sticking", "the mass sticks in every turn: lambda_1 is -infinity", sticks, forgets).not_needed());
     return columns;
   }();
   return list;

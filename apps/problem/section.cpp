@@ -65,11 +65,11 @@ std::vector<std::string> section_columns(const Problem& problem, SectionKind kin
 
 const Columns<ListedSection>& listed_section_columns() {
   using S = ListedSection;
-  static const Columns<S> list = {column<S>("section", "", "stroboscopic, returns, or impact",
-                                            [](const S& s) { return std::string(section_name(s.section.kind)); }),
-                                  column<S>("periods", "", "of the run", [](const S& s) { return s.section.periods; }),
-                                  column<S>("columns", "", "of the points", &S::columns),
-                                  column<S>("points", "", "in the order of time", [](const S& s) { return s.section.points; })};
+  static const Columns<S> list = {
+      {"section", "stroboscopic, returns, or impact", [](const S& s) { return std::string(section_name(s.section.kind)); }},
+      {"periods", "of the run", [](const S& s) { return s.section.periods; }},
+      {"columns", "of the points", &S::columns},
+      {"points", "in the order of time", [](const S& s) { return s.section.points; }}};
   return list;
 }
 

@@ -126,12 +126,12 @@ Claim claim_of_widest_chaos(const Published& published, const std::string& syste
 
 const Columns<Claim>& claim_columns() {
   using C = Claim;
-  static const Columns<C> list = {column<C>("name", "", "of the claim", &C::name),
-                                  column<C>("claim", "", "what the source says", &C::statement),
-                                  column<C>("criterion", "", "by which it is judged", &C::criterion),
-                                  column<C>("computed", "", "what was found", &C::computed),
-                                  column<C>("verdict", "", "whether it agrees", &C::verdict),
-                                  column<C>("details", "", "the numbers", &C::details)};
+  static const Columns<C> list = {{"name", "of the claim", &C::name},
+                                  {"claim", "what the source says", &C::statement},
+                                  {"criterion", "by which it is judged", &C::criterion},
+                                  {"computed", "what was found", &C::computed},
+                                  {"verdict", "whether it agrees", &C::verdict},
+                                  {"details", "the numbers", &C::details}};
   return list;
 }
 

@@ -21,18 +21,18 @@ void add_remark(std::string& remark, const std::string& sentence) {
 
 const Columns<Comparison>& comparison_columns() {
   using C = Comparison;
-  static const Columns<C> list = {column<C>("figure", "", "in which it is published", &C::figure),
-                                  column<C>("system", "", "id of the system", &C::system),
-                                  column<C>("eta", "", "forcing frequency; of a window its lower end", &C::eta),
-                                  column<C>("quantity", "", "what is compared", &C::quantity),
-                                  column<C>("published", "", "value", &C::published),
-                                  column<C>("computed", "", "value", &C::computed),
-                                  column<C>("uncertainty", "", "of the computed value; null: it has none", &C::uncertainty),
-                                  column<C>("verdict", "", "whether they agree", &C::verdict),
-                                  column<C>("remark", "", "what is known where they do not", &C::remark),
-                                  column<C>("published_text", "", "for people", &C::published_text),
-                                  column<C>("computed_text", "", "for people", &C::computed_text),
-                                  column<C>("details", "", "what else was found", &C::details)};
+  static const Columns<C> list = {{"figure", "in which it is published", &C::figure},
+                                  {"system", "id of the system", &C::system},
+                                  {"eta", "forcing frequency; of a window its lower end", &C::eta},
+                                  {"quantity", "what is compared", &C::quantity},
+                                  {"published", "value", &C::published},
+                                  {"computed", "value", &C::computed},
+                                  {"uncertainty", "of the computed value; null: it has none", &C::uncertainty},
+                                  {"verdict", "whether they agree", &C::verdict},
+                                  {"remark", "what is known where they do not", &C::remark},
+                                  {"published_text", "for people", &C::published_text},
+                                  {"computed_text", "for people", &C::computed_text},
+                                  {"details", "what else was found", &C::details}};
   return list;
 }
 

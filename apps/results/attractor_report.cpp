@@ -43,20 +43,18 @@ std::optional<double> liouville_residual(const LyapunovSpectrum& spectrum) {
 const Columns<LyapunovSpectrum>& spectrum_columns() {
   using S = LyapunovSpectrum;
   static const Columns<S> list = {
-      column<S>("exponents", "1/time", "largest first; null: -infinity", [](const S& s) { return finite(s.exponents); }),
-      column<S>("standard_errors", "1/time", "of each; null: too short an average",
-                [](const S& s) { return finite(s.standard_errors); }),
-      column<S>("correlation_times", "periods", "of each one's growth", [](const S& s) { return finite(s.correlation_times); }),
-      column<S>("kaplan_yorke", "", "dimension", &S::kaplan_yorke),
-      column<S>("liouville_residual", "", "largest disagreement with Liouville's identity, per period; null: not applicable",
-                liouville_residual),
-      column<S>("periods", "", "of the average", &S::periods),
-      column<S>("impacts", "", "on the way", &S::impacts),
-      column<S>("converged", "", "the errors are below their bounds", &S::converged),
-      column<S>("stop", "", "why the average ended", [](const S& s) { return std::string(lyapunov_stop_text(s.stop)); }),
-      column<S>("duration", "time", "of the average, of an autonomous motion", &S::duration).where([](const S& s) {
-        return s.duration > 0.0;
-      })};
+      {"exponents [1/time]", "largest first; null: -infinity", [](const S& s) { return finite(s.exponents); }},
+      {"standard_errors [1/time]", "of each; null: too short an average", [](const S& s) { return finite(s.standard_errors); }},
+      {"correlation_times [periods]", "of each one's growth", [](const S& s) { return finite(s.correlation_times); }},
+      {"kaplan_yorke", "dimension", &S::kaplan_yorke},
+      {"liouville_residual", "largest disagreement with Liouville's identity, per period; null: not applicable",
+       liouville_residual},
+      {"periods", "of the average", &S::periods},
+      {"impacts", "on the way", &S::impacts},
+      {"converged", "the errors are below their bounds", &S::converged},
+      {"stop", "why the average ended", [](const S& s) { return std::string(lyapunov_stop_text(s.stop)); }},
+      {"duration [time]", "of the average, of an autonomous motion", &S::duration,
+       only([](const S& s) { return s.duration > 0.0; })}};
   return list;
 }
 
@@ -66,49 +64,44 @@ const Columns<Attractor>& attractor_columns() {
     return attractor.period > 0 ? std::optional(count) : std::nullopt;
   };
   const auto conservative = [](const A& attractor) { return attractor.conservative; };
-  Columns<A> of_orbit = joined<A>(
-      {sticking_columns<A>(),
-       {column<A>("rests", "", "the mass is held at its stop all the time", &A::rests).where(&A::rests),
-        column<A>("duration", "time", "of an autonomous orbit", &A::duration).where([](const A& a) { return a.duration > 0.0; }),
-        column<A>("multipliers", "", "of the orbit", &A::multipliers).where([](const A&) { return true; })}});
+  Columns<A> of_orbit =
+      joined<A>({sticking_columns<A>(),
+                 {{"rests", "the mass is held at its stop all the time", &A::rests, only(&A::rests)},
+                  {"duration [time]", "of an autonomous orbit", &A::duration, only([](const A& a) { return a.duration > 0.0; })},
+                  {"multipliers", "of the orbit", &A::multipliers, only([](const A&) { return true; })}}});
   for (Column<A>& one : of_orbit)
     one = one.where([holds = one.applies](const A& a) { return !a.multipliers.empty() && holds(a); });
   static const Columns<A> list =
-      joined<A>({{column<A>("type", "", "what the motion settles on", &A::type),
-                  column<A>(
-                      "period", "", "of an orbit, else null", [=](const A& a) { return if_periodic(a, a.period); },
-                      [](A& a, std::optional<int> value) { a.period = value.value_or(0); }),
-                  column<A>(
-                      "impacts", "", "of an orbit, else null", [=](const A& a) { return if_periodic(a, a.impacts); },
-                      [](A& a, std::optional<int> value) { a.impacts = a.isolated_impacts = value.value_or(0); }),
-                  column<A>("state", "", "on it, at forcing phase 0", &A::state)},
+      joined<A>({{{"type", "what the motion settles on", &A::type},
+                  {"period", "of an orbit, else null", [=](const A& a) { return if_periodic(a, a.period); },
+                   [](A& a, std::optional<int> value) { a.period = value.value_or(0); }},
+                  {"impacts", "of an orbit, else null", [=](const A& a) { return if_periodic(a, a.impacts); },
+                   [](A& a, std::optional<int> value) { a.impacts = a.isolated_impacts = value.value_or(0); }},
+                  {"state", "on it, at forcing phase 0", &A::state}},
                  of_orbit,
-                 {column<A>("conservative", "", "nothing dissipates along the motion", &A::conservative).where(conservative),
-                  column<A>("motion", "", "what it is by itself then", &A::motion).where(conservative),
-                  column<A>("unbounded", "", "how it grows without bound", growth_of,
-                            [](A& a, const std::string& value) {
-                              for (const auto& [termination, name] : growths)
-                                if (value == name) a.termination = termination;
-                            })
-                      .where([](const A& a) { return !growth_of(a).empty(); }),
-                  column<A>(
-                      "returns", "", "false: an autonomous motion does not come back", [](const A& a) { return !stays_away(a); },
-                      [](A& a, bool value) {
-                        if (!value) a.termination = Termination::no_return;
-                      })
-                      .where(stays_away)}});
+                 {{"conservative", "nothing dissipates along the motion", &A::conservative, only(conservative)},
+                  {"motion", "what it is by itself then", &A::motion, only(conservative)},
+                  {"unbounded", "how it grows without bound", growth_of,
+                   [](A& a, const std::string& value) {
+                     for (const auto& [termination, name] : growths)
+                       if (value == name) a.termination = termination;
+                   },
+                   only([](const A& a) { return !growth_of(a).empty(); })},
+                  {"returns", "false: an autonomous motion does not come back", [](const A& a) { return !stays_away(a); },
+                   [](A& a, bool value) {
+                     if (!value) a.termination = Termination::no_return;
+                   },
+                   only(stays_away)}}});
   return list;
 }
 
 Columns<Attractor> exponents_columns() {
   using A = Attractor;
   constexpr double infinity = std::numeric_limits<double>::infinity();
-  return {column<A>(
-              "exponents", "1/time", "largest first; null: -infinity", [](const A& a) { return finite(a.exponents); },
-              [=](A& a, const MaybeNumbers& values) { a.exponents = numbers(values, -infinity); }),
-          column<A>(
-              "standard_errors", "1/time", "of each; 0: from multipliers", [](const A& a) { return finite(a.standard_errors); },
-              [=](A& a, const MaybeNumbers& values) { a.standard_errors = numbers(values, -infinity); })};
+  return {{"exponents [1/time]", "largest first; null: -infinity", [](const A& a) { return finite(a.exponents); },
+           [=](A& a, const MaybeNumbers& values) { a.exponents = numbers(values, -infinity); }},
+          {"standard_errors [1/time]", "of each; 0: from multipliers", [](const A& a) { return finite(a.standard_errors); },
+           [=](A& a, const MaybeNumbers& values) { a.standard_errors = numbers(values, -infinity); }}};
 }
 
 std::string attractor_name(const Attractor& attractor) {

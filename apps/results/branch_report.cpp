@@ -101,70 +101,71 @@ void put_quantities(Json& list, const std::vector<BranchQuantities>& measured) {
 
 const Columns<BranchPoint>& point_columns() {
   using P = BranchPoint;
-  static const Columns<P> list =
-      joined<P>({{column<P>("value", "", "of the parameter", &P::value)},
-                 states_columns<P>(),
-                 {column<P>("arclength", "", "along the branch", &P::arclength).not_needed(), multipliers_column<P>(),
-                  duration_column<P>(), impacts_column<P>()},
-                 sticking_columns<P>(),
-                 {column<P>("stable", "", "no multiplier lies outside the unit circle", &P::stable), admissible_column<P>(),
-                  column<P>("checks", "", "proofs that come with the orbit", &P::checks).not_needed()}});
+  static const Columns<P> list = joined<P>({{{"value", "of the parameter", &P::value}},
+                                            states_columns<P>(),
+                                            {Column<P>("arclength", "along the branch", &P::arclength).not_needed(),
+                                             multipliers_column<P>(), duration_column<P>(), impacts_column<P>()},
+                                            sticking_columns<P>(),
+                                            {{"stable", "no multiplier lies outside the unit circle", &P::stable},
+                                             admissible_column<P>(),
+                                             Column<P>("checks", "proofs that come with the orbit", &P::checks).not_needed()}});
   return list;
 }
 
 const Columns<SpecialPoint>& special_point_columns() {
   using P = SpecialPoint;
   using O = PeriodicOrbit;
-  static const Columns<P> list = joined<P>(
-      {{column<P>("label", "", "type and running number", &P::label), column<P>("type", "", "of the point", &P::type),
-        column<P>("value", "", "of the parameter", &P::value)},
-       of_part(joined<O>({states_columns<O>(),
-                          {multipliers_column<O>(), column<O>("period", "", "of the branch that it lies on", &O::period),
-                           duration_column<O>(), impacts_column<O>()},
-                          sticking_columns<O>()}),
-               &P::orbit),
-       {column<P>("marginal", "", "a multiplier lies on the unit circle", [](const P& point) { return is_marginal(point.type); })
-            .where([](const P& point) { return is_marginal(point.type); })},
-       of_part<P, O>({admissible_column<O>()}, &P::orbit),
-       {column<P>("status", "", "whether it is located, or only lies in the interval", &P::status),
-        column<P>(
-            "interval", "", "values between which it certainly lies",
-            [](const P& point) {
-              return std::array{point.interval[0], point.interval[1]};
-            },
-            [](P& point, const std::array<double, 2>& ends) { std::copy(ends.begin(), ends.end(), point.interval); }),
-        column<P>("precision", "", "estimated error of the value", &P::precision),
-        column<P>("after_point", "", "number of the branch's point behind which it lies, from 0", &P::after_point),
-        column<P>("details", "", "what is told of a point of its type", &P::details)},
-       of_part<P, O>({column<O>("checks", "", "proofs that come with the orbit", &O::checks).not_needed()}, &P::orbit),
-       {column<P>("newton", "", "how Newton's method came to it", &P::newton).not_needed()}});
+  static const Columns<P> list =
+      joined<P>({{{"label", "type and running number", &P::label},
+                  {"type", "of the point", &P::type},
+                  {"value", "of the parameter", &P::value}},
+                 of_part(joined<O>({states_columns<O>(),
+                                    {multipliers_column<O>(),
+                                     {"period", "of the branch that it lies on", &O::period},
+                                     duration_column<O>(),
+                                     impacts_column<O>()},
+                                    sticking_columns<O>()}),
+                         &P::orbit),
+                 {{"marginal", "a multiplier lies on the unit circle", [](const P& point) { return is_marginal(point.type); },
+                   only([](const P& point) { return is_marginal(point.type); })}},
+                 of_part<P, O>({admissible_column<O>()}, &P::orbit),
+                 {{"status", "whether it is located, or only lies in the interval", &P::status},
+                  {"interval", "values between which it certainly lies",
+                   [](const P& point) {
+                     return std::array{point.interval[0], point.interval[1]};
+                   },
+                   [](P& point, const std::array<double, 2>& ends) { std::copy(ends.begin(), ends.end(), point.interval); }},
+                  {"precision", "estimated error of the value", &P::precision},
+                  {"after_point", "number of the branch's point behind which it lies, from 0", &P::after_point},
+                  {"details", "what is told of a point of its type", &P::details}},
+                 of_part<P, O>({Column<O>("checks", "proofs that come with the orbit", &O::checks).not_needed()}, &P::orbit),
+                 {Column<P>("newton", "how Newton's method came to it", &P::newton).not_needed()}});
   return list;
 }
 
 const char* point_status_name(PointStatus status) { return status == PointStatus::converged ? "converged" : "bracketed"; }
 
 const Columns<BranchParent>& parent_columns() {
-  static const Columns<BranchParent> list = {column<BranchParent>("branch", "", "number of the branch", &BranchParent::branch),
-                                             column<BranchParent>("label", "", "of its special point", &BranchParent::label)};
+  static const Columns<BranchParent> list = {{"branch", "number of the branch", &BranchParent::branch},
+                                             {"label", "of its special point", &BranchParent::label}};
   return list;
 }
 
 const Columns<Symmetry>& symmetry_columns() {
   using S = Symmetry;
-  static const Columns<S> list = {
-      column<S>(
-          "matrix", "", "S of x(t) -> S x(t + shift T), by rows",
-          [](const S& symmetry) {
-            std::vector<Vector> rows;
-            for (const auto& row : symmetry.matrix.rowwise()) rows.emplace_back(row.transpose());
-            return rows;
-          },
-          [](S& symmetry, const std::vector<Vector>& rows) {
-            const auto n = static_cast<Eigen::Index>(rows.size());
-            symmetry.matrix.resize(n, n);
-            for (Eigen::Index i = 0; i < n; ++i) symmetry.matrix.row(i) = rows[static_cast<std::size_t>(i)].transpose();
-          }),
-      column<S>("shift", "forcing periods", "by which the image goes before", &S::shift)};
+  static const Columns<S> list = {{"matrix", "S of x(t) -> S x(t + shift T), by rows",
+                                   [](const S& symmetry) {
+                                     std::vector<Vector> rows;
+                                     for (const auto& row : symmetry.matrix.rowwise()) rows.emplace_back(row.transpose());
+                                     return rows;
+                                   },
+                                   [](S& symmetry, const std::vector<Vector>& rows) {
+                                     const auto n = static_cast<Eigen::Index>(rows.size());
+                                     symmetry.matrix.resize(n, n);
+                                     for (Eigen::Index i = 0; i < n; ++i)
+                                       symmetry.matrix.row(i) = rows[static_cast<std::size_t>(i)].transpose();
+                                   }},
+                                  {"shift [forcing periods]", "by which the image goes before", &S::shift}};
   return list;
 }
 
@@ -172,23 +173,22 @@ const Columns<Branch>& branch_columns() {
   using B = Branch;
   const auto is_mirrored = [](const B& branch) { return branch.mirrored.has_value(); };
   static const Columns<B> list = {
-      column<B>("id", "", "number of the branch, from 1", &B::id),
-      column<B>("parent", "", "where it is born: a special point of another branch", &B::parent),
-      column<B>("period", "", "of its orbits", &B::period),
-      column<B>("mirrored", "", "a mirror image of it is a branch, too", is_mirrored).where(is_mirrored),
-      column<B>("mirror", "", "the symmetry of that image", &B::mirrored).where(is_mirrored),
+      {"id", "number of the branch, from 1", &B::id},
+      {"parent", "where it is born: a special point of another branch", &B::parent},
+      {"period", "of its orbits", &B::period},
+      {"mirrored", "a mirror image of it is a branch, too", is_mirrored, only(is_mirrored)},
+      {"mirror", "the symmetry of that image", &B::mirrored, only(is_mirrored)},
       object<B>("stop", "why it ends",
-                {column<B>("reason", "", "in a word", &B::stop), column<B>("at", "", "value of the parameter", &B::stop_value),
-                 column<B>("message", "", "in a sentence", &B::message)}),
-      column<B>("points", "", "of the branch, in order", &B::points),
-      column<B>("special_points", "", "in the order in which they were met", &B::special_points),
-      column<B>("time_carried", "", "time through which motion was computed for it", &B::time_carried).not_needed(),
-      object<B>(
-          "first_failed", "what was tried last, where the branch broke off",
-          {column<B>("value", "", "of the parameter", [](const B& b) { return b.first_failed->value; }),
-           column<B>("state", "", "at forcing phase 0", [](const B& b) { return b.first_failed->state(); }).where([](const B& b) {
-             return !b.first_failed->states.empty();
-           })})
+                {{"reason", "in a word", &B::stop},
+                 {"at", "value of the parameter", &B::stop_value},
+                 {"message", "in a sentence", &B::message}}),
+      {"points", "of the branch, in order", &B::points},
+      {"special_points", "in the order in which they were met", &B::special_points},
+      Column<B>("time_carried [time]", "time through which motion was computed for it", &B::time_carried).not_needed(),
+      object<B>("first_failed", "what was tried last, where the branch broke off",
+                {{"value", "of the parameter", [](const B& b) { return b.first_failed->value; }},
+                 {"state", "at forcing phase 0", [](const B& b) { return b.first_failed->state(); },
+                  only([](const B& b) { return !b.first_failed->states.empty(); })}})
           .where([](const B& b) { return b.first_failed.has_value(); })};
   return list;
 }

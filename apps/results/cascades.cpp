@@ -118,16 +118,17 @@ std::vector<Cascade> cascades(const std::vector<Branch>& branches) {
 
 const Columns<Doubling>& doubling_columns() {
   using D = Doubling;
-  static const Columns<D> list = {
-      column<D>("label", "", "of the special point", &D::label), column<D>("branch", "", "on which it lies", &D::branch),
-      column<D>("period", "", "that is doubled", &D::period), column<D>("value", "", "of the parameter", &D::value)};
+  static const Columns<D> list = {{"label", "of the special point", &D::label},
+                                  {"branch", "on which it lies", &D::branch},
+                                  {"period", "that is doubled", &D::period},
+                                  {"value", "of the parameter", &D::value}};
   return list;
 }
 
 const Columns<Cascade>& cascade_columns() {
   static const Columns<Cascade> list = {
-      column<Cascade>("points", "", "period doublings, each on the branch born at the one before", &Cascade::points),
-      column<Cascade>("ratios", "", "of an interval between doublings to the next", &Cascade::ratios)};
+      {"points", "period doublings, each on the branch born at the one before", &Cascade::points},
+      {"ratios", "of an interval between doublings to the next", &Cascade::ratios}};
   return list;
 }
 

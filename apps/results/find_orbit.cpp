@@ -293,24 +293,22 @@ const Columns<FoundOrbits>& origin_columns() {
     return !found.orbits.empty() && same_orbit(found.orbits.front(), *found.settled_on);
   };
   static const Columns<F> list = {
-      column<F>("origin", "", "whether the orbit is settled on, or found by a search", &F::origin).where([](const F& found) {
-        return !found.origin.empty();
-      }),
+      {"origin", "whether the orbit is settled on, or found by a search", &F::origin,
+       only([](const F& found) { return !found.origin.empty(); })},
       object<F>("settled", "where the transient led to",
-                {column<F>("state", "", "at forcing phase 0", [](const F& found) { return found.settled->state; }),
-                 column<F>("periods", "", "of the transient", [](const F& found) { return found.settled->periods; }),
-                 column<F>("suspected_period", "", "with which it repeats itself; 0: with none",
-                           [](const F& found) { return found.settled->suspected_period; }),
+                {{"state", "at forcing phase 0", [](const F& found) { return found.settled->state; }},
+                 {"periods", "of the transient", [](const F& found) { return found.settled->periods; }},
+                 {"suspected_period", "with which it repeats itself; 0: with none",
+                  [](const F& found) { return found.settled->suspected_period; }},
                  object<F>("orbit", "that it repeats, where that is not of the period asked for",
-                           {column<F>("period", "", "of it", [](const F& found) { return found.settled_on->period; }),
-                            column<F>("impacts", "", "of it", [](const F& found) { return found.settled_on->impacts; }),
-                            column<F>("stable", "", "whether it is", [](const F& found) { return found.settled_on->stable(); }),
-                            column<F>("is_result", "", "it is the orbit of this result", is_result)})
+                           {{"period", "of it", [](const F& found) { return found.settled_on->period; }},
+                            {"impacts", "of it", [](const F& found) { return found.settled_on->impacts; }},
+                            {"stable", "whether it is", [](const F& found) { return found.settled_on->stable(); }},
+                            {"is_result", "it is the orbit of this result", is_result}})
                      .where([](const F& found) { return found.settled_on.has_value(); })})
           .where([](const F& found) { return found.settled.has_value(); }),
-      column<F>("remark", "", "what the motion settled on, where a search had to follow", &F::remark).where([](const F& found) {
-        return !found.remark.empty();
-      })};
+      {"remark", "what the motion settled on, where a search had to follow", &F::remark,
+       only([](const F& found) { return !found.remark.empty(); })}};
   return list;
 }
 

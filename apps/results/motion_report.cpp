@@ -13,13 +13,13 @@ std::vector<std::string> motion_columns(const Problem& problem, const Quantities
 const Columns<ListedMotion>& listed_motion_columns() {
   using M = ListedMotion;
   static const Columns<M> list = {
-      column<M>("periods", "", "that were completed", [](const M& m) { return m.motion.periods; }),
-      column<M>("end", "", "how the run ended", [](const M& m) { return std::string(termination_text(m.motion.termination)); }),
-      column<M>("columns", "", "of the samples", &M::columns),
-      column<M>("samples", "", "at equal steps of time", [](const M& m) { return m.motion.samples; }),
-      column<M>("stroboscopic", "", "states at forcing phase 0 (behind returns)", [](const M& m) { return m.motion.strobe; }),
-      column<M>("events", "", "on the way", [](const M& m) { return listed(m.motion.events, m.list); }),
-      column<M>("contacts", "", "that begin or end on the way", [](const M& m) { return m.list.contacts; })};
+      {"periods", "that were completed", [](const M& m) { return m.motion.periods; }},
+      {"end", "how the run ended", [](const M& m) { return std::string(termination_text(m.motion.termination)); }},
+      {"columns", "of the samples", &M::columns},
+      {"samples", "at equal steps of time", [](const M& m) { return m.motion.samples; }},
+      {"stroboscopic", "states at forcing phase 0 (behind returns)", [](const M& m) { return m.motion.strobe; }},
+      {"events", "on the way", [](const M& m) { return listed(m.motion.events, m.list); }},
+      {"contacts", "that begin or end on the way", [](const M& m) { return m.list.contacts; }}};
   return list;
 }
 

@@ -53,16 +53,15 @@ const Columns<ListedEvent>& event_columns() {
   using E = ListedEvent;
   const auto ends = [](const E& one) { return one.ended.has_value(); };
   static const Columns<E> list = {
-      column<E>("tau", "", "time since forcing phase 0, or since the start of the run", [](const E& e) { return e.event->t; }),
-      column<E>("kind", "", "what happens", [](const E& e) { return e.event->kind; }),
-      column<E>("speed", "", "normal speed", [](const E& e) { return e.event->normal_speed; }),
-      column<E>("restitution", "", "of the contact that ends; null: not known",
-                [](const E& e) { return known(true, e.ended->restitution); })
-          .where(ends),
-      column<E>("energy_lost", "", "in the contact that ends", [](const E& e) { return known(true, e.ended->energy_lost); })
-          .where(ends),
-      column<E>("before", "", "state right before", [](const E& e) { return e.event->x_minus; }),
-      column<E>("after", "", "state right behind", [](const E& e) { return e.event->x_plus; })};
+      {"tau [time]", "time since forcing phase 0, or since the start of the run", [](const E& e) { return e.event->t; }},
+      {"kind", "what happens", [](const E& e) { return e.event->kind; }},
+      {"speed [speed]", "normal speed", [](const E& e) { return e.event->normal_speed; }},
+      {"restitution", "of the contact that ends; null: not known", [](const E& e) { return known(true, e.ended->restitution); },
+       only(ends)},
+      {"energy_lost [energy]", "in the contact that ends", [](const E& e) { return known(true, e.ended->energy_lost); },
+       only(ends)},
+      {"before", "state right before", [](const E& e) { return e.event->x_minus; }},
+      {"after", "state right behind", [](const E& e) { return e.event->x_plus; }}};
   return list;
 }
 
@@ -72,17 +71,14 @@ const Columns<Contact>& contact_columns() {
   const auto begun = [](const C& contact) { return !std::isnan(contact.t_entry); };
   const auto ended = [](const C& contact) { return contact.complete || std::isnan(contact.t_entry); };
   static const Columns<C> list = {
-      column<C>("entry", "", "time at which it begins; null: before the run",
-                [=](const C& c) { return known(begun(c), c.t_entry); }),
-      column<C>("exit", "", "time at which it ends; null: behind the run", [=](const C& c) { return known(ended(c), c.t_exit); }),
-      column<C>("duration", "", "null: it is cut off by the run",
-                [](const C& c) { return known(c.complete, c.t_exit - c.t_entry); }),
-      column<C>("entry_speed", "", "speed of approach", [=](const C& c) { return known(begun(c), c.entry_speed); }),
-      column<C>("exit_speed", "", "speed of departure", [=](const C& c) { return known(ended(c), c.exit_speed); }),
-      column<C>("restitution", "", "exit over entry speed; null at a grazing",
-                [](const C& c) { return known(c.complete, c.restitution); }),
-      column<C>("energy_lost", "", "m (entry speed^2 - exit speed^2) / 2",
-                [](const C& c) { return known(c.complete, c.energy_lost); })};
+      {"entry [time]", "time at which it begins; null: before the run", [=](const C& c) { return known(begun(c), c.t_entry); }},
+      {"exit [time]", "time at which it ends; null: behind the run", [=](const C& c) { return known(ended(c), c.t_exit); }},
+      {"duration [time]", "null: it is cut off by the run", [](const C& c) { return known(c.complete, c.t_exit - c.t_entry); }},
+      {"entry_speed [speed]", "speed of approach", [=](const C& c) { return known(begun(c), c.entry_speed); }},
+      {"exit_speed [speed]", "speed of departure", [=](const C& c) { return known(ended(c), c.exit_speed); }},
+      {"restitution", "exit over entry speed; null at a grazing", [](const C& c) { return known(c.complete, c.restitution); }},
+      {"energy_lost [energy]", "m (entry speed^2 - exit speed^2) / 2",
+       [](const C& c) { return known(c.complete, c.energy_lost); }}};
   return list;
 }
 
@@ -124,11 +120,10 @@ MaybeNumbers exponents_of(const FloquetMultipliers& multipliers) {
 
 const Columns<NewtonReport>& newton_columns() {
   static const Columns<NewtonReport> list = {
-      column<NewtonReport>("status", "", "how Newton's method ended", &NewtonReport::status),
-      column<NewtonReport>(
-          "residuals", "", "largest residual before each step and after the last, relative to 1 + |x|",
-          [](const NewtonReport& report) { return finite(report.residual_history); },
-          [](NewtonReport& report, const MaybeNumbers& values) { report.residual_history = numbers(values, std::nan("")); })};
+      {"status", "how Newton's method ended", &NewtonReport::status},
+      {"residuals", "largest residual before each step and after the last, relative to 1 + |x|",
+       [](const NewtonReport& report) { return finite(report.residual_history); },
+       [](NewtonReport& report, const MaybeNumbers& values) { report.residual_history = numbers(values, std::nan("")); }}};
   return list;
 }
 
@@ -140,52 +135,49 @@ const Columns<OrbitChecks>& check_columns() {
   const auto applicable = [](const C& checks) { return checks.finite_difference && checks.finite_difference->applicable; };
   const auto maybe = [](bool there, double value) { return there ? std::optional(value) : std::nullopt; };
   static const Columns<C> list = {
-      column<C>(
-          "residual", "", "largest mismatch of the shooting equations / (1 + |x|)",
-          [=](const C& c) { return maybe(c.residual >= 0.0, c.residual); },
-          [](C& c, std::optional<double> value) { c.residual = value.value_or(-1.0); }),
-      column<C>(
-          "finite_difference", "", "largest |M - M by finite differences| / (1 + |M|); null: not applicable, or not asked for",
-          [=](const C& c) { return maybe(applicable(c), applicable(c) ? c.finite_difference->disagreement : 0.0); },
-          [=](C& c, std::optional<double> value) {
-            if (value) difference(c).disagreement = *value;
-          }),
-      column<C>(
-          "finite_difference_error", "", "error of the finite differences by extrapolation, on the same scale",
-          [](const C& c) { return c.finite_difference->error_estimate; },
-          [=](C& c, double value) { difference(c).error_estimate = value; })
-          .where(applicable),
-      column<C>(
-          "finite_difference_applicable", "", "false: a step of useful size leaves the orbit's sequence of impacts",
-          [](const C& c) { return c.finite_difference->applicable; }, [=](C& c, bool value) { difference(c).applicable = value; })
-          .where([](const C& c) { return c.finite_difference.has_value(); }),
-      column<C>(
-          "liouville", "", "|sum of ln|det| - Liouville's identity|; null: not applicable",
-          [=](const C& c) { return maybe(c.liouville >= 0.0, c.liouville); },
-          [](C& c, std::optional<double> value) { c.liouville = value.value_or(-1.0); })};
+      {"residual", "largest mismatch of the shooting equations / (1 + |x|)",
+       [=](const C& c) { return maybe(c.residual >= 0.0, c.residual); },
+       [](C& c, std::optional<double> value) { c.residual = value.value_or(-1.0); }},
+      {"finite_difference", "largest |M - M by finite differences| / (1 + |M|); null: not applicable, or not asked for",
+       [=](const C& c) { return maybe(applicable(c), applicable(c) ? c.finite_difference->disagreement : 0.0); },
+       [=](C& c, std::optional<double> value) {
+         if (value) difference(c).disagreement = *value;
+       }},
+      {"finite_difference_error", "error of the finite differences by extrapolation, on the same scale",
+       [](const C& c) { return c.finite_difference->error_estimate; },
+       [=](C& c, double value) { difference(c).error_estimate = value; }, only(applicable)},
+      {"finite_difference_applicable", "false: a step of useful size leaves the orbit's sequence of impacts",
+       [](const C& c) { return c.finite_difference->applicable; }, [=](C& c, bool value) { difference(c).applicable = value; },
+       only([](const C& c) { return c.finite_difference.has_value(); })},
+      {"liouville", "|sum of ln|det| - Liouville's identity|; null: not applicable",
+       [=](const C& c) { return maybe(c.liouville >= 0.0, c.liouville); },
+       [](C& c, std::optional<double> value) { c.liouville = value.value_or(-1.0); }}};
   return list;
 }
 
 const Columns<PeriodicOrbit>& orbit_columns() {
   using O = PeriodicOrbit;
   const auto conservative = [](const O& orbit) { return orbit.conservative; };
-  static const Columns<O> list = joined<O>(
-      {{column<O>("period", "", "forcing periods, or returns of an autonomous orbit", &O::period),
-        column<O>("impacts", "", "number of impacts", &O::impacts), column<O>("state", "", "at forcing phase 0", &O::state),
-        admissible_column<O>(), column<O>("stable", "", "no multiplier lies outside the unit circle", &O::stable)},
-       sticking_columns<O>(),
-       {column<O>("rests", "", "the mass is held at its stop all the time", &O::rests).where(&O::rests),
-        column<O>("conservative", "", "nothing dissipates", &O::conservative).where(conservative),
-        column<O>("neutral", "", "elliptic, or at the border to that", &O::neutral).where(conservative), multipliers_column<O>(),
-        column<O>("exponents", "1/time", "Floquet exponents ln|mu| / duration; null: -infinity",
-                  [](const O& o) { return exponents_of(o.multipliers); }),
-        column<O>("zero_multipliers", "", "multipliers that are exactly zero",
-                  [](const O& o) { return std::count(o.multipliers.values.begin(), o.multipliers.values.end(), 0.0); }),
-        column<O>("duration", "time", "of the orbit", &O::duration),
-        column<O>("events", "", "along the orbit", [](const O& o) { return listed(o.events, contacts_of_orbit(o)); }),
-        column<O>("contacts", "", "that begin along the orbit", [](const O& o) { return contacts_of_orbit(o).contacts; }),
-        column<O>("checks", "", "proofs that come with the orbit", &O::checks),
-        column<O>("newton", "", "how Newton's method came to it", &O::newton)}});
+  static const Columns<O> list =
+      joined<O>({{{"period", "forcing periods, or returns of an autonomous orbit", &O::period},
+                  {"impacts", "number of impacts", &O::impacts},
+                  {"state", "at forcing phase 0", &O::state},
+                  admissible_column<O>(),
+                  {"stable", "no multiplier lies outside the unit circle", &O::stable}},
+                 sticking_columns<O>(),
+                 {{"rests", "the mass is held at its stop all the time", &O::rests, only(&O::rests)},
+                  {"conservative", "nothing dissipates", &O::conservative, only(conservative)},
+                  {"neutral", "elliptic, or at the border to that", &O::neutral, only(conservative)},
+                  multipliers_column<O>(),
+                  {"exponents [1/time]", "Floquet exponents ln|mu| / duration; null: -infinity",
+                   [](const O& o) { return exponents_of(o.multipliers); }},
+                  {"zero_multipliers", "multipliers that are exactly zero",
+                   [](const O& o) { return std::count(o.multipliers.values.begin(), o.multipliers.values.end(), 0.0); }},
+                  {"duration [time]", "of the orbit", &O::duration},
+                  {"events", "along the orbit", [](const O& o) { return listed(o.events, contacts_of_orbit(o)); }},
+                  {"contacts", "that begin along the orbit", [](const O& o) { return contacts_of_orbit(o).contacts; }},
+                  {"checks", "proofs that come with the orbit", &O::checks},
+                  {"newton", "how Newton's method came to it", &O::newton}}});
   return list;
 }
 

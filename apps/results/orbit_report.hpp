@@ -83,42 +83,38 @@ MaybeNumbers exponents_of(const FloquetMultipliers& multipliers);
 
 /// Columns that whatever holds an orbit has: PeriodicOrbit, BranchPoint, Attractor.
 template <class T> Column<T> admissible_column() {
-  return column<T>(
-      "admissible", "", "it does not pass through a barrier",
+  return Column<T>(
+      "admissible", "it does not pass through a barrier",
       [](const T& orbit) { return orbit.admissible == Admissibility::admissible; },
       [](T& orbit, bool value) { orbit.admissible = value ? Admissibility::admissible : Admissibility::inadmissible; });
 }
 template <class T> Column<T> multipliers_column() {
-  return column<T>("multipliers", "", "Floquet multipliers [re, im] by decreasing modulus; none: they do not exist",
-                   &T::multipliers);
+  return Column<T>("multipliers", "Floquet multipliers [re, im] by decreasing modulus; none: they do not exist", &T::multipliers);
 }
 template <class T> Column<T> impacts_column() {
-  return column<T>(
-      "impacts", "", "number of impacts", [](const T& orbit) { return orbit.impacts; },
+  return Column<T>(
+      "impacts", "number of impacts", [](const T& orbit) { return orbit.impacts; },
       [](T& orbit, int value) { orbit.impacts = orbit.isolated_impacts = value; });
 }
 /// For an orbit that sticks.
 template <class T> Columns<T> sticking_columns() {
   const auto sticks = [](const T& orbit) { return orbit.isolated_impacts < orbit.impacts; };
-  return {column<T>("sticking", "", "the mass sticks to a stop, after infinitely many impacts", sticks).where(sticks),
-          column<T>("isolated_impacts", "", "impacts outside complete chatters", &T::isolated_impacts).where(sticks)};
+  return {{"sticking", "the mass sticks to a stop, after infinitely many impacts", sticks, only(sticks)},
+          {"isolated_impacts", "impacts outside complete chatters", &T::isolated_impacts, only(sticks)}};
 }
 /// The orbit's states at forcing phase 0, and its shooting nodes, where they are others.
 template <class T> Columns<T> states_columns() {
   const auto has_nodes = [](const T& orbit) { return orbit.section_phase != 0.0; };
   const auto set_states = [](T& orbit, const std::vector<Vector>& states) { orbit.states = orbit.nodes = states; };
-  return {column<T>(
-              "state", "", "at forcing phase 0", [](const T& orbit) { return orbit.states.front(); },
-              [=](T& orbit, const Vector& state) { set_states(orbit, {state}); }),
-          column<T>(
-              "states", "", "at forcing phase 0, after each of several periods", [](const T& orbit) { return orbit.states; },
-              set_states)
-              .where([](const T& orbit) { return orbit.states.size() > 1; }),
-          column<T>("section_phase", "", "forcing phase over 2 pi of the first node", &T::section_phase).where(has_nodes),
-          column<T>("nodes", "", "of the shooting equations, equally spaced in time", &T::nodes).where(has_nodes)};
+  return {{"state", "at forcing phase 0", [](const T& orbit) { return orbit.states.front(); },
+           [=](T& orbit, const Vector& state) { set_states(orbit, {state}); }},
+          {"states", "at forcing phase 0, after each of several periods", [](const T& orbit) { return orbit.states; }, set_states,
+           only([](const T& orbit) { return orbit.states.size() > 1; })},
+          {"section_phase", "forcing phase over 2 pi of the first node", &T::section_phase, only(has_nodes)},
+          {"nodes", "of the shooting equations, equally spaced in time", &T::nodes, only(has_nodes)}};
 }
 template <class T> Column<T> duration_column() {
-  return column<T>("duration", "", "of an autonomous orbit", &T::duration).where([](const T& orbit) {
+  return Column<T>("duration [time]", "of an autonomous orbit", &T::duration).where([](const T& orbit) {
     return orbit.multipliers.section == graze::Section::autonomous;
   });
 }

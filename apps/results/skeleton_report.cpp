@@ -144,25 +144,24 @@ Table special_points_overview(const std::vector<Branch>& branches, const std::st
 
 const Columns<PeriodicOrbit>& seed_orbit_columns() {
   using O = PeriodicOrbit;
-  static const Columns<O> list = {column<O>("period", "", "of the orbit", &O::period), impacts_column<O>(),
+  static const Columns<O> list = {{"period", "of the orbit", &O::period},
+                                  impacts_column<O>(),
                                   states_columns<O>().front(),
-                                  column<O>("stable", "", "no multiplier lies outside the unit circle", &O::stable)};
+                                  {"stable", "no multiplier lies outside the unit circle", &O::stable}};
   return list;
 }
 
 /// What an unfinished result has of a seed, too: with it the orbit is the same to the last bit when it is read back.
 const Columns<SkeletonSeed>& kept_columns() {
   using O = PeriodicOrbit;
-  static const Columns<O> of_orbit = {
-      column<O>("states", "", "at forcing phase 0, after each period", &O::states),
-      column<O>("nodes", "", "of the shooting equations, equally spaced in time", &O::nodes),
-      column<O>("section_phase", "", "forcing phase over 2 pi of the first node", &O::section_phase),
-      column<O>("duration", "time", "of the orbit", &O::duration),
-      multipliers_column<O>(),
-      column<O>("isolated_impacts", "", "impacts outside complete chatters", &O::isolated_impacts)};
+  static const Columns<O> of_orbit = {{"states", "at forcing phase 0, after each period", &O::states},
+                                      {"nodes", "of the shooting equations, equally spaced in time", &O::nodes},
+                                      {"section_phase", "forcing phase over 2 pi of the first node", &O::section_phase},
+                                      {"duration [time]", "of the orbit", &O::duration},
+                                      multipliers_column<O>(),
+                                      {"isolated_impacts", "impacts outside complete chatters", &O::isolated_impacts}};
   static const Columns<SkeletonSeed> list =
-      joined<SkeletonSeed>({{column<SkeletonSeed>("part", "", "of the search for seeds", &SkeletonSeed::part)},
-                            of_part(of_orbit, &SkeletonSeed::orbit)});
+      joined<SkeletonSeed>({{{"part", "of the search for seeds", &SkeletonSeed::part}}, of_part(of_orbit, &SkeletonSeed::orbit)});
   return list;
 }
 
@@ -204,31 +203,29 @@ std::string fineness_text(const Json& search, const std::string& parameter) {
 
 Columns<SkeletonSeed> seed_columns(std::size_t parameter) {
   const auto value = [=](const SkeletonSeed& seed) { return seed.orbit.parameters[static_cast<Eigen::Index>(parameter)]; };
-  return joined<SkeletonSeed>({{column<SkeletonSeed>("value", "", "of the parameter", value)},
+  return joined<SkeletonSeed>({{{"value", "of the parameter", value}},
                                of_part(seed_orbit_columns(), &SkeletonSeed::orbit),
-                               {column<SkeletonSeed>("origin", "", "how it was found", &SkeletonSeed::origin)}});
+                               {{"origin", "how it was found", &SkeletonSeed::origin}}});
 }
 
 const Columns<SearchFineness>& fineness_columns() {
   using F = SearchFineness;
-  static const Columns<F> list = {column<F>("max_period", "", "up to which stable orbits were searched", &F::max_period),
-                                  column<F>("values", "", "of the parameter at which they were", &F::values),
-                                  column<F>("spacing", "", "of these values", &F::spacing),
-                                  column<F>("starts", "", "at each", &F::starts),
+  static const Columns<F> list = {{"max_period", "up to which stable orbits were searched", &F::max_period},
+                                  {"values", "of the parameter at which they were", &F::values},
+                                  {"spacing", "of these values", &F::spacing},
+                                  {"starts", "at each", &F::starts},
                                   object<F>("unstable", "the same of unstable orbits; 0: they were not searched",
-                                            {column<F>("max_period", "", "up to which they were searched", &F::unstable_period),
-                                             column<F>("values", "", "of the parameter", &F::unstable_values)})};
+                                            {{"max_period", "up to which they were searched", &F::unstable_period},
+                                             {"values", "of the parameter", &F::unstable_values}})};
   return list;
 }
 
 const Columns<CutOff>& cut_off_columns() {
   static const Columns<CutOff> list = {
-      column<CutOff>("branch", "", "on which it begins; 0: at a seed", &CutOff::branch),
-      column<CutOff>("label", "", "of the special point", &CutOff::label),
-      column<CutOff>("reason", "", "why it was not followed", &CutOff::reason),
-      column<CutOff>("families", "", "that begin there", &CutOff::families).where([](const CutOff& cut) {
-        return cut.families > 0;
-      })};
+      {"branch", "on which it begins; 0: at a seed", &CutOff::branch},
+      {"label", "of the special point", &CutOff::label},
+      {"reason", "why it was not followed", &CutOff::reason},
+      {"families", "that begin there", &CutOff::families, only([](const CutOff& cut) { return cut.families > 0; })}};
   return list;
 }
 

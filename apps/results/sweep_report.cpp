@@ -16,16 +16,15 @@ namespace graze::apps {
 const Columns<SweepRow>& row_columns() {
   using R = SweepRow;
   static const Columns<R> list =
-      joined<R>({{column<R>("value", "", "of the parameter", &R::value),
-                  column<R>("direction", "", "in which the parameter goes", &R::direction),
-                  column<R>("attractor", "", "what the motion settles on", &R::attractor)},
+      joined<R>({{{"value", "of the parameter", &R::value},
+                  {"direction", "in which the parameter goes", &R::direction},
+                  {"attractor", "what the motion settles on", &R::attractor}},
                  of_part(exponents_columns(), &R::attractor),
-                 {column<R>(
-                      "periods", "", "of the exponents' average", [](const R& row) { return row.attractor.time_average.periods; },
-                      [](R& row, std::int64_t value) { row.attractor.time_average.periods = value; }),
-                  column<R>("end", "", "state from which the next value starts", &R::end),
-                  column<R>("states", "", "on the attractor, at forcing phase 0", &R::states),
-                  column<R>("impact_speeds", "", "of the impacts on the way through them", &R::impact_speeds)}});
+                 {{"periods", "of the exponents' average", [](const R& row) { return row.attractor.time_average.periods; },
+                   [](R& row, std::int64_t value) { row.attractor.time_average.periods = value; }},
+                  {"end", "state from which the next value starts", &R::end},
+                  {"states", "on the attractor, at forcing phase 0", &R::states},
+                  {"impact_speeds [speed]", "of the impacts on the way through them", &R::impact_speeds}}});
   return list;
 }
 
@@ -163,13 +162,13 @@ std::vector<ChaoticWindow> chaotic_windows(const std::vector<SweepRow>& rows) {
 const Columns<ChaoticWindow>& window_columns() {
   using W = ChaoticWindow;
   static const Columns<W> list = {
-      column<W>("direction", "", "in which the parameter goes", &W::direction),
-      column<W>("from", "", "lowest value of the parameter", &W::from),
-      column<W>("to", "", "highest value of the parameter", &W::to),
-      column<W>("values", "", "how many of them", &W::values),
-      column<W>("largest_exponent", "1/time", "in the window", &W::largest_exponent),
-      column<W>("standard_error", "1/time", "of it", [](const W& window) { return finite(window.standard_error); }),
-      column<W>("at", "", "value of the parameter there", &W::at)};
+      {"direction", "in which the parameter goes", &W::direction},
+      {"from", "lowest value of the parameter", &W::from},
+      {"to", "highest value of the parameter", &W::to},
+      {"values", "how many of them", &W::values},
+      {"largest_exponent [1/time]", "in the window", &W::largest_exponent},
+      {"standard_error [1/time]", "of it", [](const W& window) { return finite(window.standard_error); }},
+      {"at", "value of the parameter there", &W::at}};
   return list;
 }
 

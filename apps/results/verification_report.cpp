@@ -94,36 +94,35 @@ std::vector<Largest> largest_of(const std::vector<Verification>& list) {
 const Columns<OrbitCheck>& verified_columns() {
   using C = OrbitCheck;
   static const Columns<C> list = {
-      column<C>("name", "", "of the check", &C::name),
-      column<C>("disagreement", "", "null: not applicable",
-                [](const C& check) { return check.applicable() ? std::optional(check.disagreement) : std::nullopt; }),
-      column<C>("bound", "", "above which it has failed", &C::limit), column<C>("ok", "", "it has not failed", &C::passes)};
+      {"name", "of the check", &C::name},
+      {"disagreement", "null: not applicable",
+       [](const C& check) { return check.applicable() ? std::optional(check.disagreement) : std::nullopt; }},
+      {"bound", "above which it has failed", &C::limit},
+      {"ok", "it has not failed", &C::passes}};
   return list;
 }
 
 const Columns<StiffnessStep>& step_columns() {
   using S = StiffnessStep;
-  static const Columns<S> list = {
-      column<S>("k_H", "", "contact stiffness", &S::k_H),
-      column<S>("state", "", "of the orbit, at forcing phase 0", [](const S& step) { return step.orbit.state; }),
-      column<S>("multipliers", "", "of the orbit", [](const S& step) { return step.orbit.multipliers; }),
-      column<S>("state_difference", "", "from the limit, relative to 1 + |x|", &S::state_difference),
-      column<S>("multiplier_difference", "", "from the limit, relative to 1 + |mu_1|", &S::multiplier_difference),
-      column<S>("order", "", "log10 of the state difference a decade softer over this one; null: of the first",
-                [](const S& step) { return finite(step.order); })};
+  static const Columns<S> list = {{"k_H", "contact stiffness", &S::k_H},
+                                  {"state", "of the orbit, at forcing phase 0", [](const S& step) { return step.orbit.state; }},
+                                  {"multipliers", "of the orbit", [](const S& step) { return step.orbit.multipliers; }},
+                                  {"state_difference", "from the limit, relative to 1 + |x|", &S::state_difference},
+                                  {"multiplier_difference", "from the limit, relative to 1 + |mu_1|", &S::multiplier_difference},
+                                  {"order", "log10 of the state difference a decade softer over this one; null: of the first",
+                                   [](const S& step) { return finite(step.order); }}};
   return list;
 }
 
 const Columns<RestitutionPoint>& restitution_columns() {
   using P = RestitutionPoint;
   static const Columns<P> list = {
-      column<P>("speed", "", "of entry", &P::speed),
-      column<P>("computed", "", "at the problem's own k_H; null: the contact does not end",
-                [](const P& p) { return finite(p.computed); }),
-      column<P>("stiff", "", "at the largest k_H", [](const P& p) { return finite(p.stiff); }),
-      column<P>("closed_form", "", "of a contact that is infinitely stiff", &P::closed_form),
-      column<P>("extrapolated", "", "from all k_H", [](const P& p) { return finite(p.extrapolated); }),
-      column<P>("error", "", "of the extrapolation", [](const P& p) { return finite(p.error); })};
+      {"speed [speed]", "of entry", &P::speed},
+      {"computed", "at the problem's own k_H; null: the contact does not end", [](const P& p) { return finite(p.computed); }},
+      {"stiff", "at the largest k_H", [](const P& p) { return finite(p.stiff); }},
+      {"closed_form", "of a contact that is infinitely stiff", &P::closed_form},
+      {"extrapolated", "from all k_H", [](const P& p) { return finite(p.extrapolated); }},
+      {"error", "of the extrapolation", [](const P& p) { return finite(p.error); }}};
   return list;
 }
 
@@ -132,52 +131,47 @@ const Columns<HardLimit>& hard_limit_columns() {
   const auto is_done = [](const H& hard) { return hard.stop == HardLimitStop::done; };
   const auto has_restitution = [=](const H& hard) { return is_done(hard) && !hard.restitution.empty(); };
   static const Columns<H> list = {
-      column<H>("stop", "", "how its computation ended",
-                [](const H& hard) { return std::string(hard_limit_stop_text(hard.stop)); }),
-      object<H>("limit", "the orbit at a rigid stop",
-                {column<H>("state", "", "at forcing phase 0", [](const H& hard) { return hard.limit.state; }),
-                 column<H>("multipliers", "", "of the orbit", [](const H& hard) { return hard.limit.multipliers; }),
-                 column<H>("restitution", "", "of its impacts; null: they differ",
-                           [](const H& hard) { return finite(hard.newton_restitution); })})
+      {"stop", "how its computation ended", [](const H& hard) { return std::string(hard_limit_stop_text(hard.stop)); }},
+      object<H>(
+          "limit", "the orbit at a rigid stop",
+          {{"state", "at forcing phase 0", [](const H& hard) { return hard.limit.state; }},
+           {"multipliers", "of the orbit", [](const H& hard) { return hard.limit.multipliers; }},
+           {"restitution", "of its impacts; null: they differ", [](const H& hard) { return finite(hard.newton_restitution); }}})
           .where(is_done),
-      column<H>("steps", "", "orbits of growing stiffness, softest first", &H::steps).where(is_done),
-      column<H>("entry_tau", "", "time at which the contacts below begin", &H::entry_time).where(has_restitution),
-      column<H>("restitution", "", "by entry speed", &H::restitution).where(has_restitution)};
+      {"steps", "orbits of growing stiffness, softest first", &H::steps, only(is_done)},
+      {"entry_tau [time]", "time at which the contacts below begin", &H::entry_time, only(has_restitution)},
+      {"restitution", "by entry speed", &H::restitution, only(has_restitution)}};
   return list;
 }
 
 const Columns<Verification>& verification_columns() {
   using V = Verification;
   static const Columns<V> list = {
-      column<V>("value", "", "of the parameter", &V::value),
-      column<V>("period", "", "forcing periods", [](const V& v) { return v.verified.orbit.period; }),
-      column<V>("impacts", "", "number of impacts", [](const V& v) { return v.verified.orbit.impacts; }),
-      column<V>("state", "", "at forcing phase 0", [](const V& v) { return v.verified.orbit.state; }),
-      column<V>("stable", "", "no multiplier lies outside the unit circle", [](const V& v) { return v.verified.orbit.stable(); }),
-      column<V>("admissible", "", "it does not pass through a barrier",
-                [](const V& v) { return v.verified.orbit.admissible == Admissibility::admissible; }),
-      object<V>(
-          "multipliers", "in three ways",
-          {column<V>("saltation", "", "by saltation matrices", [](const V& v) { return v.verified.orbit.multipliers; }),
-           column<V>("finite_difference", "", "by differences of the return map",
-                     [](const V& v) { return v.verified.differences; }),
-           column<V>("general", "", "by the general integrator", [](const V& v) { return v.verified.general.multipliers; })}),
+      {"value", "of the parameter", &V::value},
+      {"period", "forcing periods", [](const V& v) { return v.verified.orbit.period; }},
+      {"impacts", "number of impacts", [](const V& v) { return v.verified.orbit.impacts; }},
+      {"state", "at forcing phase 0", [](const V& v) { return v.verified.orbit.state; }},
+      {"stable", "no multiplier lies outside the unit circle", [](const V& v) { return v.verified.orbit.stable(); }},
+      {"admissible", "it does not pass through a barrier",
+       [](const V& v) { return v.verified.orbit.admissible == Admissibility::admissible; }},
+      object<V>("multipliers", "in three ways",
+                {{"saltation", "by saltation matrices", [](const V& v) { return v.verified.orbit.multipliers; }},
+                 {"finite_difference", "by differences of the return map", [](const V& v) { return v.verified.differences; }},
+                 {"general", "by the general integrator", [](const V& v) { return v.verified.general.multipliers; }}}),
       object<V>("exponents", "in two ways",
-                {column<V>("multipliers", "1/time", "from multipliers; null: -infinity",
-                           [](const V& v) { return exponents_of(v.verified.orbit.multipliers); }),
-                 column<V>("time_average", "1/time", "null: -infinity",
-                           [](const V& v) { return finite(v.verified.average.exponents); }),
-                 column<V>("periods", "", "of the average", [](const V& v) { return v.verified.average.periods; })}),
-      column<V>("checks", "", "each of them", &V::checks),
-      column<V>("hard_limit", "", "the stop made rigid", &V::hard).where([](const V& v) { return v.hard.has_value(); })};
+                {{"multipliers [1/time]", "from multipliers; null: -infinity",
+                  [](const V& v) { return exponents_of(v.verified.orbit.multipliers); }},
+                 {"time_average [1/time]", "null: -infinity", [](const V& v) { return finite(v.verified.average.exponents); }},
+                 {"periods", "of the average", [](const V& v) { return v.verified.average.periods; }}}),
+      {"checks", "each of them", &V::checks},
+      {"hard_limit", "the stop made rigid", &V::hard, only([](const V& v) { return v.hard.has_value(); })}};
   return list;
 }
 
 Columns<Largest> largest_columns(const std::vector<Verification>& list) {
-  return joined<Largest>(
-      {of_part(verified_columns(), &Largest::check),
-       {column<Largest>("value", "", "of the parameter", [&list](const Largest& worst) { return list[worst.at].value; }),
-        column<Largest>("orbit", "", "its number, from 1", [](const Largest& worst) { return worst.at + 1; })}});
+  return joined<Largest>({of_part(verified_columns(), &Largest::check),
+                          {{"value", "of the parameter", [&list](const Largest& worst) { return list[worst.at].value; }},
+                           {"orbit", "its number, from 1", [](const Largest& worst) { return worst.at + 1; }}}});
 }
 
 std::string verification_text(const Verification& verification) {

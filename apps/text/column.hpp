@@ -118,16 +118,44 @@ template <class V> struct JsonForm<std::map<std::string, V>> {
   static Json schema() { return {{"type", "object"}, {"additionalProperties", JsonForm<V>::schema()}}; }
 };
 
+/// A condition on a record, beside a column: there is one only where it holds.
+template <class Condition> struct Only { Condition holds; };
+template <class Condition> Only<Condition> only(Condition holds) { return {holds}; }
+
 template <class T> struct Column {
   std::string name, unit, meaning;
   Json schema;
   std::function<Json(const T&)> json;
   std::function<void(const T&, JsonText&)> write;
-  std::function<void(T&, const Json&)> set;    ///< empty: it follows from others, and is not read
-  std::function<bool(const T&)> applies = {};  ///< whether there is one at all; empty: always
-  bool needed = true;                          ///< to a reader
+  std::function<void(T&, const Json&)> set = {};  ///< empty: it follows from others, and is not read
+  std::function<bool(const T&)> applies = {};     ///< whether there is one at all; empty: always
+  bool needed = true;                             ///< to a reader
 
-  /// Only where this holds.
+  Column() = default;
+  /// `head`: the name, and behind it a unit in brackets: "duration [time]". `get`: a member, which is then read back, too, or
+  /// what a T is asked for. `put(T&, V)` puts the same kind of value back.
+  template <class Get> Column(const char* head, const char* says, Get get) : Column(head, says, get, nullptr) {}
+  template <class Get, class Put> Column(const char* head, const char* says, Get get, Put put) : name(head), meaning(says) {
+    if (const std::size_t bracket = name.find(" ["); bracket != std::string::npos) {
+      unit = name.substr(bracket + 2, name.size() - bracket - 3);
+      name.erase(bracket);
+    }
+    using Form = JsonForm<std::remove_cvref_t<std::invoke_result_t<Get, const T&>>>;
+    schema = Form::schema();
+    json = [get](const T& record) { return Form::json(std::invoke(get, record)); };
+    write = [get](const T& record, JsonText& text) { Form::write(std::invoke(get, record), text); };
+    if constexpr (!std::is_null_pointer_v<Put>)
+      set = [put](T& record, const Json& value) { put(record, Form::value(value)); };
+    else if constexpr (std::is_member_object_pointer_v<Get>)
+      set = [get](T& record, const Json& value) { record.*get = Form::value(value); };
+  }
+  template <class Get, class Condition>
+  Column(const char* head, const char* says, Get get, Only<Condition> where) : Column(head, says, get, nullptr, where) {}
+  template <class Get, class Put, class Condition>
+  Column(const char* head, const char* says, Get get, Put put, Only<Condition> where) : Column(head, says, get, put) {
+    *this = this->where(where.holds);
+  }
+
   Column where(std::function<bool(const T&)> holds) const {
     Column out = *this;
     out.applies = std::move(holds);
@@ -143,25 +171,6 @@ template <class T> struct Column {
   bool is_in(const T& record) const { return !applies || applies(record); }
 };
 template <class T> using Columns = std::vector<Column<T>>;
-
-/// `get`: a member, which is then read back, too, or what a T is asked for; `set(T&, V)` puts the same kind of value back.
-template <class T, class Get, class Set = std::nullptr_t>
-Column<T> column(const char* name, const char* unit, const char* meaning, Get get, [[maybe_unused]] Set set = nullptr) {
-  using V = std::remove_cvref_t<std::invoke_result_t<Get, const T&>>;
-  using Form = JsonForm<V>;
-  Column<T> out{name,
-                unit,
-                meaning,
-                Form::schema(),
-                [get](const T& record) { return Form::json(std::invoke(get, record)); },
-                [get](const T& record, JsonText& text) { Form::write(std::invoke(get, record), text); },
-                {}};
-  if constexpr (!std::is_null_pointer_v<Set>)
-    out.set = [set](T& record, const Json& json) { set(record, Form::value(json)); };
-  else if constexpr (std::is_member_object_pointer_v<Get>)
-    out.set = [get](T& record, const Json& json) { record.*get = Form::value(json); };
-  return out;
-}
 
 template <class T> void write_members(const Columns<T>& columns, const T& record, JsonText& text) {
   for (const Column<T>& one : columns) {
@@ -224,34 +233,34 @@ template <class V> V value_of(const Json& json) { return JsonForm<V>::value(json
 template <class T, class Part> Columns<T> of_part(const Columns<Part>& columns, Part T::*part) {
   Columns<T> list;
   for (const Column<Part>& one : columns) {
-    Column<T> out{one.name,
-                  one.unit,
-                  one.meaning,
-                  one.schema,
-                  [=](const T& record) { return one.json(record.*part); },
-                  [=](const T& record, JsonText& text) { one.write(record.*part, text); },
-                  {}};
+    Column<T>& out = list.emplace_back();
+    out.name = one.name;
+    out.unit = one.unit;
+    out.meaning = one.meaning;
+    out.schema = one.schema;
+    out.needed = one.needed;
+    out.json = [=](const T& record) { return one.json(record.*part); };
+    out.write = [=](const T& record, JsonText& text) { one.write(record.*part, text); };
     if (one.set) out.set = [=](T& record, const Json& json) { one.set(record.*part, json); };
     if (one.applies) out.applies = [=](const T& record) { return one.applies(record.*part); };
-    out.needed = one.needed;
-    list.push_back(std::move(out));
   }
   return list;
 }
 
 /// Some fields of a record that stand in an object of their own.
 template <class T> Column<T> object(const char* name, const char* meaning, const Columns<T>& columns) {
-  return {name,
-          "",
-          meaning,
-          schema_of(columns),
-          [columns](const T& record) { return json_of(columns, record); },
-          [columns](const T& record, JsonText& text) {
-            text.begin_object();
-            write_members(columns, record, text);
-            text.end_object();
-          },
-          [columns](T& record, const Json& json) { read(columns, json, record); }};
+  Column<T> out;
+  out.name = name;
+  out.meaning = meaning;
+  out.schema = schema_of(columns);
+  out.json = [columns](const T& record) { return json_of(columns, record); };
+  out.write = [columns](const T& record, JsonText& text) {
+    text.begin_object();
+    write_members(columns, record, text);
+    text.end_object();
+  };
+  out.set = [columns](T& record, const Json& json) { read(columns, json, record); };
+  return out;
 }
 
 template <class T> Columns<T> joined(std::initializer_list<Columns<T>> lists) {
