@@ -30,7 +30,7 @@ Outcome call(const std::vector<std::string>& arguments) {
   outcome.code = apps::run_program(arguments, out, err);
   outcome.out = out.str();
   outcome.err = err.str();
-  check_results(arguments, outcome.out);
+  check_results(arguments, outcome);
   return outcome;
 }
 
@@ -65,7 +65,7 @@ Outcome spawn(const std::string& arguments, int signal, double delay) {
   outcome.out = read_file(out);
   outcome.err = read_file(err);
   std::istringstream words(arguments);
-  check_results({std::istream_iterator<std::string>(words), {}}, outcome.out);
+  check_results({std::istream_iterator<std::string>(words), {}}, outcome);
   return outcome;
 }
 

@@ -2,6 +2,8 @@
 // Results held against the schemas that `graze schema` prints.
 #pragma once
 
+#include "graze_program.hpp"
+
 #include <graze/apps/text/json.hpp>
 
 #include <string>
@@ -16,7 +18,8 @@ std::vector<std::string> schema_faults(const apps::Json& value, const apps::Json
 /// Of a result, by the schema that it names.
 std::vector<std::string> result_faults(const apps::Json& result);
 
-/// Fails the test where a result that a run of the program has left on stdout or in a file is not as its schema says.
-void check_results(const std::vector<std::string>& arguments, const std::string& out);
+/// Fails the test where a result that a run of the program has left on stdout or in a file is not as its schema says. One that
+/// was refused has left none.
+void check_results(const std::vector<std::string>& arguments, const Outcome& outcome);
 
 }  // namespace graze::support
