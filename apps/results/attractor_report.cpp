@@ -58,19 +58,28 @@ const Columns<LyapunovSpectrum>& spectrum_columns() {
   return list;
 }
 
+namespace {
+
+/// What an attractor has of its orbit, if it has one.
+Columns<Attractor> orbit_part() {
+  using A = Attractor;
+  Columns<A> list =
+      joined<A>({sticking_columns<A>(),
+                 {{"rests", "the mass is held at its stop all the time", &A::rests, only(&A::rests)},
+                  {"duration [time]", "of an autonomous orbit", &A::duration, only([](const A& a) { return a.duration > 0.0; })},
+                  {"multipliers", "of the orbit", &A::multipliers, only([](const A&) { return true; })}}});
+  for (Column<A>& one : list) one = one.where([holds = one.applies](const A& a) { return !a.multipliers.empty() && holds(a); });
+  return list;
+}
+
+}  // namespace
+
 const Columns<Attractor>& attractor_columns() {
   using A = Attractor;
   const auto if_periodic = [](const A& attractor, int count) {
     return attractor.period > 0 ? std::optional(count) : std::nullopt;
   };
   const auto conservative = [](const A& attractor) { return attractor.conservative; };
-  Columns<A> of_orbit =
-      joined<A>({sticking_columns<A>(),
-                 {{"rests", "the mass is held at its stop all the time", &A::rests, only(&A::rests)},
-                  {"duration [time]", "of an autonomous orbit", &A::duration, only([](const A& a) { return a.duration > 0.0; })},
-                  {"multipliers", "of the orbit", &A::multipliers, only([](const A&) { return true; })}}});
-  for (Column<A>& one : of_orbit)
-    one = one.where([holds = one.applies](const A& a) { return !a.multipliers.empty() && holds(a); });
   static const Columns<A> list =
       joined<A>({{{"type", "what the motion settles on", &A::type},
                   {"period", "of an orbit, else null", [=](const A& a) { return if_periodic(a, a.period); },
@@ -78,7 +87,7 @@ const Columns<Attractor>& attractor_columns() {
                   {"impacts", "of an orbit, else null", [=](const A& a) { return if_periodic(a, a.impacts); },
                    [](A& a, std::optional<int> value) { a.impacts = a.isolated_impacts = value.value_or(0); }},
                   {"state", "on it, at forcing phase 0", &A::state}},
-                 of_orbit,
+                 orbit_part(),
                  {{"conservative", "nothing dissipates along the motion", &A::conservative, only(conservative)},
                   {"motion", "what it is by itself then", &A::motion, only(conservative)},
                   {"unbounded", "how it grows without bound", growth_of,

@@ -5,8 +5,8 @@
 
 #include <graze/apps/console/console.hpp>
 #include <graze/apps/problem/head.hpp>
-#include <graze/apps/text/column.hpp>
 #include <graze/apps/problem/problem.hpp>
+#include <graze/apps/text/column.hpp>
 
 #include <graze/floquet/attractor/settle.hpp>
 #include <graze/floquet/orbit/periodic_orbit.hpp>
