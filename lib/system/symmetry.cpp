@@ -129,7 +129,7 @@ class Search {
   bool of_flight(const Permutation& S, double shift) const {
     for (std::size_t m = 0; m < system_.modes.size(); ++m)
       for (std::size_t other = 0; other < system_.modes.size(); ++other)
-        if (takes_field(S, shift, m, other)) return true;
+        if (!at_rest(m) && takes_field(S, shift, m, other)) return true;
     return false;
   }
 
@@ -149,10 +149,14 @@ class Search {
     return true;
   }
 
+  /// Whether nothing moves in the mode: any symmetry is one of its field.
+  bool at_rest(std::size_t m) const {
+    return std::all_of(at_.begin(), at_.end(), [&](const Point& at) { return field(m, at.t, at.x).isZero(0.0); });
+  }
+
   bool takes_field(const Permutation& S, double shift, std::size_t m, std::size_t other) const {
-    return std::all_of(at_.begin(), at_.end(), [&](const Point& at) {
-      return agree(S(field(m, at.t, at.x)), field(other, at.t + shift * T_, S(at.x)));
-    });
+    return std::all_of(at_.begin(), at_.end(),
+                       [&](const Point& at) { return agree(S(field(m, at.t, at.x)), field(other, at.t + shift * T_, S(at.x))); });
   }
 
   /// Of modes with the same field (a mass held at one stop or the other) those with matching guards.
