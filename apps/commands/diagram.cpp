@@ -9,7 +9,6 @@
 #include <graze/apps/output/output_folder.hpp>
 #include <graze/apps/output/result.hpp>
 #include <graze/apps/pictures/pictures.hpp>
-#include <graze/apps/results/branch_reading.hpp>
 #include <graze/apps/results/branch_report.hpp>
 #include <graze/apps/results/find_orbit.hpp>
 #include <graze/apps/results/input_file.hpp>

@@ -89,4 +89,8 @@ std::string branch_text(const Problem& problem, const Branch& branch, std::size_
 Table branches_table(const Problem& problem, const std::vector<Branch>& branches,
                      const std::vector<BranchQuantities>& measured = {});
 
+/// The branches of a result (graze.branch/1), so that a run can go on from them: values, states, stability and special points, no
+/// events and no monodromy matrices. @throws std::invalid_argument in one sentence if something is missing or damaged.
+std::vector<Branch> branches_from_json(const Json& result);
+
 }  // namespace graze::apps

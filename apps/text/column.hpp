@@ -220,7 +220,9 @@ template <class E, auto name, E... all> struct ChoiceForm {
   static E value(const Json& json) {
     for (const E choice : {all...})
       if (json == name(choice)) return choice;
-    throw std::invalid_argument(fmt::format("{} is none of the names that can stand there", flat(json)));
+    const std::array<std::string_view, sizeof...(all)> names = {name(all)...};
+    throw std::invalid_argument(
+        fmt::format("{} stands in the result where it can be one of {}; compute it anew", flat(json), fmt::join(names, ", ")));
   }
   static void write(E choice, JsonText& text) { text.value(name(choice)); }
   static Json schema() { return {{"enum", {name(all)...}}}; }

@@ -4,7 +4,6 @@
 
 #include <graze/apps/pictures/pictures.hpp>
 #include <graze/apps/problem/head.hpp>
-#include <graze/apps/results/branch_reading.hpp>
 #include <graze/apps/results/branch_report.hpp>
 #include <graze/apps/results/sweep_report.hpp>
 
