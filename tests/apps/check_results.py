@@ -37,9 +37,9 @@ def computed(folder, program, data):
                  ["map", problem, "--param", "eta:{}:{}:3".format(start, end), "--param", "r:0.5:2:3"],
                  ["verify", problem],
                  ["trajectory", problem, "--periods", "2"],
-                 ["poincare", problem, "--points", "10"],
-                 ["diagram", problem, "--from", start, "--to", end, "--step", "0.005"]]
-    runs += [["verify", hertz, "--hard-limit"],
+                 ["poincare", problem, "--points", "10"]]
+    runs += [["diagram", newton, "--from", "0.94", "--to", "0.95", "--step", "0.005"],
+             ["verify", hertz, "--hard-limit"],
              ["locate", hertz, "--type", "PD", "--param", "eta", "--near", "0.92"],
              ["orbit", newton, "--period", "2", "--search"],
              ["orbit", data + "/models/rimless-wheel.toml"],
