@@ -15,12 +15,26 @@ std::string text(const Json& object, const char* name) {
   return object.contains(name) && object[name].is_string() ? object[name].get<std::string>() : std::string();
 }
 
+State state(const Json& values) {
+  State out;
+  for (const Json& value : values) out.push_back(number(value));
+  return out;
+}
+
 std::vector<State> states(const Json& object) {
   std::vector<State> out;
   if (object.contains("states"))
-    for (const Json& state : object["states"]) out.push_back({number(state.at(0)), number(state.at(1))});
+    for (const Json& one : object["states"]) out.push_back(state(one));
   else
-    out.push_back({number(object.at("state").at(0)), number(object.at("state").at(1))});
+    out.push_back(state(object.at("state")));
+  return out;
+}
+
+std::vector<std::complex<double>> multipliers(const Json& object) {
+  std::vector<std::complex<double>> out;
+  if (object.contains("multipliers") && object["multipliers"].is_array())
+    for (const Json& mu : object["multipliers"])
+      if (mu.is_array()) out.emplace_back(number(mu.at(0)), number(mu.at(1)));
   return out;
 }
 
@@ -36,9 +50,7 @@ AnswerSpecial special(const Json& object) {
   out.period = object.at("period").get<int>();
   out.impacts = object.at("impacts").get<int>();
   out.states = states(object);
-  if (object.at("multipliers").is_array())
-    for (const Json& mu : object["multipliers"])
-      if (mu.is_array()) out.multipliers.emplace_back(number(mu.at(0)), number(mu.at(1)));
+  out.multipliers = multipliers(object);
   const Json& details = object.at("details");
   out.kind = text(details, "kind");
   out.scenario = text(details, "scenario");
@@ -58,9 +70,15 @@ AnswerBranch branch(const Json& object) {
   out.period = object.at("period").get<int>();
   out.stop = text(object.at("stop"), "reason");
   out.stop_value = number(object.at("stop").at("at"));
-  for (const Json& point : object.at("points"))
-    out.points.push_back({number(point.at("value")), states(point), point.at("impacts").get<int>(),
-                          point.contains("sticking") && point["sticking"] == true});
+  for (const Json& point : object.at("points")) {
+    out.points.push_back({number(point.at("value")),
+                          states(point),
+                          point.at("impacts").get<int>(),
+                          point.contains("sticking") && point["sticking"] == true,
+                          multipliers(point),
+                          {}});
+    if (point.contains("stable") && point["stable"].is_boolean()) out.points.back().stable = point["stable"].get<bool>();
+  }
   for (const Json& point : object.at("special_points")) out.special_points.push_back(special(point));
   return out;
 }

@@ -5,18 +5,21 @@
 #include <array>
 #include <complex>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace graze::reference {
 
-using State = std::array<double, 2>;
+using State = std::vector<double>;
 
 struct AnswerPoint {
   double value = 0.0;
   std::vector<State> states;  ///< at phase 0 after 0 ... n - 1 periods
   int impacts = 0;
   bool sticking = false;
+  std::vector<std::complex<double>> multipliers;  ///< empty: not given
+  std::optional<bool> stable;
 };
 
 struct AnswerSpecial {

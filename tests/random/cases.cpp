@@ -58,6 +58,19 @@ Range range_of(std::size_t name) {
   }
 }
 
+/// Those that other models have besides. Motions that chatter are not asked for there: k_r stays away from 0.
+Range range_of(Model model, std::size_t name) {
+  if (model == Model::barrier || name == B || name == XI || name == ETA) return range_of(name);
+  if (name == K_R || (name == K_L && !is_chain(model))) return {0.3, 1.0};
+  if (model == Model::chain_second || model == Model::chain_first || model == Model::chain_between) {
+    if (name == MASS) return {0.2, 2.0};
+    if (name == K) return {0.2, 3.0};
+    if (name == C) return {0.0, 0.2};
+    return {-0.5, 2.5};
+  }
+  return {0.1, 2.5};
+}
+
 double drawn(Random& random, std::size_t name) {
   const Range range = range_of(name);
   switch (name) {
@@ -76,28 +89,76 @@ double drawn(Random& random, std::size_t name) {
 
 std::string settings(const Frame& frame) {
   std::string out;
-  for (std::size_t i = 0; i < parameter_names.size(); ++i)
-    out += " --set " + std::string(parameter_names[i]) + "=" + exact(frame.base[i]);
+  const auto names = parameter_names(frame.model);
+  for (std::size_t i = 0; i < names.size(); ++i) out += " --set " + std::string(names[i]) + "=" + exact(frame.base[i]);
   return out;
+}
+
+// Starts closer to a grazing than this are none that a state at phase 0 tells in double.
+constexpr double least_speed = 1e-3, least_gap = 1e-5, largest_multiplier = 1e4;
+
+bool weak(const Frame& frame, const Values<double>& y) {
+  for (std::size_t k = 1; k < frame.size(); k += frame.block())
+    if (y[k] < least_speed) return true;
+  return gap(frame, y) > -least_gap;
+}
+
+/// Of a model with more than one barrier and one mass.
+Case random_other(Random& random, std::optional<std::size_t> name, Model model) {
+  constexpr int most_settled = 6;
+  for (;;) {
+    Case out;
+    constexpr std::array<std::size_t, 10> often = {ETA, ETA, ETA, ETA, R, R, XI, XI, K_R, B};
+    const std::size_t pick = often[random.below(often.size())];
+    out.frame.model = model;
+    out.frame.name = name.value_or(pick);
+    for (std::size_t i = 0; i < parameter_names(model).size(); ++i) {
+      const Range range = range_of(model, i);
+      out.frame.base[i] = i <= XI ? drawn(random, i) : rounded(random.between(range.low, range.high), 3);
+    }
+    const Range range = range_of(model, out.frame.name);
+    const double value = out.frame.base[out.frame.name];
+    out.to = rounded(random.between(range.low, range.high), 3);
+    const std::size_t which = random.below(2), place = random.below(2);
+    const int periods = 1 + static_cast<int>(random.below(3));
+    if (std::fabs(out.to - value) < 0.05 * (range.high - range.low)) continue;
+    if (place == 0) {
+      const std::optional<Orbit> orbit = settled(out.frame, value, 4, most_settled);
+      if (!orbit) continue;
+      out.frame = orbit->frame;
+      out.start = orbit->y;
+    } else {
+      out.frame.half = model == Model::equal_stops;
+      out.frame.periods = out.frame.half ? 1 + 2 * static_cast<int>(random.below(2)) : periods;
+      const SingleImpact<double> form = single_impact(out.frame, value);
+      const Values<double> speeds = form.speeds();
+      if (speeds.empty()) continue;
+      out.start = form.block(speeds[which % speeds.size()]);
+      out.start.push_back(value);
+    }
+    if (!admissible(out.frame, out.start) || weak(out.frame, out.start)) continue;
+    if (std::fabs(power_sums(monodromy(out.frame, out.start))[0]) > largest_multiplier) continue;
+    return out;
+  }
 }
 
 }  // namespace
 
-Case random_case(std::uint64_t seed, std::uint64_t index, std::optional<std::size_t> name) {
-  // Starts closer to a grazing than this are none that a state at phase 0 tells in double.
-  constexpr double least_speed = 1e-3, least_gap = 1e-5, largest_trace = 1e4;
+Case random_case(std::uint64_t seed, std::uint64_t index, std::optional<std::size_t> name, Model model) {
   // Of ten cases, one each starts next to a fold, to a doubling and to a grazing, and two on an attractor of up to so many
   // impacts.
   constexpr std::size_t near_places = 3, first_settled = 8;
   constexpr int most_settled = 6;
   Random random(seed, index);
+  if (model != Model::barrier) return random_other(random, name, model);
+  const std::size_t parameters = parameter_names(model).size();
   for (;;) {
     Case out;
     constexpr std::array<std::size_t, 10> often = {ETA, ETA, ETA, ETA, R, R, XI, XI, K_R, B};
     const std::size_t pick = often[random.below(often.size())];
     out.frame.name = name.value_or(pick);
     out.frame.periods = 1 + static_cast<int>(random.below(4));
-    for (std::size_t i = 0; i < parameter_names.size(); ++i) out.frame.base[i] = drawn(random, i);
+    for (std::size_t i = 0; i < parameters; ++i) out.frame.base[i] = drawn(random, i);
     const Range range = range_of(out.frame.name);
     out.to = rounded(random.between(range.low, range.high), 3);
     const std::size_t which = random.below(2);
@@ -105,17 +166,11 @@ Case random_case(std::uint64_t seed, std::uint64_t index, std::optional<std::siz
     const std::size_t place = random.below(10);
     const double closeness = std::pow(10.0, -random.between(1.5, 5.0));
     if (place >= first_settled) {
-      const std::optional<Settled> orbit = settled(out.frame, out.frame.base[out.frame.name], 4, most_settled);
+      const std::optional<Orbit> orbit = settled(out.frame, out.frame.base[out.frame.name], 4, most_settled);
       if (!orbit) continue;
-      out.frame.periods = orbit->periods;
-      out.frame.impacts = orbit->impacts;
+      out.frame = orbit->frame;
       out.start = orbit->y;
-      const bool weak = [&] {
-        for (std::size_t k = 1; k < out.frame.size(); k += 2)
-          if (out.start[k] < least_speed) return true;
-        return gap(out.frame, out.start) > -least_gap;
-      }();
-      if (weak) continue;
+      if (weak(out.frame, out.start)) continue;
       return out;
     }
     OneImpactForm<double> form = one_impact(out.frame.base, out.frame.periods);
@@ -134,8 +189,8 @@ Case random_case(std::uint64_t seed, std::uint64_t index, std::optional<std::siz
     if (speeds.empty()) continue;
     const OneImpact<double> orbit = form.orbit(speeds[which % speeds.size()]);
     out.start = {orbit.phase, orbit.speed, out.frame.base[out.frame.name]};
-    if (orbit.speed < least_speed || !admissible(out.frame, out.start) || gap(out.frame, out.start) > -least_gap) continue;
-    if (std::fabs(form.trace(orbit.speed)) > largest_trace) continue;
+    if (!admissible(out.frame, out.start) || weak(out.frame, out.start)) continue;
+    if (std::fabs(form.trace(orbit.speed)) > largest_multiplier) continue;
     return out;
   }
 }
@@ -143,9 +198,9 @@ Case random_case(std::uint64_t seed, std::uint64_t index, std::optional<std::siz
 std::string arguments(const Case& one) {
   std::string out = settings(one.frame);
   const State state = states_of(one.frame, one.start).front();
-  out += " --param " + std::string(parameter_names[one.frame.name]) + " --from " + exact(one.start.back()) + " --to " +
-         exact(one.to) + " --period " + std::to_string(one.frame.periods) + " --settle 0 --start " + exact(state[0]) + "," +
-         exact(state[1]);
+  out += " --param " + std::string(parameter_names(one.frame.model)[one.frame.name]) + " --from " + exact(one.start.back()) +
+         " --to " + exact(one.to) + " --period " + std::to_string(one.frame.periods) + " --settle 0 --start ";
+  for (std::size_t k = 0; k < state.size(); ++k) out += (k == 0 ? "" : ",") + exact(state[k]);
   return out;
 }
 
@@ -158,7 +213,7 @@ SkeletonCase random_skeleton(std::uint64_t seed, std::uint64_t index, std::optio
     constexpr std::array<std::size_t, 6> often = {ETA, ETA, ETA, R, XI, K_R};
     const std::size_t pick = often[random.below(often.size())];
     out.frame.name = name.value_or(pick);
-    for (std::size_t i = 0; i < parameter_names.size(); ++i) out.frame.base[i] = drawn(random, i);
+    for (std::size_t i = 0; i < parameter_names(out.frame.model).size(); ++i) out.frame.base[i] = drawn(random, i);
     const Range all = range_of(out.frame.name);
     const double width = (all.high - all.low) * random.between(least_part, largest_part);
     out.range.low = rounded(random.between(all.low, all.high - width), 3);
@@ -168,8 +223,9 @@ SkeletonCase random_skeleton(std::uint64_t seed, std::uint64_t index, std::optio
 }
 
 std::string arguments(const SkeletonCase& one) {
-  return " --skeleton --all" + settings(one.frame) + " --param " + std::string(parameter_names[one.frame.name]) + " --from " +
-         exact(one.range.low) + " --to " + exact(one.range.high) + " --max-period " + std::to_string(one.most_periods);
+  return " --skeleton --all" + settings(one.frame) + " --param " + std::string(parameter_names(one.frame.model)[one.frame.name]) +
+         " --from " + exact(one.range.low) + " --to " + exact(one.range.high) + " --max-period " +
+         std::to_string(one.most_periods);
 }
 
 std::vector<Family> one_impact_families(const Frame& frame, const Range& range, int most_periods) {
@@ -179,7 +235,7 @@ std::vector<Family> one_impact_families(const Frame& frame, const Range& range, 
   for (int n = 1; n <= most_periods; ++n) {
     Frame own = frame;
     own.periods = n;
-    own.impacts = 1;
+    own.stops = {0};
     for (int k = 0; k < values; ++k) {
       const double p = range.low + (range.high - range.low) * (k + 0.5) / values;
       const OneImpactForm<double> form = one_impact(own.at(p), n);

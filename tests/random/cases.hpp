@@ -2,7 +2,9 @@
 // Random cases: an admissible orbit, and the parameter and range in which its family is to be followed. Of ten, five are orbits
 // with one impact in n = 1 ... 4 forcing periods at random parameters, in closed form, three are such orbits next to a fold, a
 // doubling and a grazing, and two are attractors with up to six impacts in up to four periods, on which the motion from rest has
-// settled. Case k of a seed is made from (seed, k) alone, with a generator that gives the same numbers everywhere.
+// settled. Of other models than the barrier, half are attractors, and half have one impact in n forcing periods (between equal
+// stops, in one half of n = 1 or 3). Case k of a seed is made from (seed, k) alone, with a generator that gives the same numbers
+// everywhere.
 #pragma once
 
 #include "family.hpp"
@@ -20,7 +22,8 @@ struct Case {
 };
 
 /// The parameter that changes is drawn too, where none is given.
-Case random_case(std::uint64_t seed, std::uint64_t index, std::optional<std::size_t> name = std::nullopt);
+Case random_case(std::uint64_t seed, std::uint64_t index, std::optional<std::size_t> name = std::nullopt,
+                 Model model = Model::barrier);
 
 /// Arguments of the program, all digits, after the problem's file: `continue` from the case's orbit.
 std::string arguments(const Case& one);

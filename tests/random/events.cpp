@@ -6,113 +6,147 @@ namespace graze::reference {
 
 namespace {
 
-/// First passage of the barrier within `most` of a flight from `at` (just after an impact, or at phase 0); nothing if none.
-/// A passage between two samples shows itself by a maximum beyond the barrier.
-std::optional<double> passage(const Parameters<double>& q, double phase, const Motion<double>& at, double most) {
-  const double h = summit_sampling / std::max(1.0, q[ETA]);
-  Motion<double> last = at;
+struct Passage {
+  double time = 0.0;
+  std::size_t stop = 0;
+};
+
+/// First passage of a stop within `most` of a flight from `at` (just after an impact, or at phase 0); nothing if none.
+/// A passage between two samples shows itself by a maximum beyond the stop.
+std::optional<Passage> passage(const Linear<double>& system, double phase, const Point<double>& at, double most) {
+  const double h = summit_sampling / fastest(system);
+  Point<double> last = at;
   for (double s = 0.0; s < most;) {
     const double next = std::min(most, s + h);
-    const Motion<double> now = flight(q, phase, at, next);
-    double high = next, height = now.x - q[R];
-    if (last.v > 0.0 && now.v <= 0.0) {
-      double low = s, up = next;
-      for (int k = 0; k < 60; ++k) {
-        const double middle = 0.5 * (low + up);
-        (flight(q, phase, at, middle).v > 0.0 ? low : up) = middle;
+    const Point<double> now = flight(system, phase, at, next);
+    std::optional<Passage> first;
+    for (std::size_t j = 0; j < system.stops.size(); ++j) {
+      const Stop<double>& stop = system.stops[j];
+      double high = next, height = stop.height(now);
+      if (stop.speed(last) > 0.0 && stop.speed(now) <= 0.0) {
+        double low = s, up = next;
+        for (int k = 0; k < 60; ++k) {
+          const double middle = 0.5 * (low + up);
+          (stop.speed(flight(system, phase, at, middle)) > 0.0 ? low : up) = middle;
+        }
+        const double top = stop.height(flight(system, phase, at, low));
+        if (top > height) {
+          high = low;
+          height = top;
+        }
       }
-      const double top = flight(q, phase, at, low).x - q[R];
-      if (top > height) {
-        high = low;
-        height = top;
-      }
-    }
-    if (height > 0.0) {
+      if (!(height > 0.0)) continue;
       double low = s, up = high;
       for (int k = 0; k < 60; ++k) {
         const double middle = 0.5 * (low + up);
-        (flight(q, phase, at, middle).x < q[R] ? low : up) = middle;
+        (stop.height(flight(system, phase, at, middle)) < 0.0 ? low : up) = middle;
       }
-      return up;
+      if (!first || up < first->time) first = {up, j};
     }
+    if (first) return first;
     last = now;
     s = next;
   }
   return std::nullopt;
 }
 
-/// One period from phase 0: the state after it, and how many impacts it has; nothing if they are more than `most`.
-std::optional<int> one_period(const Parameters<double>& q, State& state, int most) {
-  Motion<double> at{state[0], state[1]};
-  double phase = 0.0, left = 2.0 * pi<double>() / q[ETA];
+/// One period from z at `phase`, carried to its end; nothing if it has more than `most` impacts. They are added to `orbit`.
+std::optional<int> one_period(const Linear<double>& system, double phase, Point<double>& z, int most, Orbit* orbit = nullptr) {
+  const double eta = system.q[ETA];
+  double left = 2.0 * pi<double>() / eta;
   int impacts = 0;
-  while (const std::optional<double> s = passage(q, phase, at, left)) {
+  while (const std::optional<Passage> next = passage(system, phase, z, left)) {
     if (++impacts > most) return std::nullopt;
-    phase += q[ETA] * *s;
-    left -= *s;
-    at = {q[R], -q[K_R] * flight(q, phase - q[ETA] * *s, at, *s).v};
+    const Stop<double>& stop = system.stops[next->stop];
+    z = flight(system, phase, z, next->time);
+    phase += eta * next->time;
+    left -= next->time;
+    if (orbit) {
+      const Values<double> block = block_of(system, stop, phase, z);
+      orbit->y.insert(orbit->y.end(), block.begin(), block.end());
+      orbit->frame.stops.push_back(static_cast<int>(next->stop));
+      if (!(block[1] > 0.0)) return std::nullopt;
+    }
+    z = stop.rebound(z);
   }
-  at = flight(q, phase, at, left);
-  state = {at.x, at.v};
+  z = flight(system, phase, z, left);
   return impacts;
+}
+
+/// The half of a symmetric orbit; nothing if it is none.
+std::optional<Orbit> half_of(const Orbit& whole) {
+  constexpr double same = 1e-6;
+  const Frame& frame = whole.frame;
+  if (frame.model != Model::equal_stops || frame.periods % 2 == 0 || frame.legs() % 2 != 0) return std::nullopt;
+  Orbit out = whole;
+  const std::size_t n = frame.size() / 2;
+  for (std::size_t i = 0; i < frame.legs() / 2; ++i)
+    if (frame.stops[i] == frame.stops[i + frame.legs() / 2]) return std::nullopt;
+  for (std::size_t k = 0; k < n; ++k) {
+    const double shift = k % frame.block() == 0 ? 0.5 * frame.turn<double>() : 0.0;
+    if (std::fabs(whole.y[k + n] - whole.y[k] - shift) > same * (1.0 + std::fabs(whole.y[k]))) return std::nullopt;
+  }
+  out.frame.stops.resize(frame.legs() / 2);
+  out.frame.half = true;
+  out.y.resize(n);
+  out.y.push_back(whole.y.back());
+  const std::optional<Values<double>> y = corrected(out.frame, out.y, fixed_parameter(out.frame, out.y.back()));
+  if (!y) return std::nullopt;
+  out.y = *y;
+  return out;
 }
 
 }  // namespace
 
-std::optional<Values<double>> events_of(const Frame& frame, double p, const std::vector<State>& states, double tolerance) {
-  const Parameters<double> q = frame.at(p);
-  const double period = 2.0 * pi<double>() / q[ETA];
+std::optional<Orbit> events_of(Frame frame, int impacts, double p, const std::vector<State>& states, double tolerance) {
+  const Linear<double> system = frame.system(p);
   if (static_cast<int>(states.size()) != frame.periods) return std::nullopt;
-  Values<double> y;
+  frame.half = false;
+  frame.stops.clear();
+  Orbit out{frame, {}};
   for (std::size_t k = 0; k < states.size(); ++k) {
-    Motion<double> at{states[k][0], states[k][1]};
-    double phase = 2.0 * pi<double>() * static_cast<double>(k), left = period;
-    while (const std::optional<double> s = passage(q, phase, at, left)) {
-      const Motion<double> hit = flight(q, phase, at, *s);
-      if (!(hit.v > 0.0) || y.size() == frame.size()) return std::nullopt;
-      phase += q[ETA] * *s;
-      left -= *s;
-      at = {q[R], -q[K_R] * hit.v};
-      y.insert(y.end(), {phase, hit.v});
-    }
+    Point<double> z = point_of(system, states[k]);
+    if (!one_period(system, 2.0 * pi<double>() * static_cast<double>(k), z, impacts, &out)) return std::nullopt;
   }
-  if (y.size() != frame.size()) return std::nullopt;
-  y.push_back(p);
-  const std::optional<Values<double>> orbit = corrected(frame, y, fixed_parameter(frame, p));
-  if (!orbit || !admissible(frame, *orbit) || apart(states_of(frame, *orbit), states) > tolerance) return std::nullopt;
-  return orbit;
+  if (out.frame.impacts() != impacts) return std::nullopt;
+  out.y.push_back(p);
+  const std::optional<Values<double>> y = corrected(out.frame, out.y, fixed_parameter(out.frame, p));
+  if (!y || !admissible(out.frame, *y) || apart(states_of(out.frame, *y), states) > tolerance) return std::nullopt;
+  out.y = *y;
+  return half_of(out).value_or(out);
 }
 
-std::optional<Settled> settled(const Frame& frame, double p, int most_periods, int most_impacts) {
+std::optional<Orbit> settled(const Frame& frame, double p, int most_periods, int most_impacts) {
   constexpr int transient = 400;
   constexpr double same = 1e-7;
-  const Parameters<double> q = frame.at(p);
-  State state = {std::min(0.0, q[R]), 0.0};
+  const Linear<double> system = frame.system(p);
+  Point<double> z{};
+  const Stop<double>& stop = system.stops.front();
+  z[stop.bound()] = std::min(0.0, stop.wall) / stop.row[stop.bound()];
   for (int k = 0; k < transient; ++k)
-    if (!one_period(q, state, most_impacts)) return std::nullopt;
-  std::vector<State> states = {state};
-  Settled out{0, 0, {}};
-  while (out.periods < most_periods) {
-    const std::optional<int> impacts = one_period(q, state, most_impacts);
+    if (!one_period(system, 0.0, z, most_impacts)) return std::nullopt;
+  std::vector<State> states = {state_of(system, z)};
+  int found = 0;
+  Frame own = frame;
+  own.periods = 0;
+  while (own.periods < most_periods) {
+    const std::optional<int> impacts = one_period(system, 0.0, z, most_impacts);
     if (!impacts) return std::nullopt;
-    out.impacts += *impacts;
-    ++out.periods;
-    if (std::fabs(state[0] - states[0][0]) + std::fabs(state[1] - states[0][1]) < same) {
-      if (out.impacts == 0 || out.impacts > most_impacts) return std::nullopt;
-      Frame own = frame;
-      own.periods = out.periods;
-      own.impacts = out.impacts;
-      const std::optional<Values<double>> y = events_of(own, p, states, 1e-4);
-      if (!y) return std::nullopt;
+    found += *impacts;
+    ++own.periods;
+    const State state = state_of(system, z);
+    if (apart({state}, {states.front()}) < same) {
+      if (found == 0 || found > most_impacts) return std::nullopt;
+      const std::optional<Orbit> out = events_of(own, found, p, states, 1e-4);
+      if (!out) return std::nullopt;
       // Slowly approached, an orbit of a lower period comes back to itself more exactly after several.
-      const std::vector<State> exact = states_of(own, *y);
+      const std::vector<State> exact = states_of(out->frame, out->y);
       for (std::size_t shift = 1; shift < exact.size(); ++shift) {
         double far = 0.0;
         for (std::size_t k = 0; k < exact.size(); ++k)
-          for (std::size_t c = 0; c < 2; ++c) far = std::max(far, std::fabs(exact[k][c] - exact[(k + shift) % exact.size()][c]));
+          far = std::max(far, apart({exact[k]}, {exact[(k + shift) % exact.size()]}));
         if (far < 1e3 * same) return std::nullopt;
       }
-      out.y = *y;
       return out;
     }
     states.push_back(state);

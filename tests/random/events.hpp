@@ -8,16 +8,18 @@
 
 namespace graze::reference {
 
-/// y of the orbit at p. Nothing if the flights do not have `frame.impacts` impacts, or if the orbit's states differ from the
-/// given ones by more than `tolerance`.
-std::optional<Values<double>> events_of(const Frame& frame, double p, const std::vector<State>& states, double tolerance);
-
-/// An orbit of up to `most_periods` periods on which the motion from rest (at the barrier, if that lies below 0) settles, with at
-/// least one impact and up to `most_impacts`: its periods and impacts, and y.
-struct Settled {
-  int periods = 1, impacts = 1;
+/// An orbit at the parameter y.back().
+struct Orbit {
+  Frame frame;
   Values<double> y;
 };
-std::optional<Settled> settled(const Frame& frame, double p, int most_periods, int most_impacts);
+
+/// The orbit at p with these states and so many impacts: as its half if it is symmetric. Nothing if the flights do not have
+/// them, or if the orbit's states differ from the given ones by more than `tolerance`.
+std::optional<Orbit> events_of(Frame frame, int impacts, double p, const std::vector<State>& states, double tolerance);
+
+/// An orbit of up to `most_periods` periods on which the motion from rest (at the stop, if that lies below 0) settles, with at
+/// least one impact and up to `most_impacts`.
+std::optional<Orbit> settled(const Frame& frame, double p, int most_periods, int most_impacts);
 
 }  // namespace graze::reference

@@ -19,6 +19,8 @@ constexpr double parameter_rounding = 1e-11;
 constexpr std::array<double, 3> first_amplitudes = {1e-4, 1e-3, 1e-2};
 /// Of Newton's method for orbits an amplitude 1e-6 away from a doubling: their equations are that close to singular.
 const Quad beside_singular = Quad(1e-20);
+/// From a multiplier -1 to a number beside it: far above the multiplier's error, far below its distance to the others.
+const Quad aside = Quad(1e-10);
 
 Values<double> difference(const Values<double>& a, const Values<double>& b) {
   Values<double> out = a;
@@ -120,17 +122,19 @@ Values<Quad> antiperiodic(const Frame& frame, const Values<Quad>& y) {
 
 int sign_of(Quad value) { return value > Quad(0) ? 1 : value < Quad(0) ? -1 : 0; }
 
-Frame doubled_frame(Frame frame) {
-  frame.impacts *= 2;
-  frame.periods *= 2;
-  return frame;
+/// Of an orbit of twice the period; of half a symmetric one, the whole.
+Frame doubled_frame(const Frame& frame) {
+  Frame out = frame;
+  for (std::size_t i = 0; i < frame.legs(); ++i) out.stops.push_back(frame.stop(i + frame.legs()));
+  if (!frame.half) out.periods *= 2;
+  out.half = false;
+  return out;
 }
 
-/// The orbit as one of twice the period.
-Values<Quad> twice(const Frame& frame, const Values<Quad>& y) {
-  Values<Quad> out(y.begin(), y.end() - 1);
-  for (std::size_t k = 0; k < frame.size(); ++k)
-    out.push_back(y[k] + (k % 2 == 0 ? Quad(2 * frame.periods) * pi<Quad>() : Quad(0)));
+/// The orbit as one of twice the period; half a symmetric one, as the whole.
+template <class Real> Values<Real> twice(const Frame& frame, const Values<Real>& y) {
+  Values<Real> out(y.begin(), y.end() - 1);
+  for (std::size_t k = 0; k < frame.size(); ++k) out.push_back(y[k] + (k % frame.block() == 0 ? frame.turn<Real>() : Real(0)));
   out.push_back(y.back());
   return out;
 }
@@ -173,13 +177,14 @@ std::optional<Values<Quad>> beside(const Chord& chord, const Root& root, double 
 void judge_doubling(const Chord& chord, const Root& root, Located& point) {
   point.side = doubled_side(chord.frame, root.y);
   if (!point.side || *point.side == 0) return;
-  // Side of p where det(M + I) < 0.
+  // Side of p where det(M + I) has the sign that a multiplier beyond -1 gives it, with the others, on which det(M + (1 + d) I) /
+  // d depends here.
+  const bool others = characteristic(monodromy(chord.frame, root.y), Quad(-1) - aside) > Quad(0);
   std::optional<int> unstable;
   for (const double delta : {1e-6, -1e-6}) {
     const std::optional<Values<Quad>> y = beside(chord, root, delta);
     if (!y) return;
-    const Invariants<Quad> M = monodromy(chord.frame, *y);
-    if (Quad(1) + M.trace + M.determinant < Quad(0)) unstable = sign_of(y->back() - root.y.back());
+    if ((characteristic(monodromy(chord.frame, *y), Quad(-1)) < Quad(0)) == others) unstable = sign_of(y->back() - root.y.back());
   }
   if (unstable) point.supercritical = *unstable == *point.side;
 }
@@ -187,13 +192,17 @@ void judge_doubling(const Chord& chord, const Root& root, Located& point) {
 /// Sign of c in p = p_0 + c w of the orbits with one impact more, of speed w.
 std::optional<int> added_side(const Frame& frame, const Values<Quad>& y, const Summit<Quad>& summit) {
   Frame more = frame;
-  more.impacts += 1;
-  const std::size_t k = 2 * static_cast<std::size_t>(summit.leg) + 2;
-  const Quad phase = y[k - 2] + frame.at(y.back())[ETA] * summit.time;
+  more.stops.insert(more.stops.begin() + static_cast<std::ptrdiff_t>(summit.leg) + 1, static_cast<int>(summit.stop));
+  const std::size_t k = frame.block() * (summit.leg + 1);
+  const Leg<Quad> here = leg(frame, y, summit.leg);
+  const Quad phase = here.phase + here.system.q[ETA] * summit.time;
+  Values<Quad> block =
+      block_of(here.system, here.system.stops[summit.stop], phase, flight(here.system, here.phase, here.start, summit.time));
   std::optional<int> side;
   for (const double speed : {1e-6, 1e-7}) {
     Values<Quad> guess = y;
-    guess.insert(guess.begin() + static_cast<std::ptrdiff_t>(k), {phase, Quad(speed)});
+    block[1] = Quad(speed);
+    guess.insert(guess.begin() + static_cast<std::ptrdiff_t>(k), block.begin(), block.end());
     Constraint<Quad> constraint{Values<Quad>(more.size() + 1, Quad(0)), Quad(speed)};
     constraint.row[k + 1] = Quad(1);
     const std::optional<Values<Quad>> orbit = corrected(more, guess, constraint, 30);
@@ -206,46 +215,55 @@ std::optional<int> added_side(const Frame& frame, const Values<Quad>& y, const S
 }
 
 /// At a lost grazing: whether impact i is lost. Where the orbit becomes one of a lower period, several are lost at once.
-bool is_lost(const Values<Quad>& y, std::size_t i) { return magnitude(y[2 * i + 1]) < Quad(1e-15); }
-
-int count_lost(const Frame& frame, const Values<Quad>& y) {
-  int count = 0;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(frame.impacts); ++i) count += is_lost(y, i) ? 1 : 0;
-  return count;
+bool is_lost(const Frame& frame, const Values<Quad>& y, std::size_t i) {
+  return magnitude(y[frame.block() * i + 1]) < Quad(1e-15);
 }
 
-/// Sign of p - p_0 where the orbit without the impacts that are lost (v_i = 0) stays below the barrier.
+/// Of the whole orbit.
+int count_lost(const Frame& frame, const Values<Quad>& y) {
+  int count = 0;
+  for (std::size_t i = 0; i < frame.legs(); ++i) count += is_lost(frame, y, i) ? 1 : 0;
+  return frame.half ? 2 * count : count;
+}
+
+/// Sign of p - p_0 where the orbit without the impacts that are lost (w_i = 0) stays below the stops.
 std::optional<int> removed_side(const Frame& frame, const Values<Quad>& y) {
-  const Quad p = y.back(), h = Quad(1e-8) * (Quad(1e-3) + magnitude(p)), turn = Quad(2 * frame.periods) * pi<Quad>();
+  const Quad p = y.back(), h = Quad(1e-8) * (Quad(1e-3) + magnitude(p)), turn = frame.turn<Quad>();
   std::optional<int> side;
-  Frame fewer = frame;
-  fewer.impacts -= count_lost(frame, y);
-  if (fewer.impacts == 0) {
-    for (const int sign : {-1, 1}) {
-      const Parameters<Quad> q = frame.at(p + Quad(sign) * h);
-      if (impactless_amplitude(q) < q[R]) side = sign;
-    }
+  if (count_lost(frame, y) == frame.impacts()) {
+    for (const int sign : {-1, 1})
+      if (clearance(frame.system(p + Quad(sign) * h)) > Quad(0)) side = sign;
     return side;
   }
+  Frame fewer = frame;
+  fewer.stops.clear();
   Values<Quad> rest;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(frame.impacts); ++i)
-    if (!is_lost(y, i)) rest.insert(rest.end(), {y[2 * i], y[2 * i + 1]});
+  for (std::size_t i = 0; i < frame.legs(); ++i) {
+    if (is_lost(frame, y, i)) continue;
+    const auto block = y.begin() + static_cast<std::ptrdiff_t>(frame.block() * i);
+    rest.insert(rest.end(), block, block + static_cast<std::ptrdiff_t>(frame.block()));
+    fewer.stops.push_back(frame.stops[i]);
+  }
   rest.push_back(p);
   int found = 0;
   for (const int sign : {-1, 1}) {
     const std::optional<Values<Quad>> orbit = corrected(fewer, rest, fixed_parameter(fewer, p + Quad(sign) * h), 30);
     if (!orbit) return std::nullopt;
     bool below = true;
-    int kept = 0;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(frame.impacts); ++i) {
-      if (!is_lost(y, i)) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < frame.legs(); ++i) {
+      if (!is_lost(frame, y, i)) {
         ++kept;
         continue;
       }
-      // On the flight of the impact kept before it, which may be the last one of the periods before.
-      const int before = (kept + fewer.impacts - 1) % fewer.impacts;
-      const Quad from = rest[2 * static_cast<std::size_t>(before)] - (kept == 0 ? turn : Quad(0));
-      below = below && polished_summit(fewer, *orbit, before, (y[2 * i] - from) / fewer.at(p)[ETA]).height < Quad(0);
+      // On the flight of the impact kept before it, which may be the last one of the turn before: of half a symmetric orbit, its
+      // mirror image.
+      const std::size_t before = (kept + fewer.legs() - 1) % fewer.legs();
+      const Quad from = rest[frame.block() * before] - (kept == 0 ? turn : Quad(0));
+      const int stop = kept == 0 && frame.half ? 1 - frame.stops[i] : frame.stops[i];
+      const Summit<Quad> touched{before, static_cast<std::size_t>(stop), (y[frame.block() * i] - from) / fewer.at(p)[ETA],
+                                 Quad(0)};
+      below = below && polished_summit(fewer, *orbit, touched).height < Quad(0);
     }
     if (!below) continue;
     side = sign;
@@ -273,18 +291,19 @@ std::optional<Values<double>> tangent_at(const Frame& frame, const Values<double
   return t;
 }
 
-/// y with its impacts renumbered from j on, and moved by whole periods as near as can be to `near`.
-Values<double> rotated(const Frame& frame, const Values<double>& y, std::size_t j, const Values<double>& near) {
-  const std::size_t m = static_cast<std::size_t>(frame.impacts);
+/// y with its impacts renumbered from j on, and moved by whole periods as near as can be to `near`. Nothing if the stops are
+/// others then.
+std::optional<Values<double>> rotated(const Frame& frame, const Values<double>& y, std::size_t j, const Values<double>& near) {
+  const std::size_t n = frame.block(), m = frame.legs();
   Values<double> out;
   for (std::size_t i = 0; i < m; ++i) {
-    const std::size_t from = (i + j) % m;
-    out.push_back(y[2 * from] + (i + j >= m ? 2.0 * pi<double>() * frame.periods : 0.0));
-    out.push_back(y[2 * from + 1]);
+    if (frame.stop(i + j) != frame.stop(i)) return std::nullopt;
+    for (std::size_t k = 0; k < n; ++k)
+      out.push_back(y[n * ((i + j) % m) + k] + (k == 0 && i + j >= m ? frame.turn<double>() : 0.0));
   }
   out.push_back(y.back());
   const double shift = 2.0 * pi<double>() * std::round((near[0] - out[0]) / (2.0 * pi<double>()));
-  for (std::size_t i = 0; i < m; ++i) out[2 * i] += shift;
+  for (std::size_t i = 0; i < m; ++i) out[n * i] += shift;
   return out;
 }
 
@@ -330,8 +349,8 @@ class Follower {
     family_.frame = frame;
     family_.range = range;
     double speed = 0.1 * std::max(std::fabs(frame.at(start.back())[R]), std::fabs(frame.at(start.back())[XI]));
-    for (std::size_t k = 1; k < frame.size(); k += 2) speed = std::max(speed, start[k]);
-    for (std::size_t k = 0; k < frame.size(); ++k) family_.weights.push_back(k % 2 == 0 ? 1.0 : 1.0 / speed);
+    for (std::size_t k = 1; k < frame.size(); k += frame.block()) speed = std::max(speed, start[k]);
+    for (std::size_t k = 0; k < frame.size(); ++k) family_.weights.push_back(k % frame.block() == 0 ? 1.0 : 1.0 / speed);
     family_.weights.push_back(2.0 / (range.high - range.low));
     family_.samples.push_back({0.0, start});
     const std::optional<Values<double>> first = tangent_at(frame, start, along, family_.weights);
@@ -409,18 +428,18 @@ class Follower {
       }
       if (end) break;
     }
-    for (std::size_t i = 0; i < static_cast<std::size_t>(frame.impacts); ++i)
-      if (next[2 * i + 1] <= 0.0) {
-        const std::optional<double> lambda = bisected(chord, [i](const Values<double>& y) { return y[2 * i + 1]; });
+    for (std::size_t i = 0; i < frame.legs(); ++i)
+      if (const std::size_t k = frame.block() * i + 1; next[k] <= 0.0) {
+        const std::optional<double> lambda = bisected(chord, [k](const Values<double>& y) { return y[k]; });
         if (!lambda) return broken();
         if (*lambda >= limit) continue;
-        const std::optional<Root> root = refined(chord, *lambda, [i](const Values<Quad>& y) { return y[2 * i + 1]; });
+        const std::optional<Root> root = refined(chord, *lambda, [k](const Values<Quad>& y) { return y[k]; });
         if (!root) return broken();
         end_at(End::grazing, *lambda);
         Located point = located(Kind::GR, chord, *root, last.sigma, size);
         point.which = i;
-        point.before = frame.impacts;
-        point.after = frame.impacts - count_lost(frame, root->y);
+        point.before = frame.impacts();
+        point.after = frame.impacts() - count_lost(frame, root->y);
         const std::optional<int> own = family_side(chord, *root), other = removed_side(frame, root->y);
         if (own && other) point.persistence = *own != *other;
         grazing = point;
@@ -438,7 +457,8 @@ class Follower {
       const std::vector<Summit<double>> all = summits(frame, *touching);
       if (all.empty()) return broken();
       const Summit<double> top = all.front();
-      const auto height = [&](const Values<Quad>& y) { return polished_summit(frame, y, top.leg, Quad(top.time)).height; };
+      const Summit<Quad> guess{top.leg, top.stop, Quad(top.time), Quad(0)};
+      const auto height = [&](const Values<Quad>& y) { return polished_summit(frame, y, guess).height; };
       const std::optional<Root> root = refined(chord, *lambda, height);
       if (!root) return broken();
       // Where the orbit closes after a part of its period once the impact is lost, its other turns touch with that one.
@@ -447,16 +467,16 @@ class Follower {
         end_at(End::grazing, *lambda);
         Located point = located(Kind::GR, chord, *root, last.sigma, size);
         point.gained = true;
-        point.which = static_cast<std::size_t>(top.leg);
-        point.before = frame.impacts;
-        point.after = frame.impacts + 1;
+        point.which = top.leg;
+        point.before = frame.impacts();
+        point.after = frame.impacts() + (frame.half ? 2 : 1);
         const std::optional<int> own = family_side(chord, *root);
-        const std::optional<int> other = added_side(frame, root->y, polished_summit(frame, root->y, top.leg, Quad(top.time)));
+        const std::optional<int> other = added_side(frame, root->y, polished_summit(frame, root->y, guess));
         if (own && other) point.persistence = *own != *other;
         grazing = point;
       }
     }
-    if (frame.at(next.back())[K_R] == 0.0 && pressing(frame, next) >= 0.0) {
+    if (sticks(frame, next)) {
       const std::optional<double> lambda = bisected(chord, [&](const Values<double>& y) { return pressing(frame, y); });
       if (!lambda) return broken();
       end_at(End::sticking, *lambda);
@@ -470,20 +490,34 @@ class Follower {
     }
 
     std::vector<Located> found;
-    for (const int kappa : {1, -1}) {
-      std::optional<double> lambda = fold;
-      if (kappa == -1) {
-        if ((condition(frame, last.y, -1) > 0.0) == (condition(frame, next, -1) > 0.0)) continue;
-        lambda = bisected(chord, [&](const Values<double>& y) { return condition(frame, y, -1); });
-        if (!lambda) return broken();
-      }
-      if (!lambda) continue;
-      if (*lambda >= limit) continue;
-      const std::optional<Root> root = refined(chord, *lambda, [&](const Values<Quad>& y) { return condition(frame, y, kappa); });
+    if (fold && *fold < limit) {
+      const std::optional<Root> root = refined(chord, *fold, [&](const Values<Quad>& y) { return condition(frame, y, 1); });
       if (!root) return broken();
-      Located point = located(kappa == 1 ? Kind::LP : Kind::PD, chord, *root, last.sigma, size);
-      if (kappa == -1) judge_doubling(chord, *root, point);
+      found.push_back(located(Kind::LP, chord, *root, last.sigma, size));
+    }
+    // Others, where they change sign.
+    const auto crossed = [&](const auto& function) -> std::optional<std::optional<Root>> {
+      if ((function(last.y) > 0.0) == (function(next) > 0.0)) return std::optional<Root>();
+      const std::optional<double> lambda = bisected(chord, function);
+      if (!lambda) return std::nullopt;
+      if (*lambda >= limit) return std::optional<Root>();
+      const std::optional<Root> root = refined(chord, *lambda, function);
+      if (!root) return std::nullopt;
+      return root;
+    };
+    const auto doubling = crossed([&](const auto& y) { return condition(frame, y, -1); });
+    if (!doubling) return broken();
+    if (*doubling) {
+      Located point = located(frame.half ? Kind::BP : Kind::PD, chord, **doubling, last.sigma, size);
+      judge_doubling(chord, **doubling, point);
       found.push_back(point);
+    }
+    // Beyond a grazing, multipliers mean nothing.
+    if (is_chain(frame.model) && !(end == End::grazing)) {
+      const auto circle = crossed([&](const auto& y) { return pair_condition(monodromy(frame, y)); });
+      if (!circle) return broken();
+      if (*circle && on_circle(monodromy(frame, (*circle)->y)))
+        found.push_back(located(Kind::NS, chord, **circle, last.sigma, size));
     }
     std::sort(found.begin(), found.end(), [](const Located& one, const Located& other) { return one.sigma < other.sigma; });
     family_.points.insert(family_.points.end(), found.begin(), found.end());
@@ -521,14 +555,16 @@ class Follower {
   std::optional<double> closes(const Chord& chord, double size) const {
     const Values<double>& start = family_.samples.front().y;
     if (family_.samples.size() < 3) return std::nullopt;
-    for (std::size_t j = 0; j < static_cast<std::size_t>(family_.frame.impacts); ++j) {
-      const Values<double> a = rotated(family_.frame, chord.a, j, start), b = rotated(family_.frame, chord.b, j, start);
-      const Values<double> step = difference(b, a);
-      const double lambda = product(difference(start, a), step, family_.weights) / (size * size);
+    for (std::size_t j = 0; j < family_.frame.legs(); ++j) {
+      const std::optional<Values<double>> a = rotated(family_.frame, chord.a, j, start),
+                                          b = rotated(family_.frame, chord.b, j, start);
+      if (!a || !b) continue;
+      const Values<double> step = difference(*b, *a);
+      const double lambda = product(difference(start, *a), step, family_.weights) / (size * size);
       if (!(lambda > 0.0 && lambda <= 1.0) || product(step, first_, family_.weights) < 0.9 * size) continue;
       const std::optional<Values<double>> y = chord.orbit(lambda);
       if (!y) continue;
-      if (length(difference(rotated(family_.frame, *y, j, start), start), family_.weights) < 1e-7) return lambda;
+      if (length(difference(*rotated(family_.frame, *y, j, start), start), family_.weights) < 1e-7) return lambda;
     }
     return std::nullopt;
   }
@@ -537,12 +573,16 @@ class Follower {
   /// step may have gone over to it.
   bool halves(const Chord& chord) const {
     constexpr double same = 1e-7;
-    const std::size_t n = family_.frame.size() / 2;
-    if (family_.frame.impacts % 2 != 0 || family_.frame.periods % 2 != 0) return false;
+    const Frame& frame = family_.frame;
+    const std::size_t n = frame.size() / 2, m = frame.legs() / 2;
+    const bool mirrored = frame.periods % 2 != 0;
+    if (frame.half || frame.legs() % 2 != 0 || (mirrored && frame.model != Model::equal_stops)) return false;
+    for (std::size_t i = 0; i < m; ++i)
+      if ((frame.stops[i] == frame.stops[i + m]) == mirrored) return false;
     const auto unlike = [&](const Values<double>& y) {
       Values<double> out;
       for (std::size_t k = 0; k < n; ++k) {
-        const double shift = k % 2 == 0 ? pi<double>() * family_.frame.periods : 0.0;
+        const double shift = k % frame.block() == 0 ? 0.5 * frame.turn<double>() : 0.0;
         out.push_back(family_.weights[k] * (y[k + n] - y[k] - shift));
       }
       return out;
@@ -592,13 +632,14 @@ Family follow_both_ways(const Frame& frame, const Values<double>& start, const R
   return out;
 }
 
-std::optional<Family> follow_doubled(const Family& parent, const Located& doubling, const FollowOptions& options) {
+std::optional<Family> follow_doubled(const Family& parent, const Located& doubling, const FollowOptions& options, int sign) {
   if (!doubling.side) return std::nullopt;
   Values<double> along = converted<double>(antiperiodic(parent.frame, doubling.orbit));
   for (std::size_t k = 0; k < parent.frame.size(); ++k) along.push_back(-along[k]);
   along.push_back(0.0);
+  for (double& entry : along) entry *= sign;
   for (const double amplitude : first_amplitudes) {
-    const std::optional<Values<Quad>> orbit = doubled_orbit(parent.frame, doubling.orbit, Quad(amplitude));
+    const std::optional<Values<Quad>> orbit = doubled_orbit(parent.frame, doubling.orbit, Quad(sign * amplitude));
     if (!orbit) return std::nullopt;
     const Values<double> start = converted<double>(*orbit);
     if (start.back() < parent.range.low || start.back() > parent.range.high) return std::nullopt;
@@ -609,7 +650,7 @@ std::optional<Family> follow_doubled(const Family& parent, const Located& doubli
       // At the nearest other doubling of the parent.
       double least = 1e300;
       for (const Located& other : parent.points) {
-        if (other.kind != Kind::PD || &other == &doubling) continue;
+        if (other.kind != doubling.kind || &other == &doubling) continue;
         const double far = apart(states_of(found.frame, converted<double>(twice(parent.frame, other.orbit))),
                                  states_of(found.frame, found.samples.back().y));
         if (far < least) found.end_value = static_cast<double>(other.value);
@@ -621,18 +662,27 @@ std::optional<Family> follow_doubled(const Family& parent, const Located& doubli
   return std::nullopt;
 }
 
+State state_of(const Linear<double>& system, const Point<double>& z) {
+  State out;
+  for (std::size_t k = 0; k < system.size(); ++k) out.push_back(z[system.index(k)]);
+  return out;
+}
+
+Point<double> point_of(const Linear<double>& system, const State& state) {
+  Point<double> out{};
+  for (std::size_t k = 0; k < std::min(state.size(), system.size()); ++k) out[system.index(k)] = state[k];
+  return out;
+}
+
 std::vector<State> states_of(const Frame& frame, const Values<double>& y) {
-  const Parameters<double> q = frame.at(y.back());
+  if (frame.half) return states_of(doubled_frame(frame), twice(frame, y));
   const double turn = 2.0 * pi<double>();
   std::vector<State> out;
   double next = turn * std::ceil(y[0] / turn);
-  for (int i = 0; i < frame.impacts; ++i) {
+  for (std::size_t i = 0; i < frame.legs(); ++i) {
     const Leg<double> here = leg(frame, y, i);
-    const double end = here.phase + q[ETA] * here.duration;
-    for (; next < end && static_cast<int>(out.size()) < frame.periods; next += turn) {
-      const Motion<double> at = flight(q, here.phase, here.start, (next - here.phase) / q[ETA]);
-      out.push_back({at.x, at.v});
-    }
+    for (; next < here.end_phase() && static_cast<int>(out.size()) < frame.periods; next += turn)
+      out.push_back(state_of(here.system, flight(here.system, here.phase, here.start, (next - here.phase) / here.system.q[ETA])));
   }
   return out;
 }
@@ -643,8 +693,11 @@ double apart(const std::vector<State>& one, const std::vector<State>& other) {
   if (n != other.size()) return best;
   for (std::size_t j = 0; j < n; ++j) {
     double far = 0.0;
-    for (std::size_t k = 0; k < n; ++k)
-      for (std::size_t c = 0; c < 2; ++c) far = std::max(far, std::fabs(one[(k + j) % n][c] - other[k][c]));
+    for (std::size_t k = 0; k < n; ++k) {
+      const State &a = one[(k + j) % n], &b = other[k];
+      if (a.size() != b.size()) return best;
+      for (std::size_t c = 0; c < a.size(); ++c) far = std::max(far, std::fabs(a[c] - b[c]));
+    }
     best = std::min(best, far);
   }
   return best;
@@ -681,7 +734,10 @@ std::vector<Place> places(const Family& family, double p, const std::vector<Stat
   return out;
 }
 
-const char* name(Kind kind) { return kind == Kind::LP ? "LP" : kind == Kind::PD ? "PD" : "GR"; }
+const char* name(Kind kind) {
+  constexpr std::array<const char*, 5> names = {"LP", "PD", "BP", "NS", "GR"};
+  return names[static_cast<std::size_t>(kind)];
+}
 
 const char* name(End end) {
   switch (end) {

@@ -2,7 +2,8 @@
 // A family of orbits of the reference, followed in arclength of the events' coordinates from a start within a range of its
 // parameter, with every point that changes something:
 //
-//     LP  det J(1) = 0       PD  det J(-1) = 0       GR lost  v_i = 0       GR gained  an interior maximum touches the barrier
+//     LP  det J(1) = 0       PD (of half a symmetric orbit BP)  det J(-1) = 0       NS  two multipliers of product 1
+//     GR lost  w_i = 0       GR gained  an interior maximum touches a stop
 //
 // Each lies between two samples where its condition changes sign; there it is located by secants in Quad, with an error far
 // below 1e-20 unless two of them nearly coincide. Three verdicts come from orbits nearby, found by Newton's method in Quad:
@@ -20,13 +21,13 @@
 
 namespace graze::reference {
 
-enum class Kind { LP, PD, GR };
+enum class Kind { LP, PD, BP, NS, GR };
 enum class End {
   bound,     ///< the parameter leaves its range
   grazing,   ///< the last point is a GR
   closed,    ///< back at the start
   sticking,  ///< k_r = 0 and the mass no longer leaves the barrier: the reference ends here
-  halved,    ///< both halves of a doubled orbit have become the same: at a PD of the family it was doubled from
+  halved,    ///< both halves of a doubled orbit have become the same: at a PD (or BP) of the family it was doubled from
   broken     ///< the reference itself gives up: too many steps, or none that converges
 };
 
@@ -76,8 +77,10 @@ Family follow(const Frame& frame, const Values<double>& start, const Range& rang
 /// The family from end to end through `start`: followed back first, and then on from that end. A closed one begins at `start`.
 Family follow_both_ways(const Frame& frame, const Values<double>& start, const Range& range, const FollowOptions& options = {});
 
-/// The doubled orbits that begin at a PD of a family; nothing if they are not found or do not begin within the range.
-std::optional<Family> follow_doubled(const Family& parent, const Located& doubling, const FollowOptions& options = {});
+/// The doubled orbits that begin at a PD of a family, or those less symmetric that begin at a BP (of both the mirror images of
+/// others, by `sign`); nothing if they are not found or do not begin within the range.
+std::optional<Family> follow_doubled(const Family& parent, const Located& doubling, const FollowOptions& options = {},
+                                     int sign = 1);
 
 /// Largest difference, in the best rotation.
 double apart(const std::vector<State>& one, const std::vector<State>& other);
@@ -89,6 +92,9 @@ struct Place {
   Values<double> y;
 };
 std::vector<Place> places(const Family& family, double p, const std::vector<State>& states, double tolerance);
+
+State state_of(const Linear<double>& system, const Point<double>& z);
+Point<double> point_of(const Linear<double>& system, const State& state);
 
 /// States at phase 0 after 0 ... n - 1 periods, the first one in the period of the first impact's flight.
 std::vector<State> states_of(const Frame& frame, const Values<double>& y);

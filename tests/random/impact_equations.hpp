@@ -1,66 +1,124 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The equations of orbits with m impacts in n forcing periods, and of their families in a parameter p, in the coordinates of the
-// events. The unknowns y = (phi_1, v_1, ..., phi_m, v_m, p) are the impacts' phases and approach speeds:
+// events. The unknowns are a block (phi, w) for each impact, its phase and approach speed, and p. A second mass adds to the block
+// its coordinate and velocity before the impact, which the wall leaves free. With z(block) the state before the impact:
 //
-//     flight from (r, -k_r v_i) at phi_i to phi_{i+1}:   x - r = 0,  x' - v_{i+1} = 0,     phi_{m+1} = phi_1 + 2 pi n
+//     flight from the rebound of z(block_i) at phi_i to phi_{i+1} = z(block_{i+1}),     phi_{m+1} = phi_1 + 2 pi n
 //
-// They are smooth through v_i = 0. Let A_i, B_i be the derivatives by (phi, v)_i and (phi, v)_{i+1}, and J(kappa) their cyclic
+// They are smooth through w_i = 0. Let A_i, B_i be the derivatives by block_i and block_{i+1}, and J(kappa) their cyclic
 // matrix with kappa B_m in its corner. A multiplier +1 (fold) is det J(1) = 0, a multiplier -1 (doubling) det J(-1) = 0: the
-// impacts' speeds, by which the multipliers' own conditions are singular, are divided out. B is singular at v = 0, J is not.
+// impacts' speeds, by which the multipliers' own conditions are singular, are divided out. B is singular at w = 0, J is not.
+//
+// A symmetric orbit between equal stops, (phi + pi n, -x) = (phi, x) with n odd, is given by one half of it: a block's mirror
+// image has the same w at the other stop. The equations close with that image after pi n, and det J(-1) = 0 is a multiplier +1 of
+// the whole orbit: the symmetry breaks (BP).
 #pragma once
 
-#include "oscillator.hpp"
+#include "linear.hpp"
 
 #include <algorithm>
 #include <optional>
 
 namespace graze::reference {
 
-/// The constants of a family: every parameter but one, the periods and the impacts.
+/// The constants of a family: every parameter but one, the periods and the stops in the order of the impacts.
 struct Frame {
+  Model model = Model::barrier;
   Parameters<double> base{};
   std::size_t name = ETA;  ///< of the parameter that changes
-  int periods = 1, impacts = 1;
-  std::size_t size() const { return 2 * static_cast<std::size_t>(impacts); }
+  int periods = 1;
+  std::vector<int> stops = {0};  ///< of a symmetric orbit those of one half
+  bool half = false;             ///< a symmetric orbit
+  std::size_t block() const { return is_chain(model) ? 4 : 2; }
+  std::size_t legs() const { return stops.size(); }
+  std::size_t size() const { return block() * legs(); }
+  int impacts() const { return static_cast<int>(stops.size()) * (half ? 2 : 1); }
+  /// Phase from one end of the equations to the other.
+  template <class Real> Real turn() const { return Real((half ? 1 : 2) * periods) * pi<Real>(); }
+  /// Stop of impact i; i = legs() is the first one again, or its mirror image.
+  int stop(std::size_t i) const { return i < legs() ? stops[i] : half ? 1 - stops[i - legs()] : stops[i - legs()]; }
   template <class Real> Parameters<Real> at(Real value) const {
     Parameters<Real> q = converted<Real>(base);
     q[name] = value;
     return q;
   }
+  template <class Real> Linear<Real> system(Real value) const { return linear(model, at(value)); }
 };
+
+/// The state before the impact with this block. A derivative (by an entry that is 1) has no wall.
+template <class Real>
+Point<Real> before_impact(const Linear<Real>& system, const Stop<Real>& stop, const Real* block, Real wall) {
+  const std::size_t a = stop.bound(), b = stop.free();
+  Point<Real> z{};
+  if (system.chain) {
+    z[b] = block[2];
+    z[b + 2] = block[3];
+  }
+  z[a] = (wall - stop.row[b] * z[b]) / stop.row[a];
+  z[a + 2] = (block[1] - stop.row[b] * z[b + 2]) / stop.row[a];
+  return z;
+}
+
+template <class Real>
+Values<Real> block_of(const Linear<Real>& system, const Stop<Real>& stop, Real phase, const Point<Real>& z) {
+  if (!system.chain) return {phase, stop.speed(z)};
+  return {phase, stop.speed(z), z[stop.free()], z[stop.free() + 2]};
+}
+
+template <class Real> using Derivatives = std::array<Point<Real>, 4>;
+
+/// Of the state before an impact by its block, but for the phase.
+template <class Real> Derivatives<Real> by_block(const Linear<Real>& system, const Stop<Real>& stop) {
+  Derivatives<Real> out{};
+  for (std::size_t c = 1; c < system.size(); ++c) {
+    std::array<Real, 4> block{};
+    block[c] = Real(1);
+    out[c] = before_impact(system, stop, block.data(), Real(0));
+  }
+  return out;
+}
 
 /// The flight from one impact to the next, and the end's derivatives.
 template <class Real> struct Leg {
+  Linear<Real> system;
+  Stop<Real> from, to;
   Real phase, duration;
-  Motion<Real> start, end;
-  Motion<Real> by_phase, by_speed;  ///< of the end, by the start's phase and approach speed
-  Motion<Real> by_end_phase;        ///< of the end, by its own phase
+  Point<Real> before, start, end;
+  Square<Real> over;
+  Derivatives<Real> by_start, by_end;  ///< of the end less z(next block), by both blocks
+  Real end_phase() const { return phase + system.q[ETA] * duration; }
 };
 
-template <class Real> Leg<Real> leg(const Frame& frame, const Values<Real>& y, int i) {
-  const std::size_t k = 2 * static_cast<std::size_t>(i), next = i + 1 == frame.impacts ? 0 : k + 2;
-  const Parameters<Real> q = frame.at(y[frame.size()]);
+template <class Real> Leg<Real> leg(const Frame& frame, const Values<Real>& y, std::size_t i) {
+  const std::size_t k = frame.block() * i, next = i + 1 == frame.legs() ? 0 : k + frame.block();
   Leg<Real> out;
+  out.system = frame.system(y[frame.size()]);
+  const Linear<Real>& system = out.system;
+  out.from = system.stops[static_cast<std::size_t>(frame.stop(i))];
+  out.to = system.stops[static_cast<std::size_t>(frame.stop(i + 1))];
   out.phase = y[k];
-  const Real there = y[next] + (next == 0 ? Real(2 * frame.periods) * pi<Real>() : Real(0));
-  out.duration = (there - y[k]) / q[ETA];
-  out.start = {q[R], -q[K_R] * y[k + 1]};
-  out.end = flight(q, out.phase, out.start, out.duration);
-  const Transition<Real> over = transition(q, out.duration);
-  const Real a = acceleration(q, out.phase, out.start);
-  out.by_phase = over * Motion<Real>{-out.start.v / q[ETA], -a / q[ETA]};
-  out.by_speed = over * Motion<Real>{Real(0), -q[K_R]};
-  out.by_end_phase = {out.end.v / q[ETA], acceleration(q, there, out.end) / q[ETA]};
+  const Real there = y[next] + (next == 0 ? frame.turn<Real>() : Real(0)), eta = system.q[ETA];
+  out.duration = (there - y[k]) / eta;
+  out.before = before_impact(system, out.from, &y[k], out.from.wall);
+  out.start = out.from.rebound(out.before);
+  out.over = transition(system, out.duration);
+  out.end = plus(impactless(system, there), Real(1), out.over * plus(out.start, Real(-1), impactless(system, out.phase)));
+  out.by_start = by_block(system, out.from);
+  for (Point<Real>& by : out.by_start) by = out.over * out.from.rebound(by);
+  out.by_start[0] = plus(Point<Real>{}, Real(-1) / eta, out.over * rate(system, out.phase, out.start));
+  out.by_end = by_block(system, out.to);
+  for (Point<Real>& by : out.by_end) by = plus(Point<Real>{}, Real(-1), by);
+  out.by_end[0] = plus(Point<Real>{}, Real(1) / eta, rate(system, there, out.end));
   return out;
 }
 
 template <class Real> Values<Real> residual(const Frame& frame, const Values<Real>& y) {
   Values<Real> out;
-  for (int i = 0; i < frame.impacts; ++i) {
+  for (std::size_t i = 0; i < frame.legs(); ++i) {
     const Leg<Real> here = leg(frame, y, i);
-    const std::size_t next = i + 1 == frame.impacts ? 0 : 2 * static_cast<std::size_t>(i) + 2;
-    out.push_back(here.end.x - frame.at(y[frame.size()])[R]);
-    out.push_back(here.end.v - y[next + 1]);
+    const std::size_t next = i + 1 == frame.legs() ? 0 : frame.block() * (i + 1);
+    const Point<Real> off = plus(here.end, Real(-1), before_impact(here.system, here.to, &y[next], here.to.wall));
+    for (std::size_t k = 0; k < frame.block(); ++k) out.push_back(off[here.system.index(k)]);
   }
   return out;
 }
@@ -68,17 +126,16 @@ template <class Real> Values<Real> residual(const Frame& frame, const Values<Rea
 /// J(kappa), square.
 template <class Real> Table<Real> jacobian(const Frame& frame, const Values<Real>& y, Real kappa) {
   Table<Real> J(frame.size(), frame.size());
-  for (int i = 0; i < frame.impacts; ++i) {
+  const std::size_t n = frame.block();
+  for (std::size_t i = 0; i < frame.legs(); ++i) {
     const Leg<Real> here = leg(frame, y, i);
-    const std::size_t k = 2 * static_cast<std::size_t>(i), next = i + 1 == frame.impacts ? 0 : k + 2;
+    const std::size_t k = n * i, next = i + 1 == frame.legs() ? 0 : k + n;
     const Real factor = next == 0 ? kappa : Real(1);
-    J(k, k) += here.by_phase.x;
-    J(k + 1, k) += here.by_phase.v;
-    J(k, k + 1) += here.by_speed.x;
-    J(k + 1, k + 1) += here.by_speed.v;
-    J(k, next) += factor * here.by_end_phase.x;
-    J(k + 1, next) += factor * here.by_end_phase.v;
-    J(k + 1, next + 1) -= factor;
+    for (std::size_t row = 0; row < n; ++row)
+      for (std::size_t c = 0; c < n; ++c) {
+        J(k + row, k + c) += here.by_start[c][here.system.index(row)];
+        J(k + row, next + c) += factor * here.by_end[c][here.system.index(row)];
+      }
   }
   return J;
 }
@@ -158,22 +215,74 @@ std::optional<Values<Real>> corrected(const Frame& frame, Values<Real> y, const 
   return std::nullopt;
 }
 
-/// M = product of S_i Phi_i. Its trace and determinant, with the jump of states S = [-k_r, 0; (a+ + k_r a-)/v, -k_r].
-template <class Real> struct Invariants { Real trace, determinant; };
-
-template <class Real> Invariants<Real> monodromy(const Frame& frame, const Values<Real>& y) {
-  const Parameters<Real> q = frame.at(y[frame.size()]);
-  Transition<Real> M{Real(1), Real(0), Real(0), Real(1)};
-  for (int i = 0; i < frame.impacts; ++i) {
-    const std::size_t k = 2 * static_cast<std::size_t>(i);
-    const Real v = y[k + 1], before = acceleration(q, y[k], Motion<Real>{q[R], v});
-    const Real after = acceleration(q, y[k], Motion<Real>{q[R], -q[K_R] * v}), low = (after + q[K_R] * before) / v;
-    const Transition<Real> jumped = {-q[K_R] * M.xx, -q[K_R] * M.xv, low * M.xx - q[K_R] * M.vx, low * M.xv - q[K_R] * M.vv};
-    const Transition<Real> over = transition(q, leg(frame, y, i).duration);
-    const Motion<Real> first = over * Motion<Real>{jumped.xx, jumped.vx}, second = over * Motion<Real>{jumped.xv, jumped.vv};
-    M = {first.x, second.x, first.v, second.v};
+/// M = product of exp(A duration) S over the impacts, with the jump of states S = R + (rate+ - R rate-) row / w, R the rebound.
+/// Of a symmetric orbit, M^2 is that of the whole.
+template <class Real> Table<Real> monodromy(const Frame& frame, const Values<Real>& y) {
+  Square<Real> M{};
+  for (std::size_t i = 0; i < 4; ++i) M[i][i] = Real(frame.half ? -1 : 1);
+  for (std::size_t i = 0; i < frame.legs(); ++i) {
+    const Leg<Real> here = leg(frame, y, i);
+    const Point<Real> jump =
+        plus(rate(here.system, here.phase, here.start), Real(-1), here.from.rebound(rate(here.system, here.phase, here.before)));
+    Square<Real> columns{};
+    for (std::size_t j = 0; j < 4; ++j) {
+      Point<Real> column;
+      for (std::size_t k = 0; k < 4; ++k) column[k] = M[k][j];
+      const Real touched = here.from.row[0] * column[0] + here.from.row[1] * column[1];
+      column = here.over * plus(here.from.rebound(column), touched / here.from.speed(here.before), jump);
+      for (std::size_t k = 0; k < 4; ++k) columns[k][j] = column[k];
+    }
+    M = columns;
   }
-  return {M.xx + M.vv, M.xx * M.vv - M.xv * M.vx};
+  const Linear<Real> system = frame.system(y[frame.size()]);
+  Table<Real> out(frame.block(), frame.block());
+  for (std::size_t i = 0; i < out.rows; ++i)
+    for (std::size_t j = 0; j < out.rows; ++j) out(i, j) = M[system.index(i)][system.index(j)];
+  return out;
+}
+
+/// det(M - mu I)
+template <class Real> Real characteristic(Table<Real> M, Real mu) {
+  for (std::size_t i = 0; i < M.rows; ++i) M(i, i) -= mu;
+  Values<Real> unused(M.rows, Real(0));
+  return solve(M, unused);
+}
+
+/// Products of two multipliers less 1, multiplied: of the minors of order 2. 0 at a Neimark-Sacker point.
+template <class Real> Real pair_condition(const Table<Real>& M) {
+  constexpr std::array<std::array<std::size_t, 2>, 6> pairs = {{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
+  Table<Real> minors(6, 6);
+  for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t j = 0; j < 6; ++j)
+      minors(i, j) =
+          M(pairs[i][0], pairs[j][0]) * M(pairs[i][1], pairs[j][1]) - M(pairs[i][0], pairs[j][1]) * M(pairs[i][1], pairs[j][0]);
+  return characteristic(minors, Real(1));
+}
+
+/// Sums of the powers 1 ... n of the multipliers.
+template <class Real> Values<Real> power_sums(const Table<Real>& M) {
+  Values<Real> out;
+  Table<Real> power = M;
+  for (std::size_t k = 0; k < M.rows; ++k) {
+    Real trace(0);
+    for (std::size_t i = 0; i < M.rows; ++i) trace += power(i, i);
+    out.push_back(trace);
+    Table<Real> next(M.rows, M.rows);
+    for (std::size_t i = 0; i < M.rows; ++i)
+      for (std::size_t l = 0; l < M.rows; ++l)
+        for (std::size_t j = 0; j < M.rows; ++j) next(i, j) += power(i, l) * M(l, j);
+    power = next;
+  }
+  return out;
+}
+
+/// Where two multipliers have the product 1: whether they are a complex pair. Their sum s follows from the coefficients of the
+/// characteristic polynomial, e_3 = s e_4 + (e_1 - s).
+template <class Real> bool on_circle(const Table<Real>& M) {
+  const Values<Real> p = power_sums(M);
+  const Real e1 = p[0], e2 = (e1 * p[0] - p[1]) / Real(2), e3 = (e2 * p[0] - e1 * p[1] + p[2]) / Real(3);
+  const Real s = (e3 - e1) / (characteristic(M, Real(0)) - Real(1));
+  return magnitude(s) < Real(2);
 }
 
 }  // namespace graze::reference

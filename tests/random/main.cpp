@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Any number of random cases on request:
 //
-//     random_cases [--command continue|diagram] [--cases N] [--seed S] [--first K] [--param eta|xi|r|k_r|b] [--most-impacts M]
+//     random_cases [--command continue|diagram] [--cases N] [--seed S] [--first K] [--model NAME] [--param NAME] [--most-impacts
+//     M]
 //                  [--patience SECONDS] [--time SECONDS] [--program PATH]
 //
+// NAME of a model: newton-elastic (default), or a file of systems/ without ending.
 // One line for each case that fails, with the command that shows it; then how often each kind of complaint appears. The exit code
 // is 0 only if none failed.
 #include "runner.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <iostream>
 #include <stdexcept>
@@ -19,7 +22,9 @@ namespace {
 Plan plan_of(int argc, char** argv) {
   Plan plan;
   plan.program = GRAZE_PROGRAM;
-  plan.problem = GRAZE_DATA_DIR "/problems/newton-elastic.toml";
+  plan.data = GRAZE_DATA_DIR "/problems";
+  plan.systems = GRAZE_RANDOM_SYSTEMS;
+  std::string parameter;
   for (int i = 1; i < argc; i += 2) {  // pairs of name and value
     const std::string name = argv[i];
     if (i + 1 == argc) throw std::invalid_argument(name + ": a value is missing");
@@ -41,13 +46,20 @@ Plan plan_of(int argc, char** argv) {
       plan.skeletons = value == "diagram";
     } else if (name == "--program")
       plan.program = value;
-    else if (name == "--param") {
-      for (std::size_t k = 0; k < parameter_names.size(); ++k)
-        if (parameter_names[k] == value) plan.name = k;
-      if (!plan.name) throw std::invalid_argument("--param: no parameter " + value);
+    else if (name == "--param")
+      parameter = value;
+    else if (name == "--model") {
+      const auto found = std::find(model_names.begin(), model_names.end(), value);
+      if (found == model_names.end()) throw std::invalid_argument("--model: no model " + value);
+      plan.model = static_cast<Model>(found - model_names.begin());
     } else
       throw std::invalid_argument("unknown option " + name);
   }
+  const auto names = parameter_names(plan.model);
+  const auto found = std::find(names.begin(), names.end(), parameter);
+  if (!parameter.empty() && found == names.end()) throw std::invalid_argument("--param: no parameter " + parameter);
+  if (!parameter.empty()) plan.name = static_cast<std::size_t>(found - names.begin());
+  if (plan.skeletons && plan.model != Model::barrier) throw std::invalid_argument("--command diagram: of newton-elastic only");
   return plan;
 }
 

@@ -10,7 +10,7 @@
 //     M = S Phi(nT),  tr M = -k_r tr Phi + (1 + k_r) (xi cos(phi) - r) Phi_12 / v,  det M = k_r^2 e^(-2 b n T)
 #pragma once
 
-#include "oscillator.hpp"
+#include "impact_equations.hpp"
 
 #include <optional>
 
@@ -69,14 +69,64 @@ template <class Real> OneImpactForm<Real> one_impact(const Parameters<Real>& q, 
   return {q, over, alpha, (q[K_R] + beta) / q[ETA], q[K_R] * q[K_R] * exponential(-Real(2) * q[B] * nT)};
 }
 
-/// First value of a parameter, from `from` on to `to`, at which the impactless motion touches the barrier: amplitude = r.
-inline std::optional<Quad> touching(const Parameters<double>& base, std::size_t name, double from, double to) {
+/// Likewise for any model, with one impact in the turn of `frame`: of a symmetric orbit, in one half of it. With d the deviation
+/// from the impactless motion P just after the impact, and sigma = -1 for one half, else 1:
+///
+///     d - sigma exp(A turn) d = -(1 + e) w (0, kick),  row . P_q = wall - alpha w,  row . P_v = eta slope w
+///     (row . P_q)^2 + (row . P_v / eta)^2 = amplitude^2:   a quadratic for w
+template <class Real> struct SingleImpact {
+  Linear<Real> system;
+  Stop<Real> stop;
+  Point<Real> before;  ///< sigma exp(A turn) d / w
+  Real alpha, slope;
+  Real mismatch(Real w) const {
+    const Real amplitude = impactless_amplitude(system, stop), x = stop.wall - alpha * w;
+    return x * x + slope * w * slope * w - amplitude * amplitude;
+  }
+  /// Those with w > 0, the slower one first.
+  Values<Real> speeds() const {
+    const Real a = alpha * alpha + slope * slope, h = stop.wall * alpha, c = mismatch(Real(0)), inner = h * h - a * c;
+    Values<Real> out;
+    if (inner < Real(0)) return out;
+    for (const Real sign : {Real(-1), Real(1)})
+      if (h + sign * root(inner) > Real(0)) out.push_back((h + sign * root(inner)) / a);
+    return out;
+  }
+  Values<Real> block(Real w) const {
+    const Real g = stop.height(system.in_cos) + stop.wall, k = stop.height(system.in_sin) + stop.wall;
+    Real phase = arctangent(k, g) - arctangent(slope * w, stop.wall - alpha * w);
+    while (phase < Real(0)) phase += Real(2) * pi<Real>();
+    return block_of(system, stop, phase, plus(impactless(system, phase), w, before));
+  }
+};
+
+template <class Real> SingleImpact<Real> single_impact(const Frame& frame, Real value) {
+  SingleImpact<Real> out;
+  out.system = frame.system(value);
+  out.stop = out.system.stops[static_cast<std::size_t>(frame.stops.front())];
+  const std::size_t n = frame.block();
+  const Square<Real> over = transition(out.system, frame.turn<Real>() / out.system.q[ETA]);
+  Table<Real> closing(n, n);
+  Values<Real> d(n, Real(0));
+  const Real sigma(frame.half ? -1 : 1), change = Real(1) + out.stop.restitution;
+  Point<Real> jump{Real(0), Real(0), -change * out.stop.kick[0], -change * out.stop.kick[1]}, after{};
+  for (std::size_t i = 0; i < n; ++i) {
+    d[i] = jump[out.system.index(i)];
+    for (std::size_t j = 0; j < n; ++j)
+      closing(i, j) = Real(i == j ? 1 : 0) - sigma * over[out.system.index(i)][out.system.index(j)];
+  }
+  solve(closing, d);
+  for (std::size_t i = 0; i < n; ++i) after[out.system.index(i)] = d[i];
+  out.before = plus(after, Real(-1), jump);
+  out.alpha = out.stop.height(out.before) + out.stop.wall;
+  out.slope = (Real(1) - out.stop.speed(out.before)) / out.system.q[ETA];
+  return out;
+}
+
+/// First value of a parameter, from `from` on to `to`, at which the impactless motion touches a stop.
+inline std::optional<Quad> touching(const Frame& frame, double from, double to) {
   constexpr int steps = 4000;
-  const auto below = [&](Quad p) {
-    Parameters<Quad> q = converted<Quad>(base);
-    q[name] = p;
-    return q[R] - impactless_amplitude(q);
-  };
+  const auto below = [&](Quad p) { return clearance(frame.system(p)); };
   Quad low = from;
   for (int k = 1; k <= steps; ++k) {
     Quad high = Quad(from) + (Quad(to) - Quad(from)) * Quad(k) / Quad(steps);

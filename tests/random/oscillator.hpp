@@ -10,15 +10,13 @@
 #include "real.hpp"
 
 #include <array>
-#include <string_view>
 
 namespace graze::reference {
 
-inline constexpr std::array<std::string_view, 5> parameter_names = {"b", "xi", "eta", "r", "k_r"};
-enum Name : std::size_t { B, XI, ETA, R, K_R };
+enum Name : std::size_t { B, XI, ETA, R, K_R, L, K_L, MASS = 5, K, C };
 
-/// Values in the order of parameter_names.
-template <class Real> using Parameters = std::array<Real, 5>;
+/// By Name. Those that a model does not have are 0.
+template <class Real> using Parameters = std::array<Real, 8>;
 
 template <class To, class From> Parameters<To> converted(const Parameters<From>& from) {
   Parameters<To> out;

@@ -11,9 +11,18 @@
 
 namespace graze::reference {
 
+namespace {
+
+std::string problem(const Plan& plan) {
+  return (plan.model == Model::barrier ? plan.data : plan.systems) + "/" +
+         std::string(model_names[static_cast<std::size_t>(plan.model)]) + ".toml";
+}
+
+}  // namespace
+
 Answer answered(const Plan& plan, const std::string& command, const std::string& arguments) {
   const std::string line = "timeout " + std::to_string(plan.patience) + " '" + plan.program + "' " + command + " '" +
-                           plan.problem + "'" + arguments + " --quiet --threads 1 --json - 2> /dev/null < /dev/null";
+                           problem(plan) + "'" + arguments + " --quiet --threads 1 --json - 2> /dev/null < /dev/null";
   Answer out;
   std::FILE* pipe = ::popen(line.c_str(), "r");
   if (!pipe) {
@@ -51,7 +60,7 @@ Summary run(const Plan& plan, std::ostream& out) {
       name = one.frame.name;
       verdict = check_skeleton(one, answered(plan, command, what), plan.most_impacts);
     } else {
-      const Case one = random_case(plan.seed, k, plan.name);
+      const Case one = random_case(plan.seed, k, plan.name, plan.model);
       what = arguments(one);
       name = one.frame.name;
       verdict = check(one, answered(plan, command, what), plan.most_impacts);
@@ -63,13 +72,13 @@ Summary run(const Plan& plan, std::ostream& out) {
     if (verdict.complaints.empty()) continue;
     ++summary.failed;
     std::set<std::string> kinds;
-    out << "case " << plan.seed << ":" << k << " (" << parameter_names[name] << ")";
+    out << "case " << plan.seed << ":" << k << " (" << parameter_names(plan.model)[name] << ")";
     for (const Complaint& complaint : verdict.complaints) {
       out << (&complaint == verdict.complaints.data() ? " " : "; ") << complaint.kind << ": " << complaint.text;
       kinds.insert(complaint.kind);
     }
     for (const std::string& kind : kinds) ++summary.kinds[kind];
-    out << " | graze " << command << " " << plan.problem << what << std::endl;
+    out << " | graze " << command << " " << problem(plan) << what << std::endl;
   }
   return summary;
 }

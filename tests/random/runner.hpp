@@ -14,10 +14,11 @@ struct Plan {
   std::uint64_t first = 0, cases = 100;
   bool skeletons = false;           ///< of `diagram --skeleton`, not of `continue`
   std::optional<std::size_t> name;  ///< of the parameter that changes; else any
-  std::string program, problem;     ///< paths of graze and of newton-elastic.toml
-  int most_impacts = 16;            ///< of families that are compared: their equations take long in Quad
-  double patience = 20.0;           ///< seconds for one command
-  double time = 1e9;                ///< seconds for all: then the rest is not run
+  Model model = Model::barrier;
+  std::string program, data, systems;  ///< paths of graze, and of the folders with newton-elastic.toml and the other models
+  int most_impacts = 16;               ///< of families that are compared: their equations take long in Quad
+  double patience = 20.0;              ///< seconds for one command
+  double time = 1e9;                   ///< seconds for all: then the rest is not run
 };
 
 struct Summary {

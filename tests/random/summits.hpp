@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Interior maxima of an orbit's flights: the orbit is admissible if all of them lie below the barrier. Each flight is sampled
-// densely for changes of sign of x' (the forced part and the transient are carried on by rotations), and each change is polished
-// by Newton's method on x' = 0. A maximum beyond the barrier is the only way through it, for a flight ends moving upwards.
+// Interior maxima of an orbit's flights towards each stop: the orbit is admissible if all of them lie below it. Each flight is
+// sampled densely for changes of sign of the speed towards a stop (the forced part is carried on by a rotation, the transient by
+// its exponential), and each change is polished by Newton's method. A maximum beyond a stop is the only way through it, for a
+// flight ends moving towards the stop that it meets, and no system here can be at two stops at once.
 #pragma once
 
 #include "impact_equations.hpp"
@@ -14,74 +15,78 @@ namespace graze::reference {
 inline constexpr double summit_sampling = 0.03;
 
 template <class Real> struct Summit {
-  int leg = 0;
+  std::size_t leg = 0, stop = 0;
   Real time{};    ///< after the leg's start
-  Real height{};  ///< over the barrier
+  Real height{};  ///< over the stop
 };
 
-/// Newton's method on x' = 0 from a time nearby.
-template <class Real> Summit<Real> polished_summit(const Frame& frame, const Values<Real>& y, int i, Real time) {
-  const Parameters<Real> q = frame.at(y[frame.size()]);
-  const Leg<Real> here = leg(frame, y, i);
+/// Newton's method from a time nearby.
+template <class Real> Summit<Real> polished_summit(const Frame& frame, const Values<Real>& y, const Summit<Real>& guess) {
+  const Leg<Real> here = leg(frame, y, guess.leg);
+  const Stop<Real>& stop = here.system.stops[guess.stop];
+  Summit<Real> out = guess;
   for (int k = 0; k < 8; ++k) {
-    const Motion<Real> at = flight(q, here.phase, here.start, time);
-    const Real step = at.v / acceleration(q, here.phase + q[ETA] * time, at);
-    time -= step;
+    const Point<Real> at = flight(here.system, here.phase, here.start, out.time);
+    const Real step = stop.speed(at) / stop.speed(rate(here.system, here.phase + here.system.q[ETA] * out.time, at));
+    out.time -= step;
     if (magnitude(step) < converged_step(Real(0))) break;
   }
-  return {i, time, flight(q, here.phase, here.start, time).x - q[R]};
+  out.height = stop.height(flight(here.system, here.phase, here.start, out.time));
+  return out;
 }
 
 /// By decreasing height.
 inline std::vector<Summit<double>> summits(const Frame& frame, const Values<double>& y) {
-  const Parameters<double> q = frame.at(y[frame.size()]);
   std::vector<Summit<double>> out;
-  for (int i = 0; i < frame.impacts; ++i) {
+  for (std::size_t i = 0; i < frame.legs(); ++i) {
     const Leg<double> here = leg(frame, y, i);
-    const int steps = std::max(20, static_cast<int>(here.duration * std::max(1.0, q[ETA]) / summit_sampling));
-    const double h = here.duration / steps;
-    const Transition<double> on = transition(q, h);
-    const double c = std::cos(q[ETA] * h), s = std::sin(q[ETA] * h);
-    Motion<double> forced = impactless(q, here.phase), rest{here.start.x - forced.x, here.start.v - forced.v};
-    double v = here.start.v;
+    const int steps = std::max(20, static_cast<int>(here.duration * fastest(here.system) / summit_sampling));
+    const double h = here.duration / steps, c = std::cos(here.system.q[ETA] * h), s = std::sin(here.system.q[ETA] * h);
+    const Square<double> on = transition(here.system, h);
+    double along = std::cos(here.phase), across = std::sin(here.phase);
+    Point<double> rest = plus(here.start, -1.0, impactless(here.system, here.phase)), last = here.start;
     for (int k = 1; k < steps; ++k) {
-      forced = {c * forced.x + s * forced.v / q[ETA], c * forced.v - s * forced.x * q[ETA]};
+      const double turned = c * along - s * across;
+      across = s * along + c * across;
+      along = turned;
       rest = on * rest;
-      const double next = forced.v + rest.v;
-      if (v > 0.0 && next <= 0.0) {
-        Summit<double> found = polished_summit(frame, y, i, (k - next / (next - v)) * h);
-        if (!(found.time > (k - 2) * h && found.time < (k + 1) * h)) found = {i, k * h, forced.x + rest.x - q[R]};
+      const Point<double> now = plus(plus(rest, along, here.system.in_cos), across, here.system.in_sin);
+      for (std::size_t j = 0; j < here.system.stops.size(); ++j) {
+        const Stop<double>& stop = here.system.stops[j];
+        const double v = stop.speed(last), next = stop.speed(now);
+        if (!(v > 0.0 && next <= 0.0)) continue;
+        Summit<double> found = polished_summit(frame, y, {i, j, (k - next / (next - v)) * h, 0.0});
+        if (!(found.time > (k - 2) * h && found.time < (k + 1) * h)) found = {i, j, k * h, stop.height(now)};
         out.push_back(found);
       }
-      v = next;
+      last = now;
     }
   }
   std::sort(out.begin(), out.end(), [](const auto& one, const auto& other) { return one.height > other.height; });
   return out;
 }
 
-/// Height of the highest summit; far below the barrier if there is none.
+/// Height of the highest summit; far below the stops if there is none.
 inline double gap(const Frame& frame, const Values<double>& y) {
   const std::vector<Summit<double>> all = summits(frame, y);
   return all.empty() ? -1.0 : all.front().height;
 }
 
-/// Acceleration just after the impact that presses most: with k_r = 0 the mass sticks where it is not negative.
+/// Acceleration just after the impact that presses most: without rebound the mass sticks where it is not negative.
 inline double pressing(const Frame& frame, const Values<double>& y) {
-  const Parameters<double> q = frame.at(y[frame.size()]);
   double most = -1e300;
-  for (int i = 0; i < frame.impacts; ++i)
-    most = std::max(most, acceleration(q, y[2 * static_cast<std::size_t>(i)], Motion<double>{q[R], 0.0}));
+  for (std::size_t i = 0; i < frame.legs(); ++i) {
+    const Leg<double> here = leg(frame, y, i);
+    if (here.from.restitution == 0.0) most = std::max(most, here.from.speed(rate(here.system, here.phase, here.start)));
+  }
   return most;
 }
 
-inline bool sticks(const Frame& frame, const Values<double>& y) {
-  return frame.at(y[frame.size()])[K_R] == 0.0 && pressing(frame, y) >= 0.0;
-}
+inline bool sticks(const Frame& frame, const Values<double>& y) { return pressing(frame, y) >= 0.0; }
 
 inline bool admissible(const Frame& frame, const Values<double>& y) {
-  for (int i = 0; i < frame.impacts; ++i)
-    if (!(y[2 * static_cast<std::size_t>(i) + 1] > 0.0)) return false;
+  for (std::size_t i = 0; i < frame.legs(); ++i)
+    if (!(y[frame.block() * i + 1] > 0.0)) return false;
   return gap(frame, y) < 0.0 && !sticks(frame, y);
 }
 
