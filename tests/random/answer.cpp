@@ -89,6 +89,7 @@ Answer parse_answer(const std::string& json) {
   Answer out;
   try {
     const Json all = Json::parse(json);
+    out.interrupted = text(all, "status") == "interrupted";
     for (const Json& one : all.at("branches")) out.branches.push_back(branch(one));
     if (out.branches.empty()) out.failure = "no branches";
   } catch (const std::exception& error) {

@@ -44,7 +44,8 @@ struct AnswerBranch {
 };
 
 struct Answer {
-  std::string failure;  ///< why there is none: empty if there is one
+  std::string failure;       ///< why there is none: empty if there is one
+  bool interrupted = false;  ///< its time was used up
   std::vector<AnswerBranch> branches;
 };
 

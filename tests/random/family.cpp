@@ -473,6 +473,12 @@ class Follower {
         const std::optional<int> own = family_side(chord, *root);
         const std::optional<int> other = added_side(frame, root->y, polished_summit(frame, root->y, guess));
         if (own && other) point.persistence = *own != *other;
+        if (frame.half) {
+          // Both stops are touched at once: the orbits with one impact more are less symmetric.
+          const std::optional<int> single =
+              added_side(doubled_frame(frame), twice(frame, root->y), polished_summit(frame, root->y, guess));
+          if (own && single) point.persistence_single = *own != *single;
+        }
         grazing = point;
       }
     }
@@ -483,13 +489,18 @@ class Follower {
     }
     if (const std::optional<double> lambda = closes(chord, size)) end_at(End::closed, *lambda);
 
+    std::vector<Located> found;
     if (halves(chord)) {
-      family_.end = End::halved;
-      family_.end_value = last.y.back();
-      return true;
+      if (!mirrored()) {
+        family_.end = End::halved;
+        family_.end_value = last.y.back();
+        return true;
+      }
+      const std::optional<Located> breaking = symmetry_breaking(chord, last.sigma + 0.5 * size);
+      if (!breaking) return broken();
+      found.push_back(*breaking);
     }
 
-    std::vector<Located> found;
     if (fold && *fold < limit) {
       const std::optional<Root> root = refined(chord, *fold, [&](const Values<Quad>& y) { return condition(frame, y, 1); });
       if (!root) return broken();
@@ -569,16 +580,48 @@ class Follower {
     return std::nullopt;
   }
 
+  /// Whether the halves of a whole orbit that are compared are mirror images, as those of a symmetric one.
+  bool mirrored() const { return family_.frame.periods % 2 != 0; }
+
+  /// The symmetric orbit that orbits less symmetric come down to on the chord: there the family passes over to their mirror
+  /// images.
+  std::optional<Located> symmetry_breaking(const Chord& chord, double sigma) const {
+    // Of the parameter, to both sides, in its range; on the family it changes by the square of the step.
+    const double beside = 1e-5 * (family_.range.high - family_.range.low);
+    const std::size_t n = family_.frame.size() / 2;
+    Frame frame = family_.frame;
+    frame.stops.resize(frame.legs() / 2);
+    frame.half = true;
+    Values<double> middle, weights(family_.weights.begin(), family_.weights.begin() + static_cast<std::ptrdiff_t>(n));
+    for (std::size_t k = 0; k < n; ++k) {
+      const double shift = k % frame.block() == 0 ? frame.turn<double>() : 0.0;
+      middle.push_back(0.5 * (chord.a[k] + chord.a[k + n] - shift));
+    }
+    const double p = chord.a.back();
+    middle.push_back(p);
+    weights.push_back(family_.weights.back());
+    const std::optional<Values<double>> low = corrected(frame, middle, fixed_parameter(frame, p - beside));
+    const std::optional<Values<double>> high = corrected(frame, middle, fixed_parameter(frame, p + beside));
+    if (!low || !high) return std::nullopt;
+    const Chord symmetric{frame, weights, *low, *high};
+    const std::optional<double> lambda = bisected(symmetric, [&](const auto& y) { return condition(frame, y, -1); });
+    if (!lambda) return std::nullopt;
+    const std::optional<Root> root = refined(symmetric, *lambda, [&](const auto& y) { return condition(frame, y, -1); });
+    if (!root) return std::nullopt;
+    Located out = located(Kind::BP, symmetric, *root, sigma, 0.0);
+    out.orbit = twice(frame, root->y);
+    return out;
+  }
+
   /// Whether both halves of the orbit become the same on the chord. The family of the undoubled orbits passes there too, and the
   /// step may have gone over to it.
   bool halves(const Chord& chord) const {
     constexpr double same = 1e-7;
     const Frame& frame = family_.frame;
     const std::size_t n = frame.size() / 2, m = frame.legs() / 2;
-    const bool mirrored = frame.periods % 2 != 0;
-    if (frame.half || frame.legs() % 2 != 0 || (mirrored && frame.model != Model::equal_stops)) return false;
+    if (frame.half || frame.legs() % 2 != 0 || (mirrored() && frame.model != Model::equal_stops)) return false;
     for (std::size_t i = 0; i < m; ++i)
-      if ((frame.stops[i] == frame.stops[i + m]) == mirrored) return false;
+      if ((frame.stops[i] == frame.stops[i + m]) == mirrored()) return false;
     const auto unlike = [&](const Values<double>& y) {
       Values<double> out;
       for (std::size_t k = 0; k < n; ++k) {
@@ -712,7 +755,8 @@ std::vector<Place> places(const Family& family, double p, const std::vector<Stat
     double low = std::min(a.y.back(), b.y.back()), high = std::max(a.y.back(), b.y.back());
     std::vector<double> ends = {0.0};
     for (const Located& point : family.points) {
-      if (point.kind != Kind::LP || point.sigma < a.sigma || point.sigma >= b.sigma) continue;
+      const bool turns = point.kind == Kind::LP || (point.kind == Kind::BP && !frame.half);
+      if (!turns || point.sigma < a.sigma || point.sigma >= b.sigma) continue;
       ends.push_back((point.sigma - a.sigma) / size);
       low = std::min(low, static_cast<double>(point.value));
       high = std::max(high, static_cast<double>(point.value));

@@ -27,7 +27,7 @@ enum class End {
   grazing,   ///< the last point is a GR
   closed,    ///< back at the start
   sticking,  ///< k_r = 0 and the mass no longer leaves the barrier: the reference ends here
-  halved,    ///< both halves of a doubled orbit have become the same: at a PD (or BP) of the family it was doubled from
+  halved,    ///< both halves of a doubled orbit have become the same: at a PD of the family it was doubled from
   broken     ///< the reference itself gives up: too many steps, or none that converges
 };
 
@@ -41,7 +41,8 @@ struct Located {
   std::size_t which = 0;                           ///< impact that is lost, or after which one is gained
   int before = 0, after = 0;                       ///< impacts, at GR
   std::optional<bool> supercritical, persistence;  ///< nothing: not decided
-  std::optional<int> side;                         ///< at PD: the sign of p - p_0 of doubled orbits
+  std::optional<bool> persistence_single;  ///< where a symmetric orbit gains an impact at both stops: of those that gain one
+  std::optional<int> side;                 ///< at PD: the sign of p - p_0 of doubled orbits
 };
 
 struct Sample {

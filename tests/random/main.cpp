@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Any number of random cases on request:
 //
-//     random_cases [--command continue|diagram] [--cases N] [--seed S] [--first K] [--model NAME] [--param NAME] [--most-impacts
-//     M]
-//                  [--patience SECONDS] [--time SECONDS] [--program PATH]
+//     random_cases [--command continue|diagram] [--cases N] [--seed S] [--first K] [--model NAME] [--param NAME]
+//                  [--most-impacts M] [--limit SECONDS] [--patience SECONDS] [--time SECONDS] [--program PATH]
 //
 // NAME of a model: newton-elastic (default), or a file of systems/ without ending.
 // One line for each case that fails, with the command that shows it; then how often each kind of complaint appears. The exit code
@@ -39,6 +38,8 @@ Plan plan_of(int argc, char** argv) {
       plan.most_impacts = std::stoi(value);
     else if (name == "--patience")
       plan.patience = std::stod(value);
+    else if (name == "--limit")
+      plan.limit = std::stod(value);
     else if (name == "--time")
       plan.time = std::stod(value);
     else if (name == "--command") {

@@ -22,7 +22,9 @@ std::string problem(const Plan& plan) {
 
 Answer answered(const Plan& plan, const std::string& command, const std::string& arguments) {
   const std::string line = "timeout " + std::to_string(plan.patience) + " '" + plan.program + "' " + command + " '" +
-                           problem(plan) + "'" + arguments + " --quiet --threads 1 --json - 2> /dev/null < /dev/null";
+                           problem(plan) + "'" + arguments + " --quiet --threads 1" +
+                           (plan.limit > 0.0 ? " --time " + std::to_string(plan.limit) : "") +
+                           " --json - 2> /dev/null < /dev/null";
   Answer out;
   std::FILE* pipe = ::popen(line.c_str(), "r");
   if (!pipe) {

@@ -17,6 +17,7 @@ struct Plan {
   Model model = Model::barrier;
   std::string program, data, systems;  ///< paths of graze, and of the folders with newton-elastic.toml and the other models
   int most_impacts = 16;               ///< of families that are compared: their equations take long in Quad
+  double limit = 0.0;                  ///< --time of one command, after which what there is is checked; 0: none
   double patience = 20.0;              ///< seconds for one command
   double time = 1e9;                   ///< seconds for all: then the rest is not run
 };
