@@ -85,9 +85,10 @@ Placed place_points(const Family& family, const AnswerBranch& branch, std::vecto
     std::vector<Place> found = places(family, point.value, point.states,
                                       std::max(state_tolerance * size, by_doubling * from_origin(family, point.states)));
     // A closed family that was born on symmetric orbits comes back to its birth: the first points are not those of its end.
-    if (family.end == End::closed && placed.last < largest_start && from_origin(family, point.states) > 0.0) {
-      std::erase_if(found, [&](const Place& place) { return place.sigma > largest_start; });
-      if (found.empty()) {
+    if (family.end == End::closed && !family.origin.empty() && placed.last < largest_start) {
+      std::erase_if(found, [&](const Place& place) { return place.sigma > 0.5 * total; });
+      const std::vector<State> origin = states_of(family.frame, family.origin);
+      if (found.empty() && apart(point.states, origin) < 1.5 * apart(states_of(family.frame, family.samples.front().y), origin)) {
         placed.sigmas.push_back(std::numeric_limits<double>::quiet_NaN());
         continue;
       }
@@ -213,6 +214,37 @@ void compare_points(const Family& family, const AnswerBranch& branch, const Plac
   }
 }
 
+/// Of the whole orbit, where the frame has the half of a symmetric one.
+Table<double> whole_monodromy(const Frame& frame, const Values<double>& y) {
+  const Table<double> M = monodromy(frame, y);
+  return frame.half ? M * M : M;
+}
+
+/// Roots of the characteristic polynomial, by Weierstrass' iteration. Its coefficients follow from the power sums.
+std::vector<std::complex<double>> multipliers_of(const Table<double>& M) {
+  constexpr int most = 200;
+  const Values<double> p = power_sums(M);
+  const std::size_t n = M.rows;
+  Values<double> e = {1.0};
+  for (std::size_t k = 1; k <= n; ++k) {
+    double sum = 0.0;
+    for (std::size_t i = 1; i <= k; ++i) sum += (i % 2 == 1 ? 1.0 : -1.0) * e[k - i] * p[i - 1];
+    e.push_back(sum / static_cast<double>(k));
+  }
+  std::vector<std::complex<double>> out;
+  for (std::size_t k = 0; k < n; ++k)
+    out.push_back(std::pow(std::complex<double>(0.4, 0.9), static_cast<int>(k)) * (1.0 + std::fabs(p[0])));
+  for (int step = 0; step < most; ++step)
+    for (std::size_t k = 0; k < n; ++k) {
+      std::complex<double> value = 0.0, others = 1.0;
+      for (std::size_t i = 0; i <= n; ++i) value = value * out[k] + (i % 2 == 1 ? -e[i] : e[i]);
+      for (std::size_t j = 0; j < n; ++j)
+        if (j != k) others *= out[k] - out[j];
+      if (others != 0.0) out[k] -= value / others;
+    }
+  return out;
+}
+
 /// Multipliers of the points against the power sums of the reference's, and the stability that follows from them. Next to a
 /// grazing, or to a fold, they are not known well.
 void compare_multipliers(const Family& family, const AnswerBranch& branch, std::vector<Complaint>& out) {
@@ -225,16 +257,7 @@ void compare_multipliers(const Family& family, const AnswerBranch& branch, std::
     for (std::size_t i = 0; i < family.frame.legs(); ++i) slowest = std::min(slowest, y[family.frame.block() * i + 1]);
     for (const std::complex<double>& mu : point.multipliers) most = std::max(most, std::abs(mu));
     if (slowest < multiplier_speed) continue;
-    Frame whole = family.frame;
-    const Table<double> half = monodromy(whole, y);
-    Table<double> M = half;
-    if (whole.half)
-      for (std::size_t i = 0; i < M.rows; ++i)
-        for (std::size_t j = 0; j < M.rows; ++j) {
-          M(i, j) = 0.0;
-          for (std::size_t k = 0; k < M.rows; ++k) M(i, j) += half(i, k) * half(k, j);
-        }
-    const Values<double> sums = power_sums(M);
+    const Values<double> sums = power_sums(whole_monodromy(family.frame, y));
     const double error = multiplier_tolerance * (1.0 + found.front().distance / 1e-9);
     for (std::size_t k = 0; k < sums.size(); ++k) {
       std::complex<double> sum = 0.0;
@@ -387,12 +410,14 @@ class Check {
     compare_doubled(*found, branch);
   }
 
-  static bool on_family(const Family& family, const AnswerBranch& branch) {
-    if (branch.points.empty()) return false;
-    const AnswerPoint& middle = branch.points[branch.points.size() / 2];
+  /// Arclength from the family's start to a point early on the branch; huge if that is not on it.
+  static double length_to(const Family& family, const AnswerBranch& branch) {
+    if (branch.points.empty()) return 1e300;
+    const AnswerPoint& early = branch.points[branch.points.size() / 4];
     double size = 1.0;
-    for (const State& state : middle.states) size = std::max(size, largest(state));
-    return !places(family, middle.value, middle.states, state_tolerance * size).empty();
+    for (const State& state : early.states) size = std::max(size, largest(state));
+    const std::vector<Place> found = places(family, early.value, early.states, state_tolerance * size);
+    return found.empty() ? 1e300 : found.front().sigma;
   }
 
   void compare_doubled(const Family& parent, const AnswerBranch& branch) {
@@ -413,10 +438,12 @@ class Check {
       int sign = 1;
       std::optional<Family> family = follow_doubled(parent, doubling);
       if (!family) continue;
-      if (child && doubling.kind == Kind::BP && !on_family(*family, *child)) {
-        sign = -1;
-        family = follow_doubled(parent, doubling, {}, sign);
-        if (!family) continue;
+      if (child && doubling.kind == Kind::BP) {
+        const std::optional<Family> image = follow_doubled(parent, doubling, {}, -1);
+        if (image && length_to(*image, *child) < length_to(*family, *child)) {
+          sign = -1;
+          family = image;
+        }
       }
       if (family->end == End::halved && child) reached.insert(family->end_value);
       if (!child) {
@@ -625,6 +652,11 @@ AnswerBranch answer_of(const Family& family, int id) {
     // The end of a family that grazes is its last special point.
     if (family.end == End::grazing && &sample == &family.samples.back()) break;
     out.points.push_back({sample.y.back(), states_of(family.frame, sample.y), family.frame.impacts(), false, {}, {}});
+    std::vector<std::complex<double>>& multipliers = out.points.back().multipliers;
+    multipliers = multipliers_of(whole_monodromy(family.frame, sample.y));
+    double most = 0.0;
+    for (const std::complex<double>& mu : multipliers) most = std::max(most, std::abs(mu));
+    out.points.back().stable = most < 1.0;
   }
   for (const Located& point : family.points) {
     AnswerSpecial special;
@@ -640,7 +672,7 @@ AnswerBranch answer_of(const Family& family, int id) {
     special.period = family.frame.periods;
     special.impacts = family.frame.impacts();
     special.states = states_of(family.frame, converted<double>(point.orbit));
-    special.multipliers = {point.kind == Kind::PD ? -1.0 : 1.0};
+    special.multipliers = {point.kind == Kind::PD ? -1.0 : 1.0};  // of modulus 1, and real where that is asked for
     special.kind = point.kind != Kind::GR ? "" : point.gained ? "gained" : "lost";
     if (point.persistence) special.scenario = *point.persistence ? "persistence" : "nonsmooth-fold";
     if (point.supercritical) special.criticality = *point.supercritical ? "supercritical" : "subcritical";

@@ -267,11 +267,7 @@ template <class Real> Values<Real> power_sums(const Table<Real>& M) {
     Real trace(0);
     for (std::size_t i = 0; i < M.rows; ++i) trace += power(i, i);
     out.push_back(trace);
-    Table<Real> next(M.rows, M.rows);
-    for (std::size_t i = 0; i < M.rows; ++i)
-      for (std::size_t l = 0; l < M.rows; ++l)
-        for (std::size_t j = 0; j < M.rows; ++j) next(i, j) += power(i, l) * M(l, j);
-    power = next;
+    power = power * M;
   }
   return out;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The random tester: its reference against the closed form, its checker against mutations of right answers, and the program
 // against both. More cases and other seeds: the program random_cases (main.cpp), or these variables of the environment for the
-// last two test cases: GRAZE_RANDOM_CASES, GRAZE_RANDOM_SKELETONS, GRAZE_RANDOM_SEED.
+// last three test cases: GRAZE_RANDOM_CASES, GRAZE_RANDOM_SKELETONS, GRAZE_RANDOM_SYSTEM_CASES, GRAZE_RANDOM_SEED.
 #include "one_impact.hpp"
 #include "runner.hpp"
 
@@ -40,54 +40,8 @@ bool moved(AnswerBranch& branch, double by) {
   return true;
 }
 
-std::string variable(const char* name, const std::string& otherwise) {
-  const char* value = std::getenv(name);
-  return value ? value : otherwise;
-}
-
-}  // namespace
-
-TEST_CASE("the reference of the random tester agrees with the closed form of one-impact orbits") {
-  int points = 0, doublings = 0;
-  for (std::uint64_t k = 0; k < 60; ++k) {
-    const Case one = random_case(7, k);
-    if (one.frame.impacts() != 1) continue;
-    const Family family = followed(one);
-    INFO(arguments(one));
-    REQUIRE(family.end != End::broken);
-    for (const Sample& sample : family.samples) {
-      const OneImpactForm<double> form = one_impact(one.frame.at(sample.y.back()), one.frame.periods);
-      const double v = sample.y[1], amplitude = impactless_amplitude(form.q);
-      // Size of the three terms, to which a relative error of the parameter and the speed applies.
-      const double size = form.a() * v * v + std::fabs(form.h() * v) + form.q[R] * form.q[R] + amplitude * amplitude;
-      CHECK(std::fabs(form.mismatch(v)) < 1e-9 * size);
-    }
-    for (const Located& point : family.points) {
-      const Quad v = point.orbit[1];
-      const OneImpactForm<Quad> form = one_impact(one.frame.at(point.value), one.frame.periods);
-      const Quad expected = point.kind == Kind::LP   ? form.fold_speed()
-                            : point.kind == Kind::PD ? form.flip_speed()
-                            : point.gained           ? v
-                                                     : Quad(0);
-      CHECK(static_cast<double>(magnitude(v - expected)) < 1e-18 * (1.0 + static_cast<double>(magnitude(expected))));
-      CHECK(static_cast<double>(magnitude(form.mismatch(v))) < 1e-20);
-      CHECK(point.error < 1e-20);
-      ++points;
-      // Beyond a supercritical doubling the doubled orbits are stable: by their multipliers, which the verdict does not use.
-      if (point.kind != Kind::PD || !point.supercritical) continue;
-      const std::optional<Family> doubled = follow_doubled(family, point);
-      if (!doubled) continue;
-      const Table<double> M = monodromy(doubled->frame, doubled->samples.front().y);
-      CHECK((characteristic(M, 1.0) > 0.0) == *point.supercritical);
-      ++doublings;
-    }
-  }
-  CHECK(points > 40);
-  CHECK(doublings > 5);
-}
-
-TEST_CASE("the checker of the random tester finds nothing in right answers and every mutation of them") {
-  const std::vector<std::pair<std::string, std::function<bool(AnswerBranch&)>>> mutations = {
+const std::vector<std::pair<std::string, std::function<bool(AnswerBranch&)>>>& mutations() {
+  static const std::vector<std::pair<std::string, std::function<bool(AnswerBranch&)>>> all = {
       {"a point is removed",
        [](AnswerBranch& branch) {
          if (branch.special_points.empty()) return false;
@@ -120,6 +74,32 @@ TEST_CASE("the checker of the random tester finds nothing in right answers and e
          AnswerSpecial* special = first_of(branch, "PD");
          if (special) special->type = "LP";
          return special != nullptr;
+       }},
+      {"a broken symmetry is called a fold",
+       [](AnswerBranch& branch) {
+         AnswerSpecial* special = first_of(branch, "BP");
+         if (special) special->type = "LP";
+         return special != nullptr;
+       }},
+      {"a Neimark-Sacker point is called a doubling",
+       [](AnswerBranch& branch) {
+         AnswerSpecial* special = first_of(branch, "NS");
+         if (special) special->type = "PD";
+         return special != nullptr;
+       }},
+      {"a multiplier is wrong",
+       [](AnswerBranch& branch) {
+         AnswerPoint& point = branch.points[branch.points.size() / 2];
+         if (point.multipliers.empty()) return false;
+         point.multipliers.front() += 1e-3 * (1.0 + std::abs(point.multipliers.front()));
+         return true;
+       }},
+      {"stable and unstable are exchanged",
+       [](AnswerBranch& branch) {
+         AnswerPoint& point = branch.points[branch.points.size() / 2];
+         if (!point.stable) return false;
+         point.stable = !*point.stable;
+         return true;
        }},
       {"the label has another number of impacts",
        [](AnswerBranch& branch) {
@@ -192,13 +172,18 @@ TEST_CASE("the checker of the random tester finds nothing in right answers and e
          return true;
        }},
   };
-  std::vector<int> counts(mutations.size(), 0);
-  for (std::uint64_t k = 0; k < 25; ++k) {
-    const Case one = random_case(11, k);
+  return all;
+}
+
+/// Complaints about the right answers of the families of random cases, and about every mutation of them: how often each applies.
+std::vector<int> mutate_all(Model model, std::uint64_t seed, std::uint64_t cases) {
+  std::vector<int> counts(mutations().size(), 0);
+  for (std::uint64_t k = 0; k < cases; ++k) {
+    const Case one = random_case(seed, k, std::nullopt, model);
     std::vector<Family> families = {followed(one)};
     REQUIRE(families[0].end != End::broken);
     for (const Located& point : families[0].points)
-      if (point.kind == Kind::PD)
+      if (point.kind == Kind::PD || point.kind == Kind::BP)
         if (const std::optional<Family> doubled = follow_doubled(families[0], point)) families.push_back(*doubled);
     for (const Family& family : families) {
       // Beyond the onset of sticking, or beyond its other doubling, the reference knows nothing of the branch.
@@ -206,20 +191,151 @@ TEST_CASE("the checker of the random tester finds nothing in right answers and e
       if (family.end == End::sticking || family.end == End::halved || family.samples.back().sigma < 0.2) continue;
       INFO(arguments(one) << " " << family.frame.impacts() << "/" << family.frame.periods);
       for (const Complaint& complaint : compare(family, answer_of(family, 1))) FAIL_CHECK(complaint.text);
-      for (std::size_t m = 0; m < mutations.size(); ++m) {
-        INFO(mutations[m].first);
+      for (std::size_t m = 0; m < mutations().size(); ++m) {
+        INFO(mutations()[m].first);
         bool applied = false;
-        const std::vector<Complaint> complaints = mutated(family, mutations[m].second, applied);
+        const std::vector<Complaint> complaints = mutated(family, mutations()[m].second, applied);
         if (!applied) continue;
         ++counts[m];
         CHECK_FALSE(complaints.empty());
       }
     }
   }
-  for (std::size_t m = 0; m < mutations.size(); ++m) {
-    INFO(mutations[m].first);
+  return counts;
+}
+
+std::string variable(const char* name, const std::string& otherwise) {
+  const char* value = std::getenv(name);
+  return value ? value : otherwise;
+}
+
+}  // namespace
+
+TEST_CASE("the reference of the random tester agrees with the closed form of one-impact orbits") {
+  int points = 0, doublings = 0;
+  for (std::uint64_t k = 0; k < 60; ++k) {
+    const Case one = random_case(7, k);
+    if (one.frame.impacts() != 1) continue;
+    const Family family = followed(one);
+    INFO(arguments(one));
+    REQUIRE(family.end != End::broken);
+    for (const Sample& sample : family.samples) {
+      const OneImpactForm<double> form = one_impact(one.frame.at(sample.y.back()), one.frame.periods);
+      const double v = sample.y[1], amplitude = impactless_amplitude(form.q);
+      // Size of the three terms, to which a relative error of the parameter and the speed applies.
+      const double size = form.a() * v * v + std::fabs(form.h() * v) + form.q[R] * form.q[R] + amplitude * amplitude;
+      CHECK(std::fabs(form.mismatch(v)) < 1e-9 * size);
+    }
+    for (const Located& point : family.points) {
+      const Quad v = point.orbit[1];
+      const OneImpactForm<Quad> form = one_impact(one.frame.at(point.value), one.frame.periods);
+      const Quad expected = point.kind == Kind::LP   ? form.fold_speed()
+                            : point.kind == Kind::PD ? form.flip_speed()
+                            : point.gained           ? v
+                                                     : Quad(0);
+      CHECK(static_cast<double>(magnitude(v - expected)) < 1e-18 * (1.0 + static_cast<double>(magnitude(expected))));
+      CHECK(static_cast<double>(magnitude(form.mismatch(v))) < 1e-20);
+      CHECK(point.error < 1e-20);
+      ++points;
+      // Beyond a supercritical doubling the doubled orbits are stable: by their multipliers, which the verdict does not use.
+      if (point.kind != Kind::PD || !point.supercritical) continue;
+      const std::optional<Family> doubled = follow_doubled(family, point);
+      if (!doubled) continue;
+      const Table<double> M = monodromy(doubled->frame, doubled->samples.front().y);
+      CHECK((characteristic(M, 1.0) > 0.0) == *point.supercritical);
+      ++doublings;
+    }
+  }
+  CHECK(points > 40);
+  CHECK(doublings > 5);
+}
+
+TEST_CASE("the checker of the random tester finds nothing in right answers and every mutation of them") {
+  const std::vector<int> counts = mutate_all(Model::barrier, 11, 25);
+  for (std::size_t m = 0; m < counts.size(); ++m) {
+    INFO(mutations()[m].first);
+    // Those of other models, and those of numbers that a right answer here does not have.
+    const std::string& of = mutations()[m].first;
+    CHECK((counts[m] > 0) == (of.find("symmetry") == std::string::npos && of.find("Sacker") == std::string::npos));
+  }
+}
+
+TEST_CASE("the checker of the random tester finds every mutation of right answers about two stops and two masses") {
+  std::vector<int> counts(mutations().size(), 0);
+  for (const auto& [model, cases] : {std::pair(Model::equal_stops, 12), std::pair(Model::two_stops, 6),
+                                     std::pair(Model::chain_first, 4), std::pair(Model::chain_second, 4)}) {
+    const std::vector<int> more = mutate_all(model, 11, static_cast<std::uint64_t>(cases));
+    for (std::size_t m = 0; m < counts.size(); ++m) counts[m] += more[m];
+  }
+  for (std::size_t m = 0; m < counts.size(); ++m) {
+    INFO(mutations()[m].first);
     CHECK(counts[m] > 0);
   }
+}
+
+TEST_CASE("the exponential of two masses agrees with their modes where the damping is proportional") {
+  // C = 2 b K: each mode has frequency w and damping b w^2. With M^-1/2 K M^-1/2 = [a, f; f, d] its directions are a rotation's.
+  for (std::uint64_t k = 0; k < 20; ++k) {
+    Parameters<Quad> q = converted<Quad>(random_case(23, k, std::nullopt, Model::chain_first).frame.base);
+    q[C] = Quad(2) * q[B] * q[K];
+    const Linear<Quad> system = linear(Model::chain_first, q);
+    const Quad a = Quad(1) + q[K], m = root(q[MASS]), f = -q[K] / m, d = q[K] / q[MASS];
+    const Quad turn = arctangent(Quad(2) * f, a - d) / Quad(2), c = cosine(turn), s = sine(turn);
+    const std::array<std::array<Quad, 2>, 2> modes = {{{c, s}, {-s, c}}};  // of M^1/2 q
+    const Quad time = Quad(0.3) * Quad(static_cast<double>(k) + 1.0);
+    Square<Quad> expected{};
+    for (const auto& mode : modes) {
+      const Quad square = a * mode[0] * mode[0] + Quad(2) * f * mode[0] * mode[1] + d * mode[1] * mode[1];
+      // As one mass with b w, in the time w t.
+      const Quad w = root(square);
+      Parameters<Quad> single{};
+      single[B] = q[B] * w;
+      const Transition<Quad> over = transition(single, w * time);
+      const std::array<std::array<Quad, 2>, 2> block = {{{over.xx, over.xv / w}, {over.vx * w, over.vv}}};
+      const std::array<Quad, 2> to = {mode[0], mode[1] / m}, from = {mode[0], mode[1] * m};
+      for (std::size_t i = 0; i < 4; ++i)
+        for (std::size_t j = 0; j < 4; ++j) expected[i][j] += to[i % 2] * block[i / 2][j / 2] * from[j % 2];
+    }
+    const Square<Quad> found = transition(system, time);
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t j = 0; j < 4; ++j) CHECK(static_cast<double>(magnitude(found[i][j] - expected[i][j])) < 1e-28);
+  }
+}
+
+TEST_CASE("one impact in each turn of two stops and two masses agrees with its closed form") {
+  int folds = 0, breakings = 0;
+  for (const Model model : {Model::equal_stops, Model::chain_first, Model::chain_second, Model::chain_between})
+    for (std::uint64_t k = 0; k < 10; ++k) {
+      const Case one = random_case(29, k, std::nullopt, model);
+      if (one.frame.legs() != 1) continue;
+      const Family family = followed(one);
+      INFO(arguments(one));
+      REQUIRE(family.end != End::broken);
+      for (std::size_t i = 0; i < family.samples.size(); i += 10) {
+        const Values<double>& y = family.samples[i].y;
+        const SingleImpact<double> form = single_impact(one.frame, y.back());
+        const double amplitude = impactless_amplitude(form.system, form.stop), x = std::fabs(form.alpha * y[1]);
+        CHECK(std::fabs(form.mismatch(y[1])) < 1e-9 * (amplitude * amplitude + x * x + form.stop.wall * form.stop.wall));
+      }
+      for (const Located& point : family.points) {
+        const SingleImpact<Quad> form = single_impact(one.frame, point.value);
+        const Quad w = point.orbit[1];
+        CHECK(static_cast<double>(magnitude(form.mismatch(w))) < 1e-20);
+        CHECK(point.error < 1e-18);
+        if (point.kind == Kind::BP) {
+          ++breakings;
+          // The symmetric orbit has a multiplier +1 of half its period with the sign that mirrors: its square is 1.
+          CHECK(static_cast<double>(magnitude(characteristic(monodromy(one.frame, point.orbit), Quad(-1)))) < 1e-18);
+        }
+        if (point.kind != Kind::LP) continue;
+        ++folds;
+        // Both roots of the quadratic are equal.
+        const Quad fold = form.stop.wall * form.alpha / (form.alpha * form.alpha + form.slope * form.slope);
+        CHECK(static_cast<double>(magnitude(w - fold)) < 1e-18 * (1.0 + static_cast<double>(magnitude(w))));
+      }
+    }
+  CHECK(folds > 3);
+  CHECK(breakings > 1);
 }
 
 TEST_CASE("the checker of the random tester finds a doubled branch that is none") {
@@ -325,4 +441,24 @@ TEST_CASE("skeletons of random ranges contain every family of one-impact orbits"
   INFO(lines.str());
   CHECK(summary.cases == plan.cases);
   CHECK(summary.failed == 0);
+}
+
+TEST_CASE("continuation of random orbits of two stops and two masses agrees with the reference") {
+  for (const Model model :
+       {Model::equal_stops, Model::two_stops, Model::chain_first, Model::chain_second, Model::chain_between}) {
+    Plan plan;
+    plan.model = model;
+    plan.program = GRAZE_PROGRAM;
+    plan.systems = GRAZE_RANDOM_SYSTEMS;
+    plan.cases = std::stoull(variable("GRAZE_RANDOM_SYSTEM_CASES", "5"));
+    plan.seed = std::stoull(variable("GRAZE_RANDOM_SEED", "1"));
+    plan.most_impacts = 4;
+    plan.limit = 2.0;
+    std::ostringstream lines;
+    const Summary summary = run(plan, lines);
+    INFO(lines.str());
+    CHECK(summary.cases == plan.cases);
+    CHECK(summary.undecided * 5 <= summary.cases);
+    CHECK(summary.failed == 0);
+  }
 }

@@ -56,6 +56,14 @@ template <class Real> struct Table {
   const Real& operator()(std::size_t i, std::size_t j) const { return entries[i * columns + j]; }
 };
 
+template <class Real> Table<Real> operator*(const Table<Real>& A, const Table<Real>& B) {
+  Table<Real> out(A.rows, B.columns);
+  for (std::size_t i = 0; i < A.rows; ++i)
+    for (std::size_t k = 0; k < A.columns; ++k)
+      for (std::size_t j = 0; j < B.columns; ++j) out(i, j) += A(i, k) * B(k, j);
+  return out;
+}
+
 /// Gaussian elimination with row pivoting: solves A x = y in place and returns det A. y is left alone if A is singular.
 template <class Real> Real solve(Table<Real> A, Values<Real>& y) {
   const std::size_t n = A.rows;
