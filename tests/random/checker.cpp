@@ -285,8 +285,10 @@ void compare_end(const Family& family, const AnswerBranch& branch, const Placed&
   // The last point is the end, or a step from the grazing at most.
   const double total = family.samples.back().sigma, left = total - placed.last;
   const double most = family.end == End::bound ? 1e-5 * (1.0 + total) : largest_gap;
-  // "Returned" to its parent is said at the last point before.
-  const double off = family.end == End::halved ? 0.0 : std::fabs(branch.stop_value - family.end_value);
+  // "Returned" to its parent is said at the last point before, and "closed" at the first point, which is next to the birth.
+  const bool closed = family.end == End::closed && !family.origin.empty();
+  const double expected_value = closed ? family.origin.back() : family.end_value;
+  const double off = family.end == End::halved ? 0.0 : std::fabs(branch.stop_value - expected_value);
   if (left > most || off > 1e-6 * scale(family, family.end_value))
     out.push_back({"end", text("ends at %.17g (%s), %.2g before the end of the family at %.17g", branch.stop_value,
                                branch.stop.c_str(), left, family.end_value)});

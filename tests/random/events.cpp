@@ -15,10 +15,13 @@ struct Passage {
 /// A passage between two samples shows itself by a maximum beyond the stop.
 std::optional<Passage> passage(const Linear<double>& system, double phase, const Point<double>& at, double most) {
   const double h = summit_sampling / fastest(system);
-  Point<double> last = at;
+  const Square<double> on = transition(system, h);
+  Point<double> last = at, rest = plus(at, -1.0, impactless(system, phase));
   for (double s = 0.0; s < most;) {
     const double next = std::min(most, s + h);
-    const Point<double> now = flight(system, phase, at, next);
+    rest = on * rest;
+    const Point<double> now =
+        next < s + h ? flight(system, phase, at, next) : plus(impactless(system, phase + system.q[ETA] * next), 1.0, rest);
     std::optional<Passage> first;
     for (std::size_t j = 0; j < system.stops.size(); ++j) {
       const Stop<double>& stop = system.stops[j];

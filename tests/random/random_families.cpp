@@ -261,10 +261,15 @@ TEST_CASE("the checker of the random tester finds nothing in right answers and e
 }
 
 TEST_CASE("the checker of the random tester finds every mutation of right answers about two stops and two masses") {
+  struct Some {
+    Model model;
+    std::uint64_t seed, cases;
+  };
   std::vector<int> counts(mutations().size(), 0);
-  for (const auto& [model, cases] : {std::pair(Model::equal_stops, 12), std::pair(Model::two_stops, 6),
-                                     std::pair(Model::chain_first, 4), std::pair(Model::chain_second, 4)}) {
-    const std::vector<int> more = mutate_all(model, 11, static_cast<std::uint64_t>(cases));
+  // The last one has a Neimark-Sacker point.
+  for (const Some& some : {Some{Model::equal_stops, 11, 8}, Some{Model::two_stops, 11, 3}, Some{Model::chain_first, 11, 2},
+                           Some{Model::chain_second, 2, 1}}) {
+    const std::vector<int> more = mutate_all(some.model, some.seed, some.cases);
     for (std::size_t m = 0; m < counts.size(); ++m) counts[m] += more[m];
   }
   for (std::size_t m = 0; m < counts.size(); ++m) {
@@ -276,7 +281,12 @@ TEST_CASE("the checker of the random tester finds every mutation of right answer
 TEST_CASE("the exponential of two masses agrees with their modes where the damping is proportional") {
   // C = 2 b K: each mode has frequency w and damping b w^2. With M^-1/2 K M^-1/2 = [a, f; f, d] its directions are a rotation's.
   for (std::uint64_t k = 0; k < 20; ++k) {
-    Parameters<Quad> q = converted<Quad>(random_case(23, k, std::nullopt, Model::chain_first).frame.base);
+    const double part = static_cast<double>(k) / 20.0;
+    Parameters<Quad> q{};
+    q[ETA] = Quad(1);
+    q[B] = Quad(0.01 + 0.15 * part);
+    q[MASS] = Quad(0.2 + 1.7 * part);
+    q[K] = Quad(3.0 - 2.7 * part);
     q[C] = Quad(2) * q[B] * q[K];
     const Linear<Quad> system = linear(Model::chain_first, q);
     const Quad a = Quad(1) + q[K], m = root(q[MASS]), f = -q[K] / m, d = q[K] / q[MASS];
@@ -305,7 +315,7 @@ TEST_CASE("the exponential of two masses agrees with their modes where the dampi
 TEST_CASE("one impact in each turn of two stops and two masses agrees with its closed form") {
   int folds = 0, breakings = 0;
   for (const Model model : {Model::equal_stops, Model::chain_first, Model::chain_second, Model::chain_between})
-    for (std::uint64_t k = 0; k < 10; ++k) {
+    for (std::uint64_t k = 0; k < 6; ++k) {
       const Case one = random_case(29, k, std::nullopt, model);
       if (one.frame.legs() != 1) continue;
       const Family family = followed(one);
