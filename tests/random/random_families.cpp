@@ -454,8 +454,7 @@ TEST_CASE("skeletons of random ranges contain every family of one-impact orbits"
 }
 
 TEST_CASE("continuation of random orbits of two stops and two masses agrees with the reference") {
-  // Not seed 1: its first chain_second has a Neimark-Sacker point that the program passes over, for a doubling lies in the same
-  // step of its branch.
+  // The first chain_second of seed 1 has a Neimark-Sacker point and a doubling within one step of its branch.
   for (const Model model :
        {Model::equal_stops, Model::two_stops, Model::chain_first, Model::chain_second, Model::chain_between}) {
     Plan plan;
@@ -463,7 +462,7 @@ TEST_CASE("continuation of random orbits of two stops and two masses agrees with
     plan.program = GRAZE_PROGRAM;
     plan.systems = GRAZE_RANDOM_SYSTEMS;
     plan.cases = std::stoull(variable("GRAZE_RANDOM_SYSTEM_CASES", "5"));
-    plan.seed = std::stoull(variable("GRAZE_RANDOM_SEED", "4"));
+    plan.seed = std::stoull(variable("GRAZE_RANDOM_SEED", "1"));
     plan.most_impacts = 4;
     plan.limit = 2.0;
     std::ostringstream lines;
