@@ -62,19 +62,11 @@ Plane plane_of(const Options& options, const Problem& problem) {
                                      : problem.start.value_or(rest_state(problem, problem.parameters));
   const std::vector<std::string> names = state_columns(problem);
   if (names.size() < 2) throw std::invalid_argument("basins are drawn over two states; this system has one");
-  plane.name = {names[0], names[1]};
-  if (options.plane.empty()) return plane;
-  const std::size_t comma = options.plane.find(',');
-  plane.name = {options.plane.substr(0, comma), comma == std::string::npos ? "" : options.plane.substr(comma + 1)};
-  for (const std::size_t i : {0, 1}) {
-    const auto found = std::find(names.begin(), names.end(), plane.name[i]);
-    if (found == names.end())
-      throw std::invalid_argument(fmt::format("--plane {}: {}; give two, for example {},{}", options.plane,
-                                              unknown_name("state", plane.name[i], names), names[0], names[1]));
-    plane.state[i] = found - names.begin();
+  if (!options.plane.empty()) {
+    const std::array<std::size_t, 2> chosen = plane_of(problem, options.plane);
+    plane.state = {static_cast<Eigen::Index>(chosen[0]), static_cast<Eigen::Index>(chosen[1])};
   }
-  if (plane.state[0] == plane.state[1])
-    throw std::invalid_argument(fmt::format("--plane {}: the two states must differ", options.plane));
+  for (const std::size_t i : {0, 1}) plane.name[i] = names[static_cast<std::size_t>(plane.state[i])];
   return plane;
 }
 

@@ -36,8 +36,9 @@ Columns<ParameterInfo> parameter_columns(bool with_default) {
 }
 
 Json parameters_json(const std::vector<ParameterInfo>& list, bool with_default) {
+  const Columns<ParameterInfo> columns = parameter_columns(with_default);
   Json out = Json::array();
-  for (const ParameterInfo& info : list) out.push_back(json_of(parameter_columns(with_default), info));
+  for (const ParameterInfo& info : list) out.push_back(json_of(columns, info));
   return out;
 }
 

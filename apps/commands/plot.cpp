@@ -36,23 +36,6 @@ Picture picture_of_map_file(const Options& options) {
       file.plan(), [&file](int row) { return file.row(row); }, options.kind, layer_numbers(options.layers));
 }
 
-/// The result with the states that --plane names as the axes of its phase portrait.
-Json with_plane(Json result, const std::string& given) {
-  const std::vector<std::string> known = state_columns(problem_of(result));
-  const std::size_t comma = given.find(',');
-  StatePair plane{};
-  for (std::size_t i = 0; i < 2; ++i) {
-    const std::string name = i == 0 ? given.substr(0, comma) : comma == std::string::npos ? "" : given.substr(comma + 1);
-    const auto found = std::find(known.begin(), known.end(), name);
-    if (found == known.end())
-      throw std::invalid_argument(fmt::format("--plane {}: must be two states, such as {},{}; the states are {}", given, known[0],
-                                              known[1 % known.size()], fmt::join(known, ", ")));
-    plane[i] = static_cast<std::size_t>(found - known.begin());
-  }
-  result[seen_plane] = plane;
-  return result;
-}
-
 Picture picture_of_result(const Json& result, const Options& options) {
   if (options.layers.empty()) return picture_of(result, options.kind);
   if (result.value("schema", "") != "graze.map/1")
@@ -79,7 +62,7 @@ Picture picture_of_file(const Options& options) {
     if (!options.x.empty()) throw std::invalid_argument("--x is for CSV tables");
     Json result = parse_json(text);
     if (!options.y.empty()) result = with_quantities(std::move(result), options.y);
-    if (!options.plane.empty()) result = with_plane(std::move(result), options.plane);
+    if (!options.plane.empty()) result[seen_plane] = plane_of(problem_of(result), options.plane);
     return picture_of_result(result, options);
   } catch (const std::invalid_argument& error) {
     const std::string message = error.what();  // that of a table names file and line itself

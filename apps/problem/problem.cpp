@@ -48,22 +48,15 @@ bool is_physical(std::string_view name) {
                      [&](const ContactQuantity& quantity) { return named(quantity.info); });
 }
 
-}  // namespace
-
-namespace {
-
-/// Takes a built-in system; eta is then bounded by what motions are computed for, if anybody waits for them.
+/// Takes a built-in system. Motions could be computed for slower forcing than eta then has, if anybody waited for them.
 void take_system(Problem& problem, equations::TextSystem written) {
-  for (ParameterInfo& info : written.system.parameters)
-    if (info.name == "eta") {
-      info.lower = slowest_forcing;
-      info.lower_open = false;
-    }
-  for (equations::TiedParameter& tied : written.tied)
-    if (tied.info.name == "eta") {
-      tied.info.lower = slowest_forcing;
-      tied.info.lower_open = false;
-    }
+  const auto bound = [](ParameterInfo& info) {
+    if (info.name != "eta") return;
+    info.lower = slowest_forcing;
+    info.lower_open = false;
+  };
+  for (ParameterInfo& info : written.system.parameters) bound(info);
+  for (equations::TiedParameter& tied : written.tied) bound(tied.info);
   problem.system = written.system;
   problem.parameters = default_parameters(problem.system.parameters);
   problem.written = std::make_shared<const equations::TextSystem>(std::move(written));
@@ -79,10 +72,17 @@ Problem make_problem(const std::string& oscillator, const std::string& contact) 
   return problem;
 }
 
-double parameter(const Problem& problem, std::string_view name) {
+namespace {
+
+/// At other values than the problem's own.
+double parameter_at(const Problem& problem, const Vector& parameters, std::string_view name) {
   const equations::TiedParameter* const tied = find_tied(problem, name);
-  return tied ? tied->value(problem.parameters) : problem.parameters[index_of(problem, name)];
+  return tied ? tied->value(parameters) : parameters[index_of(problem, name)];
 }
+
+}  // namespace
+
+double parameter(const Problem& problem, std::string_view name) { return parameter_at(problem, problem.parameters, name); }
 
 Vector built_in_parameters(const Problem& problem) {
   std::vector<ParameterInfo> infos = oscillator_parameters();
@@ -95,11 +95,12 @@ Vector built_in_parameters(const Problem& problem) {
 
 namespace {
 
-void assign(Problem& problem, std::string_view name, double value) {
-  Vector changed = problem.parameters;
-  changed[index_of(problem, name)] = value;
-  check_parameters(problem.system.parameters, changed);
-  problem.parameters = changed;
+/// The parameters with one of them changed.
+Vector changed(const Problem& problem, std::string_view name, double value) {
+  Vector out = problem.parameters;
+  out[index_of(problem, name)] = value;
+  check_parameters(problem.system.parameters, out);
+  return out;
 }
 
 void check_tied(const Problem& problem, const Vector& parameters) {
@@ -110,14 +111,13 @@ void check_tied(const Problem& problem, const Vector& parameters) {
 }  // namespace
 
 void set_parameter(Problem& problem, std::string_view name, double value) {
-  Problem changed = problem;
-  assign(changed, name, value);
-  check_tied(problem, changed.parameters);
-  problem.parameters = changed.parameters;
+  const Vector parameters = changed(problem, name, value);
+  check_tied(problem, parameters);
+  problem.parameters = parameters;
 }
 
 void set_parameters(Problem& problem, const std::vector<std::pair<std::string, double>>& values) {
-  for (const auto& [name, value] : values) assign(problem, name, value);
+  for (const auto& [name, value] : values) problem.parameters = changed(problem, name, value);
   check_tied(problem, problem.parameters);
 }
 
@@ -171,14 +171,6 @@ std::pair<std::string, double>* given_quantity(Problem& problem, const std::stri
   return nullptr;
 }
 
-ParameterInfo quantity_info(const ExcitationKind& kind, const std::string& name) {
-  for (const ParameterInfo& info : kind.quantities)
-    if (info.name == name) return info;
-  for (const ContactQuantity& quantity : contact_quantities())
-    if (quantity.info.name == name) return quantity.info;
-  return {};
-}
-
 /// Converts anew; parameters that do not depend on the quantity stay, as an earlier setting may have left them.
 void set_quantity(Problem& problem, std::pair<std::string, double>& quantity, double value) {
   ConvertedFrom& from = *problem.converted_from;
@@ -191,7 +183,7 @@ void set_quantity(Problem& problem, std::pair<std::string, double>& quantity, do
   from.alpha = after.at("alpha");
   from.length = after.at("length");
   for (const std::string& name : from.obtained)
-    if (const double now = after.at(name); now != before.at(name)) assign(problem, name, now);
+    if (const double now = after.at(name); now != before.at(name)) problem.parameters = changed(problem, name, now);
 }
 
 }  // namespace
@@ -244,7 +236,7 @@ void apply_settings(Problem& problem, const std::vector<std::string>& settings) 
       }
       index_of(problem, name);  // a wrong name is the better thing to say where both are wrong
       if (!value) throw std::invalid_argument(no_number(setting.substr(equals + 1)));
-      assign(problem, name, *value);
+      problem.parameters = changed(problem, name, *value);
       std::erase(problem.defaulted, name);
       if (&setting == &settings.back()) check_tied(problem, problem.parameters);  // when all are set
     } catch (const std::invalid_argument& error) {
@@ -272,11 +264,24 @@ Vector start_state(const Problem& problem, const std::optional<Vector>& given) {
 
 Vector rest_state(const Problem& problem, const Vector& parameters) {
   Vector rest = Vector::Zero(static_cast<Eigen::Index>(problem.system.states));
-  if (!is_built_in(problem)) return rest;
-  Problem at = problem;
-  at.parameters = parameters;
-  rest[0] = std::min(0.0, parameter(at, "r"));
+  if (is_built_in(problem)) rest[0] = std::min(0.0, parameter_at(problem, parameters, "r"));
   return rest;
+}
+
+std::array<std::size_t, 2> plane_of(const Problem& problem, const std::string& given) {
+  const std::vector<std::string> names = state_columns(problem);
+  const std::size_t comma = given.find(',');
+  const std::string chosen[] = {given.substr(0, comma), comma == std::string::npos ? "" : given.substr(comma + 1)};
+  std::array<std::size_t, 2> plane{};
+  for (const std::size_t i : {0, 1}) {
+    const auto found = std::find(names.begin(), names.end(), chosen[i]);
+    if (found == names.end())
+      throw std::invalid_argument(fmt::format("--plane {}: {}; give two, for example {},{}", given,
+                                              unknown_name("state", chosen[i], names), names[0], names[1 % names.size()]));
+    plane[i] = static_cast<std::size_t>(found - names.begin());
+  }
+  if (plane[0] == plane[1]) throw std::invalid_argument(fmt::format("--plane {}: the two states must differ", given));
+  return plane;
 }
 
 Vector state_of(const Problem& problem, const StateText& given, const std::string& option) {

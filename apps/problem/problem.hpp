@@ -15,6 +15,7 @@
 #include <graze/lib/equations/system_text.hpp>
 #include <graze/lib/system/hybrid_system.hpp>
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -110,6 +111,9 @@ Vector start_state(const Problem& problem, const std::optional<Vector>& given);
 /// A state that was given by position or by name; states that are not named are those of the file, else 0. `option` is what
 /// messages call it. @throws std::invalid_argument for a wrong number of values or an unknown name.
 Vector state_of(const Problem& problem, const StateText& given, const std::string& option = "--start");
+
+/// The numbers of the two states that --plane names, "x2,v2". @throws std::invalid_argument for anything else.
+std::array<std::size_t, 2> plane_of(const Problem& problem, const std::string& given);
 
 /// Names of the states as columns of a table ("x", "v"), and as people read them ("x", "x'" for the built-in oscillators).
 std::vector<std::string> state_columns(const Problem& problem);

@@ -122,7 +122,7 @@ template <class T> Column<T> duration_column() {
 /// All that `graze orbit` prints of one orbit. `stability`: in words; empty: what its multipliers say.
 std::string orbit_text(const Problem& problem, const PeriodicOrbit& orbit, const std::string& stability = {});
 
-/// Heads of so many multipliers: one each, or two for their real and imaginary parts.
+/// Heads of `count` multipliers: one each for people, else two, for the real and the imaginary part.
 std::vector<std::string> multiplier_heads(std::size_t count, bool for_people);
 
 /// One row per orbit: state, z, multipliers, stable, admissible, quantities.

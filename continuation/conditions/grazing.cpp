@@ -24,11 +24,13 @@ struct Passage {
 bool comes_with_event(OrbitProblem& problem, std::size_t contact, const Touch& touch) {
   constexpr double same = 1e-6;  // as far as the touch is known
   const HybridSystem& system = problem.system();
+  const Vector p = problem.equations().parameters();
+  Vector f(touch.x.size());
+  system.modes[touch.mode].field(touch.t, touch.x, p, f);
   return std::any_of(system.events.begin(), system.events.end(), [&](const Event& other) {
     if (other.from != touch.mode || &other == &system.events[contact]) return false;
-    const GuardAndRate at = guard_and_rate(other.guard, system.modes[touch.mode], touch.t, touch.x,
-                                           problem.equations().parameters(), problem.parameter());
-    return std::abs(at.h) < same * (1.0 + touch.x.lpNorm<Eigen::Infinity>()) && at.rate > std::sqrt(same);
+    const double h = other.guard.value(touch.t, touch.x, p), rate = transversality(other.guard, touch.t, touch.x, f, p);
+    return std::abs(h) < same * (1.0 + touch.x.lpNorm<Eigen::Infinity>()) && rate > std::sqrt(same);
   });
 }
 

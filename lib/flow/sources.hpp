@@ -14,7 +14,6 @@ struct Sources {
   std::vector<std::size_t> coefficients;
   Matrix dp;  ///< of these coefficients in the active parameters
 
-  Sources() = default;
   /// `all` is d(coefficients)/dp in all parameters.
   Sources(const Matrix& all, std::span<const std::size_t> active) {
     Matrix of_active(all.rows(), static_cast<Eigen::Index>(active.size()));

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -70,29 +69,6 @@ double value_in(const Values& values, std::string_view name) {
   return found == values.end() ? 0.0 : found->second;
 }
 
-/// An expression of the conversion with numbers in the place of all names but the chosen ones.
-std::string written_out(const ExcitationKind& kind, const std::string& expression, const Values& quantities,
-                        const std::vector<std::string>& chosen) {
-  std::string out;
-  for (std::size_t i = 0; i < expression.size();) {
-    std::size_t end = i;
-    while (end < expression.size() && (std::isalnum(static_cast<unsigned char>(expression[end])) != 0 || expression[end] == '_'))
-      ++end;
-    const std::string word = expression.substr(i, std::max<std::size_t>(1, end - i));
-    i += word.size();
-    const auto inner = std::find_if(kind.conversion.begin(), kind.conversion.end(),
-                                    [&](const equations::Definition& one) { return one.name.text == word; });
-    const bool is_chosen = std::find(chosen.begin(), chosen.end(), word) != chosen.end();
-    if (inner != kind.conversion.end())
-      out += fmt::format("({})", written_out(kind, inner->value.text, quantities, chosen));
-    else if (equations::is_name(word) && !is_chosen && word != "sqrt")
-      out += fmt::format("({})", value_in(quantities, word));
-    else
-      out += word;
-  }
-  return out;
-}
-
 }  // namespace
 
 const std::vector<ExcitationKind>& excitation_kinds() {
@@ -141,6 +117,19 @@ const std::vector<ContactQuantity>& contact_quantities() {
   return list;
 }
 
+const ParameterInfo& quantity_info(const ExcitationKind& kind, std::string_view name) {
+  std::vector<std::string> names;
+  for (const ParameterInfo& info : kind.quantities) {
+    if (info.name == name) return info;
+    names.push_back(info.name);
+  }
+  for (const ContactQuantity& quantity : contact_quantities()) {
+    if (quantity.info.name == name) return quantity.info;
+    names.push_back(quantity.info.name);
+  }
+  throw std::invalid_argument(unknown_name("physical quantity", name, names));
+}
+
 Values to_dimensionless(const ExcitationKind& kind, const Values& quantities) {
   equations::Graph graph;
   const auto list = expressions(graph, kind, [&](std::string_view name) { return graph.constant(value_in(quantities, name)); });
@@ -154,11 +143,7 @@ equations::TextSystem read_oscillator(const OscillatorKind& oscillator, const Co
                                       const Values& quantities, const std::vector<std::string>& chosen) {
   std::vector<ParameterInfo> infos;
   for (const std::string& name : chosen) {
-    const auto named = [&name](const ParameterInfo& info) { return info.name == name; };
-    const auto own = std::find_if(kind.quantities.begin(), kind.quantities.end(), named);
-    const auto of_contact = std::find_if(contact_quantities().begin(), contact_quantities().end(),
-                                         [&](const ContactQuantity& one) { return named(one.info); });
-    infos.push_back(own != kind.quantities.end() ? *own : of_contact->info);
+    infos.push_back(quantity_info(kind, name));
     infos.back().default_value = value_in(quantities, name);
   }
   equations::Graph graph;
@@ -178,7 +163,7 @@ equations::TextSystem read_oscillator(const OscillatorKind& oscillator, const Co
     });
     const bool is_scale = one.name.text == "alpha" || one.name.text == "length";
     if (!(is_parameter || is_scale) || equations::dependence(graph, list[i]).parameters.empty()) continue;
-    tied.push_back({one.name, {written_out(kind, one.value.text, quantities, chosen), {}}});
+    tied.push_back({one.name, {equations::to_text(graph, list[i], {.states = {}, .parameters = chosen}), {}}});
   }
   return read_oscillator(oscillator, law, infos, tied);
 }

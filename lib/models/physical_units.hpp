@@ -50,6 +50,9 @@ struct ContactQuantity {
 };
 const std::vector<ContactQuantity>& contact_quantities();
 
+/// A quantity of that excitation, or of a contact. @throws std::invalid_argument with the nearest valid name.
+const ParameterInfo& quantity_info(const ExcitationKind& kind, std::string_view name);
+
 /// The values of `conversion`, by name; quantities that are missing count as 0.
 Values to_dimensionless(const ExcitationKind& kind, const Values& quantities);
 

@@ -14,8 +14,8 @@ struct Orbit {
   Values<double> y;
 };
 
-/// The orbit at p with these states and so many impacts: as its half if it is symmetric. Nothing if the flights do not have
-/// them, or if the orbit's states differ from the given ones by more than `tolerance`.
+/// The orbit at p with these states and that number of impacts: as its half if it is symmetric. Nothing if the flights do not
+/// have them, or if the orbit's states differ from the given ones by more than `tolerance`.
 std::optional<Orbit> events_of(Frame frame, int impacts, double p, const std::vector<State>& states, double tolerance);
 
 /// An orbit of up to `most_periods` periods on which the motion from rest (at the stop, if that lies below 0) settles, with at

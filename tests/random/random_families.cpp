@@ -30,6 +30,15 @@ AnswerSpecial* first_of(AnswerBranch& branch, const std::string& type) {
   return nullptr;
 }
 
+/// Gives the first point of a type another type.
+std::function<bool(AnswerBranch&)> called(const std::string& type, const std::string& other) {
+  return [=](AnswerBranch& branch) {
+    AnswerSpecial* special = first_of(branch, type);
+    if (special) special->type = other;
+    return special != nullptr;
+  };
+}
+
 /// Twelfth decimal of the first value, under an error bar that covers it. Ranges of parameters are up to 4 wide.
 bool moved(AnswerBranch& branch, double by) {
   if (branch.special_points.empty()) return false;
@@ -63,30 +72,10 @@ const std::vector<std::pair<std::string, std::function<bool(AnswerBranch&)>>>& m
          special.value += 4e-15 * (1.0 + std::fabs(special.value));
          return true;
        }},
-      {"a fold is called a doubling",
-       [](AnswerBranch& branch) {
-         AnswerSpecial* special = first_of(branch, "LP");
-         if (special) special->type = "PD";
-         return special != nullptr;
-       }},
-      {"a doubling is called a fold",
-       [](AnswerBranch& branch) {
-         AnswerSpecial* special = first_of(branch, "PD");
-         if (special) special->type = "LP";
-         return special != nullptr;
-       }},
-      {"a broken symmetry is called a fold",
-       [](AnswerBranch& branch) {
-         AnswerSpecial* special = first_of(branch, "BP");
-         if (special) special->type = "LP";
-         return special != nullptr;
-       }},
-      {"a Neimark-Sacker point is called a doubling",
-       [](AnswerBranch& branch) {
-         AnswerSpecial* special = first_of(branch, "NS");
-         if (special) special->type = "PD";
-         return special != nullptr;
-       }},
+      {"a fold is called a doubling", called("LP", "PD")},
+      {"a doubling is called a fold", called("PD", "LP")},
+      {"a broken symmetry is called a fold", called("BP", "LP")},
+      {"a Neimark-Sacker point is called a doubling", called("NS", "PD")},
       {"a multiplier is wrong",
        [](AnswerBranch& branch) {
          AnswerPoint& point = branch.points[branch.points.size() / 2];
