@@ -7,6 +7,7 @@
 #include <graze/apps/text/table.hpp>
 
 #include <catch2/catch.hpp>
+#include <fmt/format.h>
 
 #include <cmath>
 #include <numbers>
@@ -58,6 +59,22 @@ std::size_t column(const Table& table, const std::string& name) {
 }
 
 }  // namespace
+
+TEST_CASE("the mean of a function that jumps is that of the closed form, whatever else is asked for (fixed)") {
+  // x is above half its amplitude for a third of the time.
+  const TemporaryFolder folder;
+  const std::string file = folder.write("shaken.toml", shaken);
+  const std::string jump = fmt::format("mean(step(x - {:.17g}))", 0.5 * amplitude(0.6));
+  const auto mean = [&](std::vector<std::string> others) {
+    std::vector<std::string> all = {"orbit", file, "--y", jump};
+    for (const std::string& other : others) all.insert(all.end(), {"--y", other});
+    return result(all)["orbit"]["y"][jump].get<double>();
+  };
+  const double alone = mean({});
+  CHECK(std::abs(alone - 1.0 / 3.0) < 1e-11);
+  CHECK(std::abs(mean({"mean(max(x, v))", "max(x^3)"}) - alone) < 1e-13);
+  CHECK(std::abs(mean({"mean(sign(v))"}) - alone) < 1e-13);
+}
 
 TEST_CASE("quantities of a linear oscillator along its resonance curve are those of the closed form") {
   const TemporaryFolder folder;
