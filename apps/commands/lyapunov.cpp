@@ -6,6 +6,7 @@
 #include <graze/apps/console/progress.hpp>
 #include <graze/apps/output/output_folder.hpp>
 #include <graze/apps/output/result.hpp>
+#include <graze/apps/problem/ending.hpp>
 #include <graze/apps/problem/flow_choice.hpp>
 #include <graze/apps/results/attractor_report.hpp>
 #include <graze/apps/results/find_orbit.hpp>
@@ -106,7 +107,8 @@ int run(const Options& options, const Console& console) {
     const Termination ended =
         attractor.termination != Termination::time ? attractor.termination : attractor.time_average.termination;
     const bool is_told = ended == Termination::escape || ended == Termination::resonance || ended == Termination::no_return;
-    message = fmt::format("{}{}", is_told ? "" : "the motion could not be carried on: ", termination_text(ended));
+    message = fmt::format("{}{}", is_told || ended == Termination::grazing ? "" : "the motion could not be carried on: ",
+                          ending_text(problem, ended, attractor.state));
   } else if (attractor.type != AttractorType::periodic && attractor.time_average.stop == LyapunovStop::budget &&
              options.standard_error != 0.0) {
     // Not a failure, and no other exit code: an average and its error of so many periods are a result. But it says so.

@@ -6,6 +6,7 @@
 #include <graze/apps/console/progress.hpp>
 #include <graze/apps/output/output_folder.hpp>
 #include <graze/apps/output/result.hpp>
+#include <graze/apps/problem/ending.hpp>
 #include <graze/apps/problem/section.hpp>
 #include <graze/apps/quantities/quantities.hpp>
 #include <graze/apps/results/find_orbit.hpp>
@@ -86,13 +87,15 @@ int run(const Options& options, const Console& console) {
   const Settled settled = settle_down(problem, options.start, console);
   Section section;
   section.termination = settled.termination;
+  section.state = settled.state;
   if (settled.termination == Termination::time) section = collect(problem, settled.state, collecting, options, console);
 
   Status status = Status::done;
   std::string message;
   if (section.termination != Termination::time) {
     status = section.termination == Termination::interrupted ? Status::interrupted : Status::failed;
-    message = fmt::format("stopped after {}: {}", counted(section.points.size(), "point"), termination_text(section.termination));
+    message = fmt::format("stopped after {}: {}", counted(section.points.size(), "point"),
+                          ending_text(problem, section.termination, section.state));
   } else if (section.points.size() < static_cast<std::size_t>(options.points)) {
     status = Status::failed;
     message = fmt::format("stopped after {}: no impact in the last {} {}", counted(section.points.size(), "point"), patience,

@@ -6,6 +6,7 @@
 #include <graze/apps/console/progress.hpp>
 #include <graze/apps/output/output_folder.hpp>
 #include <graze/apps/output/result.hpp>
+#include <graze/apps/problem/ending.hpp>
 #include <graze/apps/results/find_orbit.hpp>
 #include <graze/apps/results/motion_report.hpp>
 #include <graze/apps/results/orbit_report.hpp>
@@ -89,11 +90,12 @@ int run(const Options& given, const Console& console) {
   const Status status = motion.termination == Termination::time          ? Status::done
                         : motion.termination == Termination::interrupted ? Status::interrupted
                                                                          : Status::failed;
-  const std::string message = status == Status::done ? ""
-                                                     : fmt::format("stopped after {} of transient and {} of the run: {}",
-                                                                   counted(static_cast<std::size_t>(settled.periods), "period"),
-                                                                   counted(static_cast<std::size_t>(motion.periods), "period"),
-                                                                   termination_text(motion.termination));
+  const std::string message = status == Status::done
+                                  ? ""
+                                  : fmt::format("stopped after {} of transient and {} of the run: {}",
+                                                counted(static_cast<std::size_t>(settled.periods), "period"),
+                                                counted(static_cast<std::size_t>(motion.periods), "period"),
+                                                ending_text(problem, motion.termination, motion.strobe.back()));
   set_status(result.json, status, message);
   result.json.update(motion_json(problem, motion, list, expressions));
   result.table.columns = motion_columns(problem, expressions);

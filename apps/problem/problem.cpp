@@ -3,6 +3,7 @@
 #include <graze/apps/problem/system_file.hpp>
 #include <graze/apps/problem/toml_section.hpp>
 #include <graze/apps/text/number.hpp>
+#include <graze/lib/equations/not_finite.hpp>
 #include <graze/lib/models/oscillator.hpp>
 #include <graze/lib/models/physical_units.hpp>
 
@@ -245,11 +246,27 @@ void apply_settings(Problem& problem, const std::vector<std::string>& settings) 
   }
 }
 
+namespace {
+
+/// @throws EquationError for a guard, or an equation of the mode of the state, that is not finite there.
+void check_finite(const Problem& problem, const Vector& state) {
+  if (!problem.written || state.size() != static_cast<Eigen::Index>(problem.system.states) || !state.allFinite()) return;
+  const auto mode = mode_at(problem.system, 0.0, state, problem.parameters);
+  const auto found = mode ? equations::find_not_finite(*problem.written, *mode, 0.0, state, problem.parameters)
+                          : equations::find_not_finite_guard(*problem.written, 0.0, state, problem.parameters);
+  if (found) throw equations::not_finite_error(*problem.written, *found, 0.0, state);
+}
+
+}  // namespace
+
 Vector start_state(const Problem& problem, const std::optional<Vector>& given) {
   const Vector wanted = given ? *given : problem.start ? *problem.start : rest_state(problem, problem.parameters);
   if (!given && !problem.start && is_built_in(problem)) return wanted;
   try {
+    check_finite(problem, wanted);
     initial_mode(problem.system, 0.0, wanted, problem.parameters);
+  } catch (const equations::EquationError&) {
+    throw;
   } catch (const std::invalid_argument& error) {
     const std::string source = given           ? fmt::format("--start {}", fmt::join(exact_cells(wanted), ","))
                                : problem.start ? problem.file + ": [start] state"

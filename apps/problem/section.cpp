@@ -51,7 +51,7 @@ Section collect_section(const Problem& problem, const Vector& start, const Secti
     last_impact -= motion.duration;
     section.periods += motion.periods;
     section.termination = motion.termination;
-    state = motion.strobe.back();
+    state = section.state = motion.strobe.back();
     idle = section.points.size() > before ? 0 : idle + stretch;
     if (options.progress) options.progress(section.points.size());
   }

@@ -28,6 +28,7 @@ struct Section {
   SectionKind kind = SectionKind::stroboscopic;
   std::vector<Vector> points;
   int periods = 0;
+  Vector state;  ///< at the end of the last period
   Termination termination = Termination::time;
 };
 

@@ -2,6 +2,7 @@
 #include <graze/apps/console/arguments.hpp>
 #include <graze/apps/console/interrupt.hpp>
 #include <graze/apps/console/progress.hpp>
+#include <graze/apps/problem/ending.hpp>
 #include <graze/apps/results/find_orbit.hpp>
 #include <graze/apps/results/orbit_report.hpp>
 #include <graze/apps/text/number.hpp>
@@ -188,8 +189,10 @@ FoundOrbits search_for_orbits(const Problem& problem, const OrbitOptions& option
     return found;
   }
   if (box.ended != Termination::time) {
-    found.message = fmt::format("no motion from rest or beside it can be carried over one forcing period: {}; {}",
-                                termination_text(box.ended), extreme_parameter(problem));
+    const std::string singularity = singularity_text(problem, box.ended, rest_state(problem, problem.parameters));
+    found.message = fmt::format(
+        "no motion from rest or beside it can be carried over one forcing period: {}",
+        singularity.empty() ? fmt::format("{}; {}", termination_text(box.ended), extreme_parameter(problem)) : singularity);
     return found;
   }
   SearchResult result = search_orbits(problem.system, problem.parameters, period, search);
@@ -274,7 +277,8 @@ FoundOrbits find_orbits(const Problem& problem, const OrbitOptions& options, con
     attained = settled_orbit(problem, settled);
     reached = attractor(settled, attained);
   } else {
-    reached = fmt::format("the transient ended after {}: {}", periods(settled.periods), termination_text(settled.termination));
+    reached = fmt::format("the transient ended after {}: {}", periods(settled.periods),
+                          ending_text(problem, settled.termination, settled.state));
   }
   console.note(fmt::format("{}; searching for orbits of period {}", reached, period));
   FoundOrbits searched = search_for_orbits(problem, options, console);
@@ -282,7 +286,9 @@ FoundOrbits find_orbits(const Problem& problem, const OrbitOptions& options, con
   searched.settled_on = std::move(attained);
   searched.remark = reached;
   if (searched.status == Status::failed && fallback) take(searched, {*fallback}, "settled");
-  const bool said = searched.message.find(termination_text(settled.termination)) != std::string::npos;
+  // One place in the file is enough, with its line of the text behind the sentence.
+  const bool said = searched.message.find(termination_text(settled.termination)) != std::string::npos ||
+                    searched.message.find('\n') != std::string::npos;
   if (searched.status == Status::failed && !said) searched.message += "; " + reached;
   return searched;
 }

@@ -281,8 +281,8 @@ class Parser {
     const Node& n = graph_.node(e);
     const Expression inner = n.operation == negate ? n.a : e;
     const Operation operation = graph_.node(inner).operation;
-    if (hazards_ &&
-        (operation == divide || operation == power || operation == integer_power || operation == sqrt || operation == log))
+    const bool is_function = !function_name(operation).empty();
+    if (hazards_ && (operation == divide || operation == power || operation == integer_power || is_function))
       hazards_->push_back({inner, reader_.place(first, last)});
     return e;
   }
@@ -467,6 +467,11 @@ bool is_name(std::string_view text) {
     at += c.length;
   }
   return !text.empty();
+}
+
+std::optional<Place> known_place(const std::vector<Hazard>& hazards, Expression node) {
+  const auto found = std::find_if(hazards.begin(), hazards.end(), [&](const Hazard& one) { return one.node == node; });
+  return found == hazards.end() ? std::nullopt : std::optional(found->place);
 }
 
 Expression parse_expression(Graph& graph, const Source& source, const Text& text, const Scope& scope, std::string_view where,

@@ -22,11 +22,14 @@ inline constexpr std::size_t deepest_nesting = 200;
 /// Bytes of one text.
 inline constexpr std::size_t longest_text = 1U << 20U;
 
-/// Where the parser met what can go wrong at some values: a division (place of the divisor), a root, a logarithm, a power.
+/// Where the parser met what can go wrong: a division (place of the divisor), a power, a function, a rate.
 struct Hazard {
   Expression node;
   Place place;
 };
+
+/// Of the first hazard with this node.
+std::optional<Place> known_place(const std::vector<Hazard>& hazards, Expression node);
 
 /// What a name stands for where an expression is read.
 struct Scope {

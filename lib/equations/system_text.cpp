@@ -3,6 +3,7 @@
 
 #include <graze/lib/equations/functions.hpp>
 #include <graze/lib/equations/nonsmooth.hpp>
+#include <graze/lib/equations/not_finite.hpp>
 #include <graze/lib/equations/polynomial.hpp>
 #include <graze/lib/equations/sliding.hpp>
 #include <graze/lib/equations/structure.hpp>
@@ -111,6 +112,9 @@ class Builder {
     out_.names = names_;
     for (auto& [name, expression] : out_.names) expression = graph_.substitute(expression, contact_powers_);
     out_.tables = tables_;
+    out_.source = text_.source;
+    out_.symbols = symbols_;
+    out_.hazards = std::move(hazards_);
     return std::move(out_);
   }
 
@@ -592,12 +596,6 @@ class Builder {
 
   // Contact laws, resets -----------------------------------------------------------------------------------------------------
 
-  Place hazard_place(Expression node, const Place& otherwise) const {
-    for (const Hazard& hazard : hazards_)
-      if (hazard.node == node) return hazard.place;
-    return otherwise;
-  }
-
   void replace_contact_powers() {
     for (std::size_t m = 0; m < pieces_.modes.size(); ++m) {
       ModePiece& mode = pieces_.modes[m];
@@ -608,7 +606,7 @@ class Builder {
           const bool root = n.operation == Operation::sqrt;
           if ((n.operation != Operation::power && !root) || replacement.contains(part.index)) continue;
           if (!dependence(graph_, n.a).moves() || bounds(graph_, n.a, out_.system.parameters).lower >= 0.0) continue;
-          const Place place = hazard_place(part, mode.equation[i]);
+          const Place place = known_place(hazards_, part).value_or(mode.equation[i]);
           const bool entered = std::any_of(pieces_.events.begin(), pieces_.events.end(), [&](const EventPiece& event) {
             return event.to == m && event.from != m && is_zero(graph_, graph_.subtract(event.guard, n.a));
           });
@@ -674,7 +672,7 @@ class Builder {
       mode.field_dt = derivative_in_time(graph_, piece.field);
       mode.structure = recognise_structure(graph_, piece.field, out_.system.forcing_frequency, out_.system.parameters.size());
       out_.system.modes.push_back(std::move(mode));
-      out_.modes.push_back({piece.field});
+      out_.modes.push_back({piece.field, piece.equation});
       constraints_.emplace_back();
       for (const Expression one : piece.constraints) {
         // One state has a value that stands still: the motion in the mode keeps it exactly.
@@ -713,7 +711,7 @@ class Builder {
       }
       add_contact(piece, event);
       out_.system.events.push_back(std::move(event));
-      out_.events.push_back({piece.guard, piece.map, piece.text, piece.count});
+      out_.events.push_back({piece.guard, piece.map, piece.text, piece.count, piece.when, piece.reset});
       if (piece.count > 0) out_.system.returns.push_back(out_.system.events.size() - 1);
     }
   }
@@ -844,33 +842,13 @@ class Builder {
   }
 
   void check_values(Expression root, const Vector& x, bool with_motion, const Place& otherwise) const {
-    std::vector<Expression> nodes, operand;
-    for (const Expression part : reachable(graph_, root)) {
-      const Node& n = graph_.node(part);
-      const bool can_fail = n.operation == Operation::divide || n.operation == Operation::sqrt || n.operation == Operation::log ||
-                            n.operation == Operation::power || (n.operation == Operation::integer_power && n.value < 0.0);
-      if (!can_fail || (!with_motion && dependence(graph_, part).moves())) continue;
-      nodes.push_back(part);
-      operand.push_back(n.operation == Operation::divide ? n.b : n.a);
-    }
-    if (nodes.empty()) return;
-    const std::vector<double> value = values(graph_, operand, 0.0, x, defaults_);
-    const std::vector<double> result = values(graph_, nodes, 0.0, x, defaults_);
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-      const Node& n = graph_.node(nodes[i]);
-      const std::string what = to_text(graph_, operand[i], symbols_, 60);
-      const Place place = hazard_place(nodes[i], otherwise);
-      const char* when = dependence(graph_, nodes[i]).moves() ? "at the start" : "at the default parameters";
-      if (n.operation == Operation::divide || n.operation == Operation::integer_power) {
-        if (value[i] == 0.0) refuse(place, fmt::format("the divisor {} is zero {}", what, when));
-      } else if (n.operation == Operation::log) {
-        if (!(value[i] > 0.0)) refuse(place, fmt::format("the logarithm of {}, which is {} {}", what, value[i], when));
-      } else if (value[i] < 0.0 && std::isnan(result[i])) {
-        refuse(place, fmt::format("the root of {}, which is {} {}", what, value[i], when));
-      } else if (!std::isfinite(result[i])) {
-        refuse(place, fmt::format("the power of {} is {} {}", what, result[i], when));
-      }
-    }
+    const auto check = [&](Expression part) {
+      if (const auto found = find_not_finite({graph_, symbols_, hazards_}, part, 0.0, x, defaults_, otherwise))
+        refuse(found->place, fmt::format("{} {}", found->sentence, found->moves ? "at the start" : "at the default parameters"));
+    };
+    for (const Expression part : reachable(graph_, root))
+      if (operands(graph_.node(part).operation) > 0 && !dependence(graph_, part).moves()) check(part);
+    if (with_motion) check(root);
   }
 
   /// A reset within a mode has to leave its guard. Seen at states on the guard, near the start and at random ones.

@@ -147,12 +147,14 @@ struct TiedParameter {
 /// The expressions behind a mode and an event, for further derivatives.
 struct ModeExpressions {
   std::vector<Expression> field;
+  std::vector<Place> equation = {};  ///< of each state
 };
 struct EventExpressions {
   Expression guard;
   std::vector<Expression> map;  ///< x+ for each state
   std::size_t text = 0;         ///< number in SystemText::events; SIZE_MAX: made from a nonsmooth function
   std::size_t count = 0;
+  Place when = {}, reset = {};
 };
 
 struct TextSystem {
@@ -167,6 +169,9 @@ struct TextSystem {
   std::map<std::string, Expression, std::less<>> names;
   std::map<std::string, std::size_t, std::less<>> tables;  ///< numbers of the graph's splines
   std::map<std::string, std::string, std::less<>> units;   ///< by name, parameters included; no entry: none is given
+  Source source;
+  Symbols symbols;
+  std::vector<Hazard> hazards;  ///< places of what can go wrong at some values
 };
 
 /// @throws EquationError for every mistake in the text, with its place.

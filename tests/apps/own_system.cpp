@@ -551,3 +551,37 @@ law = { linear = [40, 3] }
   CHECK(taken > 0.0);
   CHECK(std::abs(y("energy_lost") - taken) < 0.2 * taken);
 }
+
+TEST_CASE("a part of an equation that is not finite at the start or later is named with its place (fixed)") {
+  const TemporaryFolder folder;
+  const auto refusal = [&](const std::string& force, std::vector<std::string> more, const std::string& command = "orbit") {
+    const std::string file = folder.write("duffing.toml", duffing("- spring", force));
+    std::vector<std::string> all = {command, file, "--quiet"};
+    all.insert(all.end(), more.begin(), more.end());
+    const Outcome outcome = call(all);
+    CHECK(outcome.code != 0);
+    CHECK_THAT(outcome.err, !Contains("another size"));
+    return outcome.err;
+  };
+  // No start is given: rest.
+  CHECK_THAT(refusal("- 0.01/x", {}), Contains("duffing.toml:15:37: the divisor x is zero at t = 0, x = 0, v = 0\n") &&
+                                          Contains("\n                                    ^\n"));
+  CHECK_THAT(refusal("- log(x)", {}), Contains("duffing.toml:15:32: the logarithm of x, which is 0 at t = 0"));
+  CHECK_THAT(refusal("- sqrt(x - r)", {}), Contains("duffing.toml:15:32: the root of x - r, which is -0.6 at t = 0"));
+  CHECK_THAT(refusal("- asin(x - 3)", {}), Contains("duffing.toml:15:32: asin(x - 3) is nan, as x - 3 is -3 at t = 0"));
+  // At a start that the command line gives.
+  CHECK_THAT(refusal("- 0.01/(x + v)", {"--start", "x=0.2,v=-0.2"}), Contains("the divisor x + v is zero at t = 0, x = 0.2"));
+  CHECK_THAT(refusal("- 0.01/(x + v)", {"--start", "0.2,-0.2"}, "trajectory"), Contains("duffing.toml:15:37: the divisor"));
+  // Later: the motion falls through x = 0 with a speed.
+  CHECK_THAT(refusal("+ log(x)", {"--start", "0.3,0"}, "trajectory"),
+             Contains("stopped after") && Contains("duffing.toml:15:32: the logarithm of x, which is") && Contains("x = -"));
+  CHECK_THAT(refusal("- 0.01/x", {"--start", "0.3,0"}, "lyapunov"),
+             Contains("duffing.toml:15:37: the divisor x goes through zero"));
+  CHECK_THAT(refusal("+ log(x)", {"--start", "0.3,0"}, "poincare"), Contains("duffing.toml:15:32: the logarithm of x"));
+  // In a guard, and in a reset.
+  const auto wall = [&](const std::string& replaced, const std::string& by) {
+    return call({"trajectory", folder.write("duffing.toml", duffing(replaced, by)), "--quiet"}).err;
+  };
+  CHECK_THAT(wall("\"x - r\"", "\"0.1/x - r\""), Contains("duffing.toml:20:14: the divisor x is zero at t = 0"));
+  CHECK_THAT(wall("-0.8*v", "-0.8*v/(x - r)"), Contains("duffing.toml:21:21: the divisor x - r is zero at t = "));
+}

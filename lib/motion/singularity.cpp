@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/lib/motion/singularity.hpp>
+
+#include <cmath>
+
+namespace graze {
+
+using namespace equations;
+
+namespace {
+
+/// A run stops this close before a place where its field is not finite, relative to 1 + |t|: its shortest step is 1e-14.
+constexpr double shortest_glance = 1e-15, longest_glance = 1e-8;
+
+}  // namespace
+
+std::optional<EquationError> find_singularity(const TextSystem& text, const Trajectory& run, const Vector& p) {
+  if (run.segments.empty()) return std::nullopt;
+  const Segment& last = run.segments.back();
+  if (!last.x0.allFinite()) {
+    if (run.events.empty()) return std::nullopt;
+    const EventRecord& event = run.events.back();
+    const auto found = find_not_finite_reset(text, event.event, event.t, event.x_minus, p);
+    return found ? std::optional(not_finite_error(text, *found, event.t, event.x_minus)) : std::nullopt;
+  }
+  const Vector& x = last.x1;
+  const double t = last.t1;
+  if (const auto found = find_not_finite(text, last.mode, t, x, p)) return not_finite_error(text, *found, t, x);
+  if (const auto found = find_pole(text, last.mode, last.t0, last.x0, t, x, p)) return not_finite_error(text, *found, t, x);
+  Vector f(x.size());
+  text.system.modes[last.mode].field(t, x, p, f);
+  for (double glance = shortest_glance; glance < longest_glance; glance *= 2.0) {
+    const double ahead = glance * (1.0 + std::abs(t));
+    const Vector there = x + ahead * f;
+    auto found = find_not_finite(text, last.mode, t + ahead, there, p);
+    if (!found) found = find_pole(text, last.mode, t, x, t + ahead, there, p);
+    if (found) return not_finite_error(text, *found, t + ahead, there);
+  }
+  if (const auto found = find_not_finite_derivative(text, last.mode, t, x, p)) return not_finite_error(text, *found, t, x);
+  return std::nullopt;
+}
+
+}  // namespace graze
