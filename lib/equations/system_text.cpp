@@ -809,10 +809,8 @@ class Builder {
                                         fmt::format("in the start of {}", one.state.text), &hazards_));
       if (!std::isfinite(value)) refuse(one.value.place, fmt::format("the start of {} is not finite", one.state.text));
     }
-    for (Eigen::Index i = 0; i < x.size(); ++i)
-      if (std::isnan(x[i]))
-        refuse(text_.start.front().state.place,
-               fmt::format("the start gives no value of {}", symbols_.states[static_cast<std::size_t>(i)]));
+    for (double& value : x)
+      if (std::isnan(value)) value = 0.0;
     out_.start = x;
   }
 

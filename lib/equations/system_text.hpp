@@ -123,7 +123,7 @@ struct SystemText {
   std::vector<FrictionText> friction = {};
   std::vector<SurfaceText> surfaces = {};
   std::vector<Definition> outputs = {};  ///< may name each other, in any order
-  std::vector<StartText> start = {};     ///< every state, or none
+  std::vector<StartText> start = {};     ///< states that are not given are 0; empty: no start
   std::vector<Table> tables = {};        ///< for spline(name, u)
   std::vector<UnitText> units = {};      ///< for axes; those of parameters stand with them
 

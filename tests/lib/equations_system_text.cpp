@@ -275,7 +275,7 @@ TEST_CASE("mistakes in values at the start have one sentence with the place") {
     return mistake(writer.system);
   };
   REQUIRE(start({{"x", "1"}, {"v", "0"}}) == "system.toml:13:1: the start lies beyond a guard of every mode (wall)");
-  REQUIRE(start({{"x", "0"}}) == "system.toml:13:1: the start gives no value of v");
+  REQUIRE(start({{"x", "-1"}}) == "none");
   REQUIRE(start({{"x", "0"}, {"x", "1"}}) == "system.toml:15:1: the start gives x twice");
   REQUIRE(start({{"w", "0"}}) == "system.toml:13:1: the start gives 'w', which is no state");
   REQUIRE(start({{"x", "-r"}, {"v", "k/2"}}) == "none");
