@@ -287,8 +287,11 @@ Vector rest_state(const Problem& problem, const Vector& parameters) {
 
 std::array<std::size_t, 2> plane_of(const Problem& problem, const std::string& given) {
   const std::vector<std::string> names = state_columns(problem);
+  if (std::count(given.begin(), given.end(), ',') != 1)
+    throw std::invalid_argument(fmt::format("--plane {}: must be two states with a comma between them, for example {},{}",
+                                            given, names[0], names[1 % names.size()]));
   const std::size_t comma = given.find(',');
-  const std::string chosen[] = {given.substr(0, comma), comma == std::string::npos ? "" : given.substr(comma + 1)};
+  const std::string chosen[] = {given.substr(0, comma), given.substr(comma + 1)};
   std::array<std::size_t, 2> plane{};
   for (const std::size_t i : {0, 1}) {
     const auto found = std::find(names.begin(), names.end(), chosen[i]);
@@ -314,6 +317,9 @@ Vector state_of(const Problem& problem, const StateText& given, const std::strin
     const auto found = std::find(names.begin(), names.end(), given.names[i]);
     if (found == names.end())
       throw std::invalid_argument(fmt::format("{}: {}", option, unknown_name("state", given.names[i], names)));
+    if (std::find(given.names.begin(), given.names.begin() + static_cast<std::ptrdiff_t>(i), given.names[i]) !=
+        given.names.begin() + static_cast<std::ptrdiff_t>(i))
+      throw std::invalid_argument(fmt::format("{}: {} is given twice; give each state once", option, given.names[i]));
     state[found - names.begin()] = given.values[static_cast<Eigen::Index>(i)];
   }
   return state;
@@ -502,7 +508,10 @@ Problem parse_problem(std::string_view text, const std::string& file) {
   TomlSection model(file, root, "model"), parameters(file, root, "parameters"), physical(file, root, "physical"),
       start(file, root, "start");
   if (!model.present())
-    throw std::invalid_argument(fmt::format("{}: the section [model] is missing: it names oscillator and contact", file));
+    throw std::invalid_argument(fmt::format("{}: the section [model] is missing: it names oscillator and contact of a built-in "
+                                            "system; a system of its own has a section [system] instead, with [modes.NAME] or "
+                                            "[mechanics]",
+                                            file));
   std::vector<std::string> oscillators, contacts;
   for (const OscillatorKind& kind : oscillator_kinds()) oscillators.push_back(kind.name);
   for (const ContactLaw& law : contact_laws()) contacts.push_back(law.name);

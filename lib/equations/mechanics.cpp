@@ -154,7 +154,9 @@ class Mechanics {
       const Node node = graph_.node(part);
       if (node.operation != Operation::rate || known.contains(part.index)) continue;
       const Expression of = graph_.substitute(node.a, known);
-      if (has_velocity(of)) refuse(place, fmt::format("an acceleration, the rate of {}, stands {}", velocity_in(of), where));
+      if (has_velocity(of))
+        refuse(known_place(*reading_.hazards, part).value_or(place),
+               fmt::format("an acceleration, the rate of {}, stands {}", velocity_in(of), where));
       known.emplace(part.index, rate_along(graph_, of, field));
     }
     return graph_.substitute(e, known);
@@ -166,14 +168,19 @@ class Mechanics {
   }
   Expression read(const Text& text, const std::string& where) const { return read(text, where, reading_.names); }
 
-  /// The names and one more.
-  Scope with(const std::string& name, Expression meaning, const Place& place, const std::string& where) const {
+  /// The names and one more. Where the file has that name already, it cannot be used.
+  Scope with(const std::string& name, Expression meaning) const {
     Scope out = reading_.names;
-    if (out.find(name))
-      refuse(place, fmt::format("the name '{}' has a meaning of its own {}; call the other one differently", name, where));
-    out.find = [find = reading_.names.find, name, meaning](std::string_view one) {
-      return one == name ? std::optional(meaning) : find(one);
+    const bool is_taken = out.find(name).has_value();
+    out.find = [find = reading_.names.find, name, meaning, is_taken](std::string_view one) {
+      return one != name ? find(one) : is_taken ? std::nullopt : std::optional(meaning);
     };
+    if (is_taken)
+      out.refusal = [refusal = reading_.names.refusal, name](std::string_view one) {
+        if (one == name)
+          return fmt::format("the name '{}' has a meaning of its own, and another one in the file, which must be renamed,", name);
+        return refusal ? refusal(one) : std::string();
+      };
     out.names.push_back(name);
     return out;
   }
@@ -330,7 +337,7 @@ class Mechanics {
     Expression force;
     const std::size_t first_hazard = reading_.hazards->size();
     if (law->name == "force") {
-      const Scope names = with("d", d, text.values[0].place, where);
+      const Scope names = with("d", d);
       const Expression raw = parse_expression(graph_, text_.source, text.values[0], names, where, reading_.hazards);
       force = without_rates(raw, text.values[0].place, where, {{graph_.rate(d).index, d_rate}});
       Replacement powers;
@@ -381,7 +388,7 @@ class Mechanics {
       if (has_velocity(one)) refuse(text.speed.place, fmt::format("the speed of {} is not linear in {}", name, velocity_in(one)));
     const Expression normal = read(text.normal, fmt::format("in the normal force of {}", name));
     const std::string where = fmt::format("in the law of {}", name);
-    const auto coefficient = [&](Expression u) { return read(text.law, where, with("u", u, text.law.place, where)); };
+    const auto coefficient = [&](Expression u) { return read(text.law, where, with("u", u)); };
     friction.slip_force[forward] = graph_.multiply(coefficient(friction.rate), normal);
     friction.slip_force[backward] = graph_.multiply(coefficient(graph_.negate(friction.rate)), normal);
     const Expression slow = coefficient(zero());

@@ -358,7 +358,9 @@ class Parser {
     }
     if (!primed) return *found;
     if (!scope_.rates) reader_.refuse(token, fmt::format("a rate such as {}' cannot be used {}", text, where_));
-    return graph_.rate(*found);
+    const Expression rate = graph_.rate(*found);
+    if (hazards_) hazards_->push_back({rate, reader_.place(token, token)});
+    return rate;
   }
 
   [[noreturn]] void unknown(std::string_view kind, const Token& token, const std::vector<std::string>& candidates) const {

@@ -25,7 +25,9 @@ std::string_view termination_text(Termination reason) {
   case Termination::integration_failed:
     return "the integration could not be carried on (step size or number of steps)";
   case Termination::grazing:
-    return "an impact of zero speed (grazing) has no saltation matrix";
+    return "the motion meets a guard without speed (it grazes), where small deviations do not grow linearly; change a parameter "
+           "or the "
+           "start a little";
   case Termination::interrupted:
     return "it was interrupted";
   case Termination::escape:

@@ -585,3 +585,19 @@ TEST_CASE("a part of an equation that is not finite at the start or later is nam
   CHECK_THAT(wall("\"x - r\"", "\"0.1/x - r\""), Contains("duffing.toml:20:14: the divisor x is zero at t = 0"));
   CHECK_THAT(wall("-0.8*v", "-0.8*v/(x - r)"), Contains("duffing.toml:21:21: the divisor x - r is zero at t = "));
 }
+
+TEST_CASE("states, planes and files that say too little or too much are refused in one sentence (fixed)") {
+  const TemporaryFolder folder;
+  const std::string file = folder.write("duffing.toml", duffing());
+  CHECK_THAT(call({"orbit", file, "--start", "x=0.1,x=0.2"}).err, Contains("--start: x is given twice"));
+  for (const char* plane : {"x", "x,v,x"})
+    CHECK_THAT(call({"attractors", file, "--plane", plane}).err,
+               Contains(std::string("--plane ") + plane + ": must be two states with a comma between them, for example x,v"));
+  const Outcome empty = call({"orbit", folder.write("empty.toml", "")});
+  CHECK(empty.code == 2);
+  CHECK_THAT(empty.err, Contains("[model]") && Contains("[system]") && Contains("[modes.NAME] or [mechanics]"));
+  // Of states that [start] does not name the start is 0.
+  const std::string some = folder.write("some.toml", duffing() + "[start]\nstate = { v = 0.25 }\n");
+  const Json options = result("trajectory", some, {"--settle", "0"});
+  CHECK(options["stroboscopic"][0] == Json({0.0, 0.25}));
+}

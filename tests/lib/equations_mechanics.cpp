@@ -631,6 +631,18 @@ TEST_CASE("mistakes in mechanics are one sentence with the place") {
   SystemWriter many = two(unit);
   for (int i = 0; i < 7; ++i) many.stop("s" + std::to_string(i), "1 - x", "linear", {"1"});
   REQUIRE(mistake(many.system) == "system.toml:36:1: stops and friction up to s6 make 128 modes; at most 64 are made");
+  // The sliding speed u, and a velocity with that name; the rate of one.
+  const auto slides = [&](const std::string& law, const std::string& velocity) {
+    SystemWriter writer;
+    writer.parameter("m", "1").mechanics({"x"}, {velocity}, {{{"m"}}});
+    return mistake(writer.friction("rail", velocity, "1", law).system);
+  };
+  REQUIRE(slides("0.3", "u") == "none");
+  REQUIRE(slides("0.3/(1 + u)", "v") == "none");
+  REQUIRE(slides("0.3/(1 + u)", "u") ==
+          "system.toml:10:10: the name 'u' has a meaning of its own, and another one in the file, which must be renamed, in the "
+          "law of rail");
+  REQUIRE(slides("0.3 + 0.1*v'", "v") == "system.toml:10:11: an acceleration, the rate of v, stands in the law of rail");
   SystemWriter none;
   none.states({"x"}).mode("free", "x' = -x").stop("wall", "1 - x", "newton", {"1"});
   REQUIRE(mistake(none.system) == "system.toml:4:1: a stop needs mechanics, with coordinates and a mass matrix");
