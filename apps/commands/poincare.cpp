@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <numbers>
 #include <stdexcept>
 
 namespace graze::apps {
@@ -44,14 +45,16 @@ void take_section(const Options& options, Problem& problem, SectionOptions& coll
     return;
   }
   std::vector<std::string> names = {forced ? "stroboscopic" : "returns", "impact"};
-  collecting.kind = SectionKind::returns;
-  problem.system.returns.clear();
-  for (std::size_t i = 0; i < problem.system.events.size() && !forced; ++i) {
+  collecting.kind = forced ? SectionKind::event : SectionKind::returns;
+  collecting.event = options.section;
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = 0; i < problem.system.events.size(); ++i) {
     const std::string& name = problem.system.events[i].name;
-    if (name == options.section) problem.system.returns.push_back(i);
+    if (name == options.section) chosen.push_back(i);
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   }
-  if (problem.system.returns.empty())
+  if (!forced) problem.system.returns = chosen;
+  if (chosen.empty())
     throw std::invalid_argument(fmt::format("--section {}: must be one of {}", options.section, fmt::join(names, ", ")));
 }
 
@@ -65,6 +68,21 @@ Section collect(const Problem& problem, const Vector& start, SectionOptions coll
                     [&] { return fmt::format("{} of {} points", points, options.points); });
   };
   return collect_section(problem, start, collecting);
+}
+
+/// Their values behind the columns of the section.
+void append_values(const Quantities& expressions, const Problem& problem, Section& section) {
+  if (section.kind != SectionKind::event) return append_values(expressions, problem, false, section.points);
+  const auto states = static_cast<Eigen::Index>(problem.system.states);
+  const double T = forcing_period(problem.system, problem.parameters);
+  for (Vector& point : section.points) {
+    std::vector<Vector> row(1, Vector(states + 1));
+    row[0] << point[states] / (2.0 * std::numbers::pi) * T, point.head(states);
+    append_values(expressions, problem, true, row);
+    const Eigen::Index more = row[0].size() - states - 1;
+    point.conservativeResize(point.size() + more);
+    point.tail(more) = row[0].tail(more);
+  }
 }
 
 int run(const Options& options, const Console& console) {
@@ -98,11 +116,12 @@ int run(const Options& options, const Console& console) {
                           ending_text(problem, section.termination, section.state));
   } else if (section.points.size() < static_cast<std::size_t>(options.points)) {
     status = Status::failed;
-    message = fmt::format("stopped after {}: no impact in the last {} {}", counted(section.points.size(), "point"), patience,
+    message = fmt::format("stopped after {}: no {} in the last {} {}", counted(section.points.size(), "point"),
+                          section.kind == SectionKind::event ? fmt::format("event {}", name) : "impact", patience,
                           periods_name(problem));
   }
   set_status(result.json, status, message);
-  append_values(expressions, problem, false, section.points);
+  append_values(expressions, problem, section);
   result.json.update(section_json(problem, section));
   for (const Quantity& one : expressions.list) result.json["columns"].push_back(one.text);
   result.table.columns = result.json["columns"].get<std::vector<std::string>>();
@@ -120,8 +139,8 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_start_options(app, options->start);
   begin_group(app, "Section");
   add_text(app, "--section", options->section, "NAME",
-           "stroboscopic: states at forcing phase 0 (default); impact: phase and speed of each impact; without forcing returns "
-           "(default), impact, or an event of the file: states right behind it");
+           "stroboscopic: states at forcing phase 0 (default); impact: phase and speed of each impact; an event by its name: "
+           "states right behind it, and the phase; without forcing returns (default), impact, or an event");
   add_count(app, "--points", options->points, 1, "number of points, after the transient (default 1000)", most_points);
   add_texts(app, "--y", options->expressions, "EXPRESSION",
             "also record this expression of states and parameters, and draw it against the first state; repeatable");
@@ -134,9 +153,9 @@ std::function<int(const Console&)> setup(CLI::App& app) {
 Command poincare_command() {
   return {"poincare",
           "points of a stroboscopic or impact section",
-          "After --settle forcing periods of transient, points of the section are collected: states at forcing phase 0, or at "
+          "After --settle forcing periods of transient, points of the section are collected: states at forcing phase 0, at "
           "each impact (entry\n"
-          "into contact) the forcing phase and the speed of approach.",
+          "into contact) the forcing phase and the speed of approach, or the states behind each event of one name.",
           {"graze poincare data/problems/newton-elastic.toml --set eta=0.711 --points 5000 --plot section.png",
            "graze poincare data/problems/beam-newton.toml --section impact --csv -"},
           setup,

@@ -196,11 +196,12 @@ Picture draw_point(const Json& result) {
 
 Picture draw_section(const Json& result) {
   Picture picture;
-  const bool impacts = result.at("section") == "impact";
-  picture.title = fmt::format("Poincaré section ({})", result["section"].get<std::string>());
+  const bool impacts = result.at("section") == "impact", stroboscopic = result["section"] == "stroboscopic";
+  const Json& name = result["section"] == "event" ? result["options"]["section"] : result["section"];
+  picture.title = fmt::format("Poincaré section ({})", name.get<std::string>());
   picture.subtitle = model_title(result);
-  picture.x_label = impacts ? "forcing phase eta tau mod 2 pi (radians)" : state_label(result, 0, true);
-  picture.y_label = impacts ? "speed of impact (dimensionless)" : state_label(result, 1, true);
+  picture.x_label = impacts ? "forcing phase eta tau mod 2 pi (radians)" : state_label(result, 0, stroboscopic);
+  picture.y_label = impacts ? "speed of impact (dimensionless)" : state_label(result, 1, stroboscopic);
   if (impacts) picture.x_range = {{0.0, 2.0 * M_PI}};
   Curve curve;
   curve.stroke = Stroke::dots;

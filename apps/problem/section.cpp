@@ -14,7 +14,17 @@ constexpr int stretch = 50;  // forcing periods that are run at a time
 }  // namespace
 
 const char* section_name(SectionKind kind) {
-  return kind == SectionKind::impact ? "impact" : kind == SectionKind::returns ? "returns" : "stroboscopic";
+  switch (kind) {
+  case SectionKind::impact:
+    return "impact";
+  case SectionKind::returns:
+    return "returns";
+  case SectionKind::event:
+    return "event";
+  case SectionKind::stroboscopic:
+    break;
+  }
+  return "stroboscopic";
 }
 
 Section collect_section(const Problem& problem, const Vector& start, const SectionOptions& options) {
@@ -26,7 +36,7 @@ Section collect_section(const Problem& problem, const Vector& start, const Secti
   const double eta = frequency ? problem.parameters[static_cast<Eigen::Index>(*frequency)]
                      : forced  ? 2.0 * std::numbers::pi / forcing_period(problem.system, problem.parameters)
                                : 0.0;
-  const bool impacts = options.kind == SectionKind::impact;
+  const bool impacts = options.kind == SectionKind::impact, events = options.kind == SectionKind::event;
   Vector state = start;
   int idle = 0;
   double last_impact = 0.0;  // of an autonomous motion, since the start of the stretch
@@ -38,12 +48,17 @@ Section collect_section(const Problem& problem, const Vector& start, const Secti
     const std::size_t before = section.points.size();
     // A run of n periods gives n points, the next run begins with the state at its end.
     for (std::size_t k = on_section ? 0 : 1;
-         !impacts && k < static_cast<std::size_t>(motion.periods) && section.points.size() < wanted; ++k)
+         !impacts && !events && k < static_cast<std::size_t>(motion.periods) && section.points.size() < wanted; ++k)
       section.points.push_back(motion.strobe[k]);
     on_section = true;
     for (const EventRecord& event : motion.events) {
-      if (!impacts || section.points.size() == wanted || !begins_contact(event.kind)) continue;
+      if (section.points.size() == wanted) break;
       const double phase = std::fmod(eta * event.t, 2.0 * std::numbers::pi), interval = event.t - last_impact;
+      if (events && problem.system.events[event.event].name == options.event) {
+        section.points.emplace_back(event.x_plus.size() + 1);
+        section.points.back() << event.x_plus, phase;
+      }
+      if (!impacts || !begins_contact(event.kind)) continue;
       if (forced || has_struck) section.points.push_back(Vector{{forced ? phase : interval, event.normal_speed}});
       has_struck = true;
       last_impact = event.t;
@@ -59,7 +74,11 @@ Section collect_section(const Problem& problem, const Vector& start, const Secti
 }
 
 std::vector<std::string> section_columns(const Problem& problem, SectionKind kind) {
-  if (kind != SectionKind::impact) return state_columns(problem);
+  if (kind != SectionKind::impact) {
+    std::vector<std::string> columns = state_columns(problem);
+    if (kind == SectionKind::event) columns.emplace_back("phase");
+    return columns;
+  }
   return {is_forced(problem.system) ? "phase" : "interval", "speed"};
 }
 

@@ -14,11 +14,12 @@ namespace graze::apps {
 
 enum class SectionKind {
   stroboscopic,  ///< states at forcing phase 0
-  impact,  ///< (forcing phase, speed of approach) of each impact or entry; without forcing (time since the one before, speed)
-  returns  ///< states right behind the returns of an autonomous system
+  impact,   ///< (forcing phase, speed of approach) of each impact or entry; without forcing (time since the one before, speed)
+  returns,  ///< states right behind the returns of an autonomous system
+  event     ///< states right behind events with one name, and the forcing phase
 };
 
-/// "stroboscopic", "impact", "returns".
+/// "stroboscopic", "impact", "returns", "event".
 const char* section_name(SectionKind kind);
 
 /// Forcing periods without any impact after which an impact section is given up.
@@ -35,6 +36,7 @@ struct Section {
 struct SectionOptions {
   SectionKind kind = SectionKind::stroboscopic;
   int points = 1000;
+  std::string event = {};  ///< name of SectionKind::event
   std::function<bool()> cancelled = nullptr;
   std::function<void(std::size_t points)> progress = nullptr;
 };

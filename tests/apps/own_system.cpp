@@ -601,3 +601,31 @@ TEST_CASE("states, planes and files that say too little or too much are refused 
   const Json options = result("trajectory", some, {"--settle", "0"});
   CHECK(options["stroboscopic"][0] == Json({0.0, 0.25}));
 }
+
+TEST_CASE("the section of a forced system by an event has the states right behind it and their phases (fixed)") {
+  // Two stops at the same distance: impacts half a period apart, with opposite velocities.
+  const TemporaryFolder folder;
+  const std::string file =
+      folder.write("two.toml", duffing("[[events]]", "[[events]]\nname = \"floor\"\nkind = \"impact\"\nwhen = \"-r - x\"\n"
+                                                     "reset = \"v = -0.8*v\"\n[[events]]"));
+  const auto section = [&](const std::string& name) {
+    return result("poincare", file, {"--section", name, "--points", "5", "--y", "x*cos(eta*t)"});
+  };
+  const Json stop = section("stop"), floor = section("floor");
+  CHECK(stop["columns"] == Json({"x", "v", "phase", "x*cos(eta*t)"}));
+  CHECK(stop["section"] == "event");
+  CHECK(stop["options"]["section"] == "stop");
+  REQUIRE(stop["points"].size() == 5);
+  const Json contacts = result("orbit", file)["orbit"]["events"];
+  REQUIRE(contacts.size() == 2);
+  for (std::size_t k = 0; k < 5; ++k) {
+    const Json &up = stop["points"][k], &down = floor["points"][k];
+    CHECK(up[0] == 0.6);
+    CHECK(down[0] == -0.6);
+    CHECK(up[1].get<double>() == Approx(-0.8 * contacts[0]["speed"].get<double>()).epsilon(1e-9));
+    CHECK(down[1].get<double>() == Approx(-up[1].get<double>()).epsilon(1e-9));
+    CHECK(std::cos(up[2].get<double>()) == Approx(-std::cos(down[2].get<double>())).epsilon(1e-9));
+    CHECK(up[3].get<double>() == Approx(0.6 * std::cos(up[2].get<double>())).epsilon(1e-12));
+  }
+  CHECK_THAT(call({"poincare", file, "--section", "wall"}).err, Contains("must be one of stroboscopic, impact, floor, stop"));
+}
