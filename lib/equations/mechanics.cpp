@@ -527,8 +527,13 @@ class Mechanics {
     }
     for (const Solution& one : at.solved) mode.field[one.state] = rate_along(graph_, one.value, mode.field);
     for (const std::size_t c : at.constraints) {
-      if (contacts_[c].is_stop) mode.constraints.push_back(contacts_[c].gap);
-      mode.constraints.push_back(contacts_[c].rate);
+      const Column &response = contacts_[c].response, none(n_, zero());
+      const auto along = [](Column first, const Column& second) {
+        first.insert(first.end(), second.begin(), second.end());
+        return first;
+      };
+      if (contacts_[c].is_stop) mode.constraints.push_back({contacts_[c].gap, along(response, none)});
+      mode.constraints.push_back({contacts_[c].rate, along(none, response)});
     }
     out_.modes.push_back(std::move(mode));
   }

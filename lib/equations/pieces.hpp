@@ -13,12 +13,18 @@ namespace graze::equations {
 /// In EventPiece::text: an event that no text gives, made from a nonsmooth function.
 inline constexpr std::size_t made_event = static_cast<std::size_t>(-1);
 
+/// See Constraint.
+struct ConstraintPiece {
+  Expression value;
+  std::vector<Expression> direction = {};
+};
+
 struct ModePiece {
   std::string name;
   std::vector<Expression> field;
-  std::vector<Place> equation;               ///< of each state
-  Place place;                               ///< of its name
-  std::vector<Expression> constraints = {};  ///< vanish in it: sticking, sliding
+  std::vector<Place> equation;  ///< of each state
+  Place place;                  ///< of its name
+  std::vector<ConstraintPiece> constraints = {};
 };
 
 /// Of an impact: see Accumulation.

@@ -103,7 +103,8 @@ class Surfaces {
     ModePiece mode;
     mode.name = text.sliding->text;
     mode.place = text.sliding->place;
-    mode.constraints = {h};
+    ConstraintPiece& constraint = mode.constraints.emplace_back(ConstraintPiece{h});
+    for (std::size_t i = 0; i < f.size(); ++i) constraint.direction.push_back(graph_.subtract(f[i], g[i]));
     mode.equation = pieces_.modes[below].equation;
     const Expression weight = graph_.divide(rate_below, sum);  // of the field above
     for (std::size_t i = 0; i < f.size(); ++i) {

@@ -624,6 +624,8 @@ class Builder {
         }
       }
       for (Expression& one : mode.field) one = graph_.substitute(one, replacement);
+      for (ConstraintPiece& constraint : mode.constraints)
+        for (Expression& one : constraint.direction) one = graph_.substitute(one, replacement);
       contact_powers_.insert(replacement.begin(), replacement.end());
     }
   }
@@ -662,6 +664,7 @@ class Builder {
   }
 
   void build_modes() {
+    std::map<Expression, std::size_t> numbers;  // of the constraints
     for (const ModePiece& piece : pieces_.modes) {
       Mode mode;
       mode.name = piece.name;
@@ -671,15 +674,18 @@ class Builder {
       if (!mode.field_dp) mode.field_dp = [](double, const Vector&, const Vector&, Matrix& J) { J.setZero(); };
       mode.field_dt = derivative_in_time(graph_, piece.field);
       mode.structure = recognise_structure(graph_, piece.field, out_.system.forcing_frequency, out_.system.parameters.size());
+      constraints_.emplace_back();
+      for (const ConstraintPiece& one : piece.constraints) {
+        // One state has a value that stands still: the motion in the mode keeps it exactly.
+        const auto fixed = solve_guard(graph_, one.value, states(), [](std::size_t) { return true; });
+        const bool exact = fixed && !dependence(graph_, fixed->value).moves();
+        constraints_.back().push_back({scalar_function(graph_, one.value), exact ? guard_tolerance : constraint_tolerance});
+        mode.constraints.push_back({numbers.try_emplace(one.value, numbers.size()).first->second,
+                                    gradient_in_states(graph_, one.value), gradient_in_parameters(graph_, one.value),
+                                    vector_function(graph_, one.direction)});
+      }
       out_.system.modes.push_back(std::move(mode));
       out_.modes.push_back({piece.field, piece.equation});
-      constraints_.emplace_back();
-      for (const Expression one : piece.constraints) {
-        // One state has a value that stands still: the motion in the mode keeps it exactly.
-        const auto fixed = solve_guard(graph_, one, states(), [](std::size_t) { return true; });
-        const bool exact = fixed && !dependence(graph_, fixed->value).moves();
-        constraints_.back().push_back({scalar_function(graph_, one), exact ? guard_tolerance : constraint_tolerance});
-      }
     }
   }
 

@@ -24,8 +24,6 @@ bool is_rest(const Vector& x, const Vector& rest) {
   return (x - rest).lpNorm<Eigen::Infinity>() <= rest_distance * (1.0 + rest.lpNorm<Eigen::Infinity>());
 }
 
-bool loses_energy(const Event& event, const Vector& p) { return !event.log_volume_change || event.log_volume_change(p) < 0.0; }
-
 double divergence(const HybridSystem& system, const Event& event, double t, const Vector& x, const Vector& p) {
   Matrix J(x.size(), x.size());
   system.modes[event.from].field_dx(t, x, p, J);
@@ -83,6 +81,8 @@ const Event* holding_event(const HybridSystem& system, std::size_t mode) {
                                   [&](const Event& one) { return one.accumulation && one.accumulation->sticking_mode == mode; });
   return event == system.events.end() ? nullptr : &*event;
 }
+
+bool loses_energy(const Event& event, const Vector& p) { return !event.log_volume_change || event.log_volume_change(p) < 0.0; }
 
 HeldMap held_map(const HybridSystem& system, const Event& holding, double t, const Vector& x, const Vector& p, double duration) {
   HeldMap out{Matrix(x.size(), x.size()), -std::numeric_limits<double>::infinity()};

@@ -18,6 +18,9 @@ namespace graze {
 /// The event whose accumulation ends in this mode; null if it is not a sticking mode.
 const Event* holding_event(const HybridSystem& system, std::size_t mode);
 
+/// Whether an impact does, so that small bounces end.
+bool loses_energy(const Event& event, const Vector& p);
+
 /// First-order map over `duration` of a mass held at the state x in a mode that `holding` leads to, and ln|det| of it. NaN
 /// where impacts lose nothing and the states are not (x, v).
 struct HeldMap {

@@ -36,6 +36,9 @@ double log_abs_det(const Matrix& matrix) {
   return std::abs(det) < cancelled * size ? std::numeric_limits<double>::quiet_NaN() : std::log(std::abs(det));
 }
 
+/// A disturbance off a constraint is lost if less than this part of it is left: rounding of the map's entries.
+constexpr double lost_part = 1e-10;
+
 /// One run of carry(): the state on its way, and the map composed so far.
 class Composer {
  public:
@@ -67,6 +70,7 @@ class Composer {
     const std::optional<std::size_t> mode = mode_at(propagator_.system(), t0, x0, propagator_.parameters());
     if (!mode) return fail(Termination::inadmissible_start);
     out_.mode0 = state_.mode = *mode;
+    keep_constraints();
     return true;
   }
 
@@ -76,6 +80,7 @@ class Composer {
     if (!start) return fail(Termination::inadmissible_start);
     state_ = std::move(*start);
     out_.mode0 = state_.mode;
+    keep_constraints();
     return true;
   }
 
@@ -131,6 +136,7 @@ class Composer {
   void finish(double t0) {
     if (tangent_ && out_.event_sequence.empty())
       if (const Event* holding = holding_event(propagator_.system(), state_.mode)) compose_rest(*holding, t0);
+    if (!kept_.empty()) compose_constraints();
     out_.x1 = state_.x;
     out_.mode1 = state_.mode;
     out_.termination = Termination::time;
@@ -196,6 +202,7 @@ class Composer {
         out_.Psi.col(k) += out_.Phi * (forgets ? moved : Vector(forgotten * moved));
       }
     }
+    if (std::isinf(held.log_det)) forget(held.Phi);
     out_.Phi = out_.Phi * held.Phi;
     out_.log_det += held.log_det;
     out_.liouville += held.log_det;
@@ -205,10 +212,64 @@ class Composer {
     out_.factors.insert(out_.factors.begin(), std::move(held.Phi));
   }
 
+  void keep_constraints() {
+    if (!tangent_) return;
+    for (const Constraint& one : propagator_.system().modes[state_.mode].constraints) kept_.push_back(&one);
+    if (!kept_.empty()) start_ = state_;
+  }
+
+  /// What the map of a held mass loses already is no longer looked at.
+  void forget(const Matrix& held) {
+    Vector gradient(held.rows());
+    std::erase_if(kept_, [&](const Constraint* one) {
+      one->dx(start_.t, start_.x, propagator_.parameters(), gradient);
+      return (gradient.transpose() * held).lpNorm<Eigen::Infinity>() <= lost_part * gradient.lpNorm<Eigen::Infinity>();
+    });
+  }
+
+  /// Of those that held at the start, some have held all along: a disturbance off them is lost at once, x+ = x - D (C D)^-1 c
+  /// with the constraints c, their gradients C and their directions D. (Where they end, the saltation matrix says the same.)
+  void compose_constraints() {
+    const HybridSystem& system = propagator_.system();
+    const Vector& p = propagator_.parameters();
+    const auto bounces_for_ever = [&](const Event& event) {
+      return event.accumulation && event.accumulation->sticking_mode == start_.mode && !loses_energy(event, p);
+    };
+    if (std::any_of(system.events.begin(), system.events.end(), bounces_for_ever)) return;
+    const auto n = static_cast<Eigen::Index>(system.states), count = static_cast<Eigen::Index>(kept_.size());
+    Matrix C(count, n), D(n, count), C_dp = Matrix::Zero(count, parameters_);
+    Vector line(n), line_dp(p.size());
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const Constraint& one = *kept_[static_cast<std::size_t>(k)];
+      one.dx(start_.t, start_.x, p, line);
+      C.row(k) = line;
+      one.direction(start_.t, start_.x, p, line);
+      D.col(k) = line;
+      if (parameters_ == 0 || !one.dp) continue;
+      one.dp(start_.t, start_.x, p, line_dp);
+      for (Eigen::Index i = 0; i < parameters_; ++i)
+        C_dp(k, i) = line_dp[static_cast<Eigen::Index>(propagator_.active()[static_cast<std::size_t>(i)])];
+    }
+    const Eigen::FullPivLU<Matrix> CD(C * D);
+    if (!CD.isInvertible()) return;  // the fields beside it are parallel to it
+    const Matrix onto = Matrix::Identity(n, n) - D * CD.solve(C);
+    if (parameters_ > 0) out_.Psi -= out_.Phi * D * CD.solve(C_dp);
+    out_.Phi = out_.Phi * onto;
+    if (out_.return_map.size() > 0) out_.return_map = out_.return_map * onto;
+    out_.log_det = out_.liouville = -std::numeric_limits<double>::infinity();
+    if (!options_.keep_factors) return;
+    out_.factor_log_dets.insert(out_.factor_log_dets.begin(), std::numeric_limits<double>::quiet_NaN());
+    out_.factors.insert(out_.factors.begin(), onto);
+  }
+
   bool compose_event() {
     const EventRecord& record = propagator_.record();
     const Event& event = propagator_.system().events[record.event];
     out_.event_sequence.push_back(record.event);
+    std::erase_if(kept_, [&](const Constraint* one) {
+      const std::vector<Constraint>& now = propagator_.system().modes[state_.mode].constraints;
+      return std::none_of(now.begin(), now.end(), [&](const Constraint& other) { return other.number == one->number; });
+    });
     if (options_.keep_events) out_.events.push_back(record);
     if (!tangent_) return true;
     const SaltationMatrix& saltation = record.saltation;
@@ -233,6 +294,8 @@ class Composer {
   bool tangent_;
   Eigen::Index parameters_;
   HybridState& state_ = propagator_.run();
+  std::vector<const Constraint*> kept_;  // since the start
+  HybridState start_;             // if there are any
 };
 
 /// The same by a single lane; false: it is not for the lanes.

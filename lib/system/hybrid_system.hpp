@@ -39,6 +39,15 @@ using VectorFunction = std::function<void(double t, const Vector& x, const Vecto
 using MatrixFunction = std::function<void(double t, const Vector& x, const Vector& p, Matrix& out)>;
 using ScalarFunction = std::function<double(double t, const Vector& x, const Vector& p)>;
 
+/// What vanishes all along a mode that sticks or slides. The fields beside it press a small disturbance back along `direction` in
+/// a time in proportion to it: its multiplier is zero.
+struct Constraint {
+  std::size_t number = 0;    ///< the same in all modes that keep it
+  VectorFunction dx;         ///< gradient in x (n)
+  VectorFunction dp;         ///< gradient in p; empty: does not depend on p
+  VectorFunction direction;  ///< (n)
+};
+
 /// A mode: field f (n) and its derivatives in x (n x n), p (n x number of parameters) and t (n).
 struct Mode {
   std::string name;
@@ -47,6 +56,7 @@ struct Mode {
   MatrixFunction field_dp;
   VectorFunction field_dt;  ///< empty: the field does not depend on t
   StructureAt structure;    ///< empty: nothing is known of it
+  std::vector<Constraint> constraints = {};
 };
 
 /// Guard h = sign (x[coordinate] - p[level]), told apart because the fast flows bound the motion against it. validate() holds it

@@ -5,10 +5,14 @@
 #include <graze/lib/models/oscillator.hpp>
 
 #include "support/checks.hpp"
+#include "support/system_texts.hpp"
 
 #include <catch2/catch.hpp>
 
+#include <cmath>
+#include <complex>
 #include <limits>
+#include <numbers>
 
 using namespace graze;
 using namespace graze::support;
@@ -136,4 +140,127 @@ TEST_CASE("strong damping: a multiplier far below the rounding of its matrix is 
   CHECK(orbit.multipliers.values[0].real() == Approx(std::exp((-5.0 + root) * T)).epsilon(1e-13));
   CHECK(orbit.multipliers.values[1].real() == Approx(std::exp((-5.0 - root) * T)).epsilon(1e-11));
   CHECK(orbit.checks.liouville == -1.0);  // the entries no longer hold the determinant: nothing to compare
+}
+
+namespace {
+
+HybridSystem made(const SystemWriter& writer) { return equations::make_system(writer.system).system; }
+
+/// The orbit that a motion from this start settles on.
+PeriodicOrbit orbit_from(const HybridSystem& system, const Vector& start, int settle_for = 200) {
+  const Vector p = default_parameters(system.parameters);
+  const Settled settled = settle(system, p, start, {.periods = settle_for});
+  REQUIRE(settled.termination == Termination::time);
+  PeriodicOrbit orbit = shoot(system, p, settled.state, 1);
+  REQUIRE(orbit.converged());
+  REQUIRE(orbit.multipliers.valid);
+  return orbit;
+}
+
+/// Masses 1 and 2 that friction holds together: 3 w' = F cos(w t) - 0.2 w - 2 a - b.
+SystemWriter pair_held_together() {
+  SystemWriter writer;
+  writer.system.name = "pair";
+  writer.forcing("eta").parameter("eta", "0.7").parameter("mu", "2");
+  writer.mechanics({"a", "b"}, {"u", "v"},
+                   {{{"1", "0"}, {"0", "2"}}, {{"0.1", "0"}, {"0", "0.1"}}, {{"2", "0"}, {"0", "1"}}, {"cos(eta*t)", "0"}});
+  writer.friction("between", "u - v", "1", "mu");
+  return writer;
+}
+
+}  // namespace
+
+TEST_CASE("dry friction that holds all along has a multiplier that is exactly zero (fixed)") {
+  const HybridSystem system = made(pair_held_together());
+  const PeriodicOrbit orbit = orbit_from(system, vector({0.1, 0.0, 0.0, 0.0}));
+  REQUIRE(orbit.events.empty());
+  const double T = 2.0 * std::numbers::pi / 0.7, delta = 0.2 / 6.0, omega = std::sqrt(1.0 - delta * delta);
+  const auto& mu = orbit.multipliers.values;
+  REQUIRE(mu.size() == 4);
+  // The distance between them is kept, and their common motion is a linear oscillator.
+  CHECK(std::abs(mu[0] - 1.0) < 1e-12);
+  CHECK(std::abs(mu[1] - std::polar(std::exp(-delta * T), std::abs(std::remainder(omega * T, 2.0 * std::numbers::pi)))) < 1e-11);
+  CHECK(std::abs(mu[2] - std::conj(mu[1])) < 1e-15);
+  CHECK(mu[3] == 0.0);
+  CHECK(orbit.multipliers.exponents[3] == -std::numeric_limits<double>::infinity());
+}
+
+TEST_CASE("a disturbance off what friction holds changes the motion as the first-order map says") {
+  // By runs that slip first: the slip lasts for a time in proportion to the disturbance.
+  const HybridSystem system = made(pair_held_together());
+  const Vector p = default_parameters(system.parameters), start = vector({0.1, 0.3, -0.2, -0.2});
+  Propagator propagator(system, p);
+  Transition base, moved;
+  carry(propagator, 0.0, 5.0, start, {.sensitivity = Sensitivity::state}, base);
+  REQUIRE(base.termination == Termination::time);
+  REQUIRE(base.event_sequence.empty());
+  constexpr double h = 1e-6;
+  for (Eigen::Index k = 0; k < 4; ++k) {
+    Matrix side(4, 2);
+    for (const int sign : {-1, 1}) {
+      Vector x = start;
+      x[k] += sign * h;
+      carry(propagator, 0.0, 5.0, x, {.sensitivity = Sensitivity::none}, moved);
+      REQUIRE(moved.termination == Termination::time);
+      CHECK(moved.event_sequence.empty() == (k < 2));
+      side.col(sign > 0 ? 1 : 0) = moved.x1;
+    }
+    INFO("state " << k);
+    // The way that is slipped is of the square of the disturbance, with its sign: an error in proportion to h.
+    CHECK(((side.col(1) - side.col(0)) / (2.0 * h) - base.Phi.col(k)).lpNorm<Eigen::Infinity>() < (k < 2 ? 1e-8 : h));
+  }
+}
+
+TEST_CASE("a mass that a moving belt holds follows a change of the belt's speed") {
+  SystemWriter writer;
+  writer.system.name = "belt";
+  writer.forcing("eta").parameter("eta", "1").parameter("speed", "0.3").parameter("mu", "2");
+  writer.mechanics({"x"}, {"v"}, {{{"1"}}, {}, {{"0.1"}}, {"0.1*cos(eta*t)"}}).friction("belt", "v - speed", "1", "mu");
+  const HybridSystem system = made(writer);
+  const Vector p = default_parameters(system.parameters), start = vector({0.2, 0.3});
+  Propagator propagator(system, p, {parameter_index(system.parameters, "speed")});
+  Transition transition;
+  carry(propagator, 0.0, 4.0, start, {.sensitivity = Sensitivity::state_and_parameters}, transition);
+  REQUIRE(transition.event_sequence.empty());
+  // x = x0 + speed t, whatever its own speed was at first.
+  CHECK((transition.Phi - Matrix{{1.0, 0.0}, {0.0, 0.0}}).cwiseAbs().maxCoeff() < 1e-14);
+  CHECK((transition.Psi.col(0) - vector({4.0, 1.0})).cwiseAbs().maxCoeff() < 1e-12);
+}
+
+TEST_CASE("an orbit that slides on a surface all along has a multiplier that is exactly zero (fixed)") {
+  // On y = 0.1 x both fields point to it: y' = -+1; along it x' = cos(t) - x - 0.2 (y' = 0.1 x' there).
+  SystemWriter writer;
+  writer.system.name = "slide";
+  writer.states({"x", "y"}).forcing("eta").parameter("eta", "1");
+  writer.mode("below", "x' = cos(eta*t) - x - 0.2; y' = 1").mode("above", "x' = cos(eta*t) - x - 0.2; y' = -1");
+  writer.surface("y - 0.1*x", "below", "above", "slide");
+  const HybridSystem system = made(writer);
+  const PeriodicOrbit orbit = orbit_from(system, vector({0.0, 0.5}), 20);
+  REQUIRE(orbit.events.empty());
+  CHECK(std::abs(orbit.multipliers.values[0] - std::exp(-2.0 * std::numbers::pi)) < 1e-14);
+  CHECK(orbit.multipliers.values[1] == 0.0);
+}
+
+TEST_CASE("a mass that a stop holds while another one hits its own has two multipliers that are exactly zero (fixed)") {
+  const auto writer = [](bool with_held_mass) {
+    SystemWriter out;
+    out.system.name = "two";
+    out.forcing("eta").parameter("eta", "0.8").parameter("k_r", "0.7");
+    if (with_held_mass) {
+      out.mechanics({"x", "y"}, {"v", "w"},
+                    {{{"1", "0"}, {"0", "1"}}, {{"0.1", "0"}, {"0", "0.1"}}, {{"1", "0"}, {"0", "1"}}, {"2", "cos(eta*t)"}});
+      out.stop("held", "-x", "newton", {"k_r"});
+    } else {
+      out.mechanics({"y"}, {"w"}, {{{"1"}}, {{"0.1"}}, {{"1"}}, {"cos(eta*t)"}});
+    }
+    out.stop("wall", "0.3 - y", "newton", {"k_r"});
+    return out;
+  };
+  const HybridSystem both = made(writer(true)), alone = made(writer(false));
+  const PeriodicOrbit two = orbit_from(both, vector({0.0, 0.0, 0.0, 0.0})), one = orbit_from(alone, vector({0.0, 0.0}));
+  REQUIRE(!two.events.empty());
+  for (std::size_t i = 0; i < 2; ++i)
+    CHECK(std::abs(two.multipliers.values[i] - one.multipliers.values[i]) < 1e-10 * std::abs(one.multipliers.values[i]));
+  CHECK(two.multipliers.values[2] == 0.0);
+  CHECK(two.multipliers.values[3] == 0.0);
 }
