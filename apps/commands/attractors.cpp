@@ -5,6 +5,7 @@
 #include <graze/apps/console/checkpoint_timer.hpp>
 #include <graze/apps/console/interrupt.hpp>
 #include <graze/apps/console/progress.hpp>
+#include <graze/apps/output/notes.hpp>
 #include <graze/apps/output/output_folder.hpp>
 #include <graze/apps/output/result.hpp>
 #include <graze/apps/pictures/range.hpp>
@@ -437,6 +438,10 @@ int run(const Options& given, const Console& console) {
   result.json = with_basins(status, message);
   result.csv = [&](const TextSink& sink) { starts_csv(problem, starts, basins, console.thread_count(), sink); };
   result.text = describe(problem) + "\n\n" + (basins.attractors.empty() ? message + "\n" : overview(problem, basins));
+  std::vector<std::string> notes;
+  for (const CoexistingAttractor& one : basins.attractors)
+    if (notes.empty()) notes = order_notes(problem, one.attractor.state, std::max(1, one.attractor.period));
+  add_notes(result, notes);
   if (status != Status::done) console.err << "graze attractors: " << message << how_to_go_on(status, options.output) << "\n";
   return deliver(result, options.output, "attractors", exit_code(status), console);
 }

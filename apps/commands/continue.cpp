@@ -4,6 +4,7 @@
 #include <graze/apps/console/arguments.hpp>
 #include <graze/apps/console/interrupt.hpp>
 #include <graze/apps/console/progress.hpp>
+#include <graze/apps/output/notes.hpp>
 #include <graze/apps/output/output_folder.hpp>
 #include <graze/apps/output/result.hpp>
 #include <graze/apps/results/branch_report.hpp>
@@ -145,6 +146,7 @@ int run(const Options& given, const Console& console) {
   const std::vector<Cascade> doublings = cascades(branches);
   result.json["cascades"] = json_of(doublings);
   result.text += cascades_text(doublings, options.parameter);
+  if (!found.orbits.empty()) add_notes(result, order_notes(problem, found.orbits.front().events));
   result.table = branches_table(problem, branches, measured);
   if (status != Status::done) console.err << "graze continue: " << message << "\n";
   return deliver(result, options.output, "continue", exit_code(status), console);

@@ -4,6 +4,7 @@
 #include <graze/apps/console/arguments.hpp>
 #include <graze/apps/console/interrupt.hpp>
 #include <graze/apps/console/progress.hpp>
+#include <graze/apps/output/notes.hpp>
 #include <graze/apps/output/output_folder.hpp>
 #include <graze/apps/output/result.hpp>
 #include <graze/apps/problem/ending.hpp>
@@ -16,6 +17,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <stdexcept>
@@ -129,6 +131,7 @@ int run(const Options& options, const Console& console) {
   result.text = describe(problem) + "\n\n" +
                 (attractor.exponents.empty() ? message + "\n" : attractor_text(problem, attractor, options.max_period));
   if (status == Status::done && interrupted()) result.text += "\n" + message + "\n";
+  add_notes(result, order_notes(problem, attractor.state, std::max(1, attractor.period)));
   if (status != Status::done) console.err << "graze lyapunov: " << message << "\n";
   return deliver(result, options.output, "lyapunov", exit_code(status), console);
 }

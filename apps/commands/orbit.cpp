@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // graze orbit: one periodic orbit, its multipliers, its contacts, its checks.
 #include <graze/apps/commands/command.hpp>
+#include <graze/apps/output/notes.hpp>
 #include <graze/apps/output/output_folder.hpp>
 #include <graze/apps/output/result.hpp>
 #include <graze/apps/results/find_orbit.hpp>
@@ -53,6 +54,7 @@ int run(const Options& options, const Console& console) {
     result.text += fmt::format("\n  {}: found by a search, {}\n", found.remark,
                                found.orbits.front().stable() ? "the orbit above was not reached from the start"
                                                              : "the orbit above is not what the motion settles on");
+  if (!found.orbits.empty()) add_notes(result, order_notes(problem, found.orbits.front().events));
   if (found.status != Status::done) console.err << "graze orbit: " << found.message << "\n";
   return deliver(result, options.output, "orbit", exit_code(found.status), console);
 }

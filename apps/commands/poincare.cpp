@@ -4,6 +4,7 @@
 #include <graze/apps/console/arguments.hpp>
 #include <graze/apps/console/interrupt.hpp>
 #include <graze/apps/console/progress.hpp>
+#include <graze/apps/output/notes.hpp>
 #include <graze/apps/output/output_folder.hpp>
 #include <graze/apps/output/result.hpp>
 #include <graze/apps/problem/ending.hpp>
@@ -23,6 +24,7 @@ namespace graze::apps {
 
 namespace {
 
+constexpr int noted_periods = 50;     // whose events are looked at for notes
 constexpr int most_points = 5000000;  // a result is held in memory before it is written
 
 struct Options {
@@ -128,6 +130,8 @@ int run(const Options& options, const Console& console) {
   for (const Vector& point : section.points) result.table.rows.push_back(exact_cells(point));
   result.text = fmt::format("{}\n{} of the {} section in {}\n{}", describe(problem), counted(section.points.size(), "point"),
                             name, counted_periods(problem, section.periods), aligned(result.table));
+  if (settled.termination == Termination::time)
+    add_notes(result, order_notes(problem, settled.state, std::min(section.periods, noted_periods)));
   if (status != Status::done) console.err << "graze poincare: " << message << "\n";
   return deliver(result, options.output, "poincare", exit_code(status), console);
 }

@@ -4,6 +4,7 @@
 #include <graze/apps/console/arguments.hpp>
 #include <graze/apps/console/interrupt.hpp>
 #include <graze/apps/console/progress.hpp>
+#include <graze/apps/output/notes.hpp>
 #include <graze/apps/output/output_folder.hpp>
 #include <graze/apps/output/result.hpp>
 #include <graze/apps/problem/ending.hpp>
@@ -101,6 +102,7 @@ int run(const Options& given, const Console& console) {
   result.table.columns = motion_columns(problem, expressions);
   for (const Vector& row : motion.samples) result.table.rows.push_back(exact_cells(row));
   result.text = describe(problem) + "\n" + motion_text(problem, motion, list, options.duration.has_value());
+  add_notes(result, order_notes(problem, motion.events));
   if (status != Status::done) console.err << "graze trajectory: " << message << "\n";
   return deliver(result, options.output, "trajectory", exit_code(status), console);
 }

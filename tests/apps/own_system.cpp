@@ -629,3 +629,37 @@ TEST_CASE("the section of a forced system by an event has the states right behin
   }
   CHECK_THAT(call({"poincare", file, "--section", "wall"}).err, Contains("must be one of stroboscopic, impact, floor, stop"));
 }
+
+TEST_CASE("results say once that stops are hit together and their order matters (fixed)") {
+  // A bar that falls flat on two stops, and one whose stops lie apart.
+  const TemporaryFolder folder;
+  const auto bar = [&](const std::string& gap) {
+    return folder.write("bar.toml", R"([system]
+[parameters]
+J = 0.5
+[mechanics]
+coordinates = ["y", "phi"]
+velocities = ["v", "w"]
+mass = [[1, 0], [0, "J"]]
+force = ["-1", "0"]
+[[stops]]
+name = "left"
+gap = "y - phi"
+law = { newton = "0.5" }
+[[stops]]
+name = "right"
+gap = ")" + gap + R"("
+law = { newton = "0.5" }
+[start]
+state = { y = 1 }
+)");
+  };
+  const Json together = result("trajectory", bar("y + phi"), {"--duration", "1.6"});
+  REQUIRE(together["notes"].size() == 1);
+  CHECK_THAT(together["notes"][0].get<std::string>(),
+             Contains("left and right meet at tau = 1.41421356, and their order matters"));
+  const std::string text = call({"trajectory", bar("y + phi"), "--duration", "1.6", "--quiet"}).out;
+  CHECK_THAT(text, Contains("\nnote: left and right meet"));
+  CHECK(text.find("note:") == text.rfind("note:"));
+  CHECK(!result("trajectory", bar("y + phi + 0.1"), {"--duration", "1.6"}).contains("notes"));
+}

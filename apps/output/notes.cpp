@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/apps/output/notes.hpp>
+#include <graze/apps/problem/motion.hpp>
+#include <graze/apps/text/number.hpp>
+
+#include <graze/lib/motion/order_of_events.hpp>
+
+#include <fmt/format.h>
+
+namespace graze::apps {
+
+namespace {
+
+/// Whether two different events change the state.
+bool can_meet(const HybridSystem& system) {
+  const Event* first = nullptr;
+  for (const Event& event : system.events) {
+    if (!event.reset.map) continue;
+    if (first && first->name != event.name) return true;
+    first = &event;
+  }
+  return false;
+}
+
+std::string shown(const Problem& problem, const Vector& state) {
+  const std::vector<std::string> names = state_columns(problem);
+  std::vector<std::string> list;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    list.push_back(fmt::format("{} = {}", names[i], rounded(state[static_cast<Eigen::Index>(i)] + 0.0, 9)));  // no -0
+  return fmt::format("{}", fmt::join(list, ", "));
+}
+
+}  // namespace
+
+std::vector<std::string> order_notes(const Problem& problem, const std::vector<EventRecord>& events) {
+  std::vector<std::string> notes;
+  for (const OrderedPair& pair : pairs_whose_order_matters(problem.system, problem.parameters, events))
+    notes.push_back(
+        fmt::format("{0} and {1} meet at tau = {2}, and their order matters: {0} goes first and leads to {3}, {1} first "
+                    "would lead to {4}",
+                    problem.system.events[pair.first].name, problem.system.events[pair.second].name, rounded(pair.t, 9),
+                    shown(problem, pair.x_plus), shown(problem, pair.x_plus_other)));
+  return notes;
+}
+
+std::vector<std::string> order_notes(const Problem& problem, const Vector& state, int periods) {
+  if (!can_meet(problem.system) || !mode_at(problem.system, 0.0, state, problem.parameters)) return {};
+  return order_notes(problem, run_motion(problem.system, problem.parameters, state, {.periods = periods}).events);
+}
+
+void add_notes(Result& result, const std::vector<std::string>& notes) {
+  if (!notes.empty()) result.json["notes"] = notes;
+  for (const std::string& note : notes) result.text += fmt::format("\nnote: {}\n", note);
+}
+
+}  // namespace graze::apps

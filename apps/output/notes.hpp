@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Notes: sentences that a result carries beside its numbers, in its JSON as "notes" and below its text.
+#pragma once
+
+#include <graze/apps/output/result.hpp>
+#include <graze/apps/problem/problem.hpp>
+
+#include <graze/lib/motion/trajectory.hpp>
+
+#include <string>
+#include <vector>
+
+namespace graze::apps {
+
+/// Of events of a motion that meet at an instant, where their order matters. `t` is counted from the start of the motion.
+std::vector<std::string> order_notes(const Problem& problem, const std::vector<EventRecord>& events);
+
+/// The same of the next `periods` of the motion from a state at forcing phase 0 (behind a return).
+std::vector<std::string> order_notes(const Problem& problem, const Vector& state, int periods);
+
+/// Adds "notes" to the JSON and a line each to the text; nothing where there are none.
+void add_notes(Result& result, const std::vector<std::string>& notes);
+
+}  // namespace graze::apps
