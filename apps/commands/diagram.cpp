@@ -6,6 +6,7 @@
 #include <graze/apps/console/checkpoint_timer.hpp>
 #include <graze/apps/console/interrupt.hpp>
 #include <graze/apps/console/progress.hpp>
+#include <graze/apps/output/notes.hpp>
 #include <graze/apps/output/output_folder.hpp>
 #include <graze/apps/output/result.hpp>
 #include <graze/apps/pictures/pictures.hpp>
@@ -251,6 +252,7 @@ Swept add_sweeps(Result& result, const Earlier& earlier, const SweepRange& range
   result.text += "\n" + aligned(sweep_overview(swept.rows, options.parameter, measured)) + "\n";
   result.text += windows.empty() ? "no chaos on the way\n"
                                  : "chaotic windows:\n" + aligned(chaotic_windows_table(windows, options.parameter));
+  add_notes(result, order_notes(problem, options.parameter, swept.rows));
   if (swept.status == Status::interrupted) return swept;
   const OffBranches off = off_branches(problem.system, earlier.branches, swept.rows, options.max_period, console.thread_count());
   result.json["off_branches"] = {{"compared", off.compared}, {"longer", off.longer}, {"rows", off.rows}};

@@ -4,6 +4,7 @@
 #include <graze/apps/console/arguments.hpp>
 #include <graze/apps/console/interrupt.hpp>
 #include <graze/apps/console/progress.hpp>
+#include <graze/apps/output/notes.hpp>
 #include <graze/apps/output/output_folder.hpp>
 #include <graze/apps/output/result.hpp>
 #include <graze/apps/results/branch_report.hpp>
@@ -222,6 +223,9 @@ int run(const Options& given, const Console& console) {
     result.text += special_point_text(*point, options.parameter) + "\n" +
                    orbit_text(problem, point->orbit, stability_text(*point)) + quantities_text(measured);
     if (!message.empty()) result.text += "\n" + message + "\n";
+    Problem at_point = problem;
+    at_point.parameters = point->orbit.parameters;
+    add_notes(result, order_notes(at_point, point->orbit.events));
     result.table = orbits_table(problem, {point->orbit}, false, {measured});
     const auto stable =
         std::find(result.table.columns.begin(), result.table.columns.end(), "stable") - result.table.columns.begin();

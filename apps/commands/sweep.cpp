@@ -14,7 +14,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <memory>
 #include <stdexcept>
 
@@ -100,14 +99,7 @@ int run(const Options& given, const Console& console) {
     samples_csv(problem, swept.rows, options.parameter, console.thread_count(), sink, measured);
   };
   result.text = describe(problem, options.parameter) + "\n\n" + aligned(sweep_overview(swept.rows, options.parameter, measured));
-  std::vector<std::string> notes;
-  Problem at = problem;
-  for (const SweepRow& row : swept.rows) {
-    if (!notes.empty()) break;
-    set_parameter(at, options.parameter, row.value);
-    notes = order_notes(at, row.attractor.state, std::max(1, row.attractor.period));
-  }
-  add_notes(result, notes);
+  add_notes(result, order_notes(problem, options.parameter, swept.rows));
   if (swept.status != Status::done)
     console.err << "graze sweep: " << swept.message << how_to_go_on(swept.status, options.output) << "\n";
   const int code = deliver(result, options.output, "sweep", exit_code(swept.status), console);

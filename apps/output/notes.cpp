@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace graze::apps {
 
 namespace {
@@ -46,6 +48,17 @@ std::vector<std::string> order_notes(const Problem& problem, const std::vector<E
 std::vector<std::string> order_notes(const Problem& problem, const Vector& state, int periods) {
   if (!can_meet(problem.system) || !mode_at(problem.system, 0.0, state, problem.parameters)) return {};
   return order_notes(problem, run_motion(problem.system, problem.parameters, state, {.periods = periods}).events);
+}
+
+std::vector<std::string> order_notes(const Problem& problem, const std::string& parameter, const std::vector<SweepRow>& rows) {
+  if (!can_meet(problem.system)) return {};
+  Problem at = problem;
+  for (const SweepRow& row : rows) {
+    set_parameter(at, parameter, row.value);
+    const std::vector<std::string> notes = order_notes(at, row.attractor.state, std::max(1, row.attractor.period));
+    if (!notes.empty()) return notes;
+  }
+  return {};
 }
 
 void add_notes(Result& result, const std::vector<std::string>& notes) {

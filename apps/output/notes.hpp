@@ -5,6 +5,7 @@
 #include <graze/apps/output/result.hpp>
 #include <graze/apps/problem/problem.hpp>
 
+#include <graze/floquet/follow/sweep.hpp>
 #include <graze/lib/motion/trajectory.hpp>
 
 #include <string>
@@ -17,6 +18,9 @@ std::vector<std::string> order_notes(const Problem& problem, const std::vector<E
 
 /// The same of the next `periods` of the motion from a state at forcing phase 0 (behind a return).
 std::vector<std::string> order_notes(const Problem& problem, const Vector& state, int periods);
+
+/// The same of the first row of a sweep that has any.
+std::vector<std::string> order_notes(const Problem& problem, const std::string& parameter, const std::vector<SweepRow>& rows);
 
 /// Adds "notes" to the JSON and a line each to the text; nothing where there are none.
 void add_notes(Result& result, const std::vector<std::string>& notes);

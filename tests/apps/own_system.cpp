@@ -662,4 +662,19 @@ state = { y = 1 }
   CHECK_THAT(text, Contains("\nnote: left and right meet"));
   CHECK(text.find("note:") == text.rfind("note:"));
   CHECK(!result("trajectory", bar("y + phi + 0.1"), {"--duration", "1.6"}).contains("notes"));
+  // Two events with one guard, in every command that shows a motion.
+  const std::string kicked = folder.write("kicked.toml", duffing() + "[[events]]\nname = \"kick\"\nwhen = \"2*x - 2*r\"\n"
+                                                                     "reset = \"v = -0.7*v - 0.1\"\n");
+  const std::vector<std::vector<std::string>> commands = {{"orbit"},
+                                                          {"continue", "--to", "0.82"},
+                                                          {"sweep", "--from", "0.8", "--to", "0.82", "--step", "0.01"},
+                                                          {"lyapunov", "--periods", "200"},
+                                                          {"poincare", "--points", "3"},
+                                                          {"attractors", "--x", "-1:0.5:2", "--v", "-1:1:2"}};
+  for (const std::vector<std::string>& command : commands) {
+    INFO(command[0]);
+    const Json json = result(command[0], kicked, {command.begin() + 1, command.end()});
+    REQUIRE(json["notes"].size() == 1);
+    CHECK_THAT(json["notes"][0].get<std::string>(), Contains("stop and kick meet at tau = 7.51119123"));
+  }
 }
