@@ -41,6 +41,7 @@ struct Options {
   std::optional<int> random, seed;
   int transient = 1000, periods = 20000, max_period = 64;
   FlowChoice flow;
+  std::vector<std::string> quantities;
   OutputOptions output;
 };
 
@@ -265,8 +266,16 @@ const Columns<CoexistingAttractor>& found_columns() {
   return list;
 }
 
+/// Of each attractor.
+std::vector<QuantityValues> measure(const Quantities& quantities, const Problem& problem, const Basins& basins) {
+  std::vector<QuantityValues> measured;
+  for (const CoexistingAttractor& found : basins.attractors)
+    measured.push_back(measure(quantities, problem.system, problem.parameters, found.attractor));
+  return measured;
+}
+
 /// All but which start leads where.
-void put_basins(Json& json, const Basins& basins) {
+void put_basins(Json& json, const Basins& basins, const std::vector<QuantityValues>& measured) {
   json["starts"] = basins.outcomes.size();
   json["admissible"] = basins.admissible;
   json["lost"] = basins.lost;
@@ -275,6 +284,7 @@ void put_basins(Json& json, const Basins& basins) {
   for (const CoexistingAttractor& found : basins.attractors) {
     Json& entry = json["attractors"].emplace_back(Json{{"id", json["attractors"].size() + 1}});
     entry.update(json_of(found_columns(), found));
+    put_quantities(entry, measured[json["attractors"].size() - 1]);
   }
 }
 
@@ -302,15 +312,16 @@ Basins earlier_basins(const Json& earlier, const std::string& folder, const Json
 }
 
 void starts_csv(const Problem& problem, const Matrix& starts, const Basins& basins, int threads, const TextSink& sink) {
+  const std::vector<Shown> shown = {{"type"}, {"period"}, {"impacts"}};
   std::vector<std::string> ends;  // of lines, by attractor
-  for (std::size_t i = 0; i < basins.attractors.size(); ++i) {
-    const Attractor& attractor = basins.attractors[i].attractor;
-    const bool periodic = attractor.type == AttractorType::periodic;
-    ends.push_back(fmt::format("{},{},{}\n", i + 1, attractor_type_name(attractor.type),
-                               periodic ? fmt::format("{},{}", attractor.period, attractor.impacts) : ","));
+  for (const CoexistingAttractor& found : basins.attractors) {
+    ends.push_back(std::to_string(ends.size() + 1));
+    append_cells(ends.back(), attractor_columns(), shown, found.attractor);
+    ends.back() += '\n';
   }
   Table head{state_columns(problem), {}};
-  head.columns.insert(head.columns.end(), {"attractor", "type", "period", "impacts"});
+  head.columns.push_back("attractor");
+  add_columns(head, shown);
   sink(csv(head));
   hand_on_items(threads, basins.outcomes.size(), sink, [&](std::size_t k, std::string& lines) {
     const StartOutcome& outcome = basins.outcomes[k];
@@ -324,10 +335,11 @@ void starts_csv(const Problem& problem, const Matrix& starts, const Basins& basi
   });
 }
 
-std::string overview(const Problem& problem, const Basins& basins) {
+std::string overview(const Problem& problem, const Basins& basins, const std::vector<QuantityValues>& measured) {
   Table table{{"id", "attractor", "starts", "fraction", "standard error", "exponents", "standard errors"}, {}};
   const std::vector<std::string> names = state_headings(problem);
   table.columns.insert(table.columns.end(), names.begin(), names.end());
+  if (!measured.empty()) add_columns(table, measured.front());
   const auto list = [](const std::vector<double>& values, int digits, std::string (*text_of)(double, int)) {
     std::string text;
     for (const double value : values) text += (text.empty() ? "" : ", ") + text_of(value, digits);
@@ -341,6 +353,7 @@ std::string overview(const Problem& problem, const Basins& basins) {
                           list(attractor.exponents, periodic ? 6 : 4, exponent_text),
                           periodic ? "-" : list(attractor.standard_errors, 1, error_text)});
     for (const double value : attractor.state) table.rows.back().push_back(rounded(value, 9));
+    add_cells(table.rows.back(), measured[table.rows.size() - 1], true);
   }
   std::string text = aligned(table);
   const auto conservative = [](const CoexistingAttractor& found) { return found.attractor.conservative; };
@@ -384,6 +397,7 @@ Json described(const Problem& problem, const Plane& plane, const Options& option
   }
   if (options.random) json.update({{"random", *options.random}, {"seed", options.seed.value_or(1)}});
   json.update({{"transient", options.transient}, {"periods", options.periods}, {"max_period", options.max_period}});
+  put_quantity_option(json, options.quantities);
   put_flow(json, options.flow.kind());
   return json;
 }
@@ -394,6 +408,7 @@ int run(const Options& given, const Console& console) {
   if (!options.resume.empty() && options.output.out.empty()) options.output.out = options.resume;
   const OutputFolder folder(options.output, "attractors", options.start.file, options.resume);
   const Problem problem = open_problem(options.start, console);
+  const Quantities quantities = read_quantities(problem, options.quantities);
   const Plane plane = plane_of(options, problem);
   const std::array<Axis, 2> axes = axes_of(plane, options, problem, folder.earlier(), console);
   const Matrix starts = starts_of(plane, options, axes, console.thread_count());
@@ -409,7 +424,7 @@ int run(const Options& given, const Console& console) {
   const auto with_basins = [&, head = result.json](Status status, const std::string& message) {
     Json json = head;
     set_status(json, status, message);
-    put_basins(json, basins);
+    put_basins(json, basins, measure(quantities, problem, basins));
     // Of many starts these are large.
     if (wants_json(options.output)) json["basins"] = basins_json(problem, plane, options, axes, starts, basins.outcomes);
     return json;
@@ -437,7 +452,8 @@ int run(const Options& given, const Console& console) {
   }
   result.json = with_basins(status, message);
   result.csv = [&](const TextSink& sink) { starts_csv(problem, starts, basins, console.thread_count(), sink); };
-  result.text = describe(problem) + "\n\n" + (basins.attractors.empty() ? message + "\n" : overview(problem, basins));
+  result.text = describe(problem) + "\n\n" +
+                (basins.attractors.empty() ? message + "\n" : overview(problem, basins, measure(quantities, problem, basins)));
   std::vector<std::string> notes;
   for (const CoexistingAttractor& one : basins.attractors)
     if (notes.empty()) notes = order_notes(problem, one.attractor.state, std::max(1, one.attractor.period));
@@ -448,8 +464,8 @@ int run(const Options& given, const Console& console) {
 
 Json schema() {
   const Json count = JsonForm<int>::schema(), number = JsonForm<double>::schema();
-  const Json found =
-      merged_schemas({object_schema({{"id", "number of the attractor, from 1", count}}), schema_of(found_columns())});
+  const Json found = with_quantities(
+      merged_schemas({object_schema({{"id", "number of the attractor, from 1", count}}), schema_of(found_columns())}));
   const Json code = JsonForm<std::optional<int>>::schema();
   Json basins = object_schema(
       {{"plane", "the two states that vary, of a system from a text", list_schema(JsonForm<std::string>::schema()), false},
@@ -486,6 +502,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
             "of such an average: who settles on no orbit in them is chaotic or undecided (default 20000)");
   add_count(app, "--max-period", options->max_period, 1, "longest period that is recognised (default 64)", longest_period);
   add_flow_option(app, options->flow);
+  add_quantity_option(app, options->quantities);
   add_text(app, "--resume", options->resume, "DIR", "go on from what an interrupted or killed run left in DIR (its --out)");
   add_output_options(app, options->output, "attractors/1");
   return [options](const Console& console) { return run(*options, console); };

@@ -11,6 +11,7 @@
 #include <graze/apps/problem/flow_choice.hpp>
 #include <graze/apps/results/attractor_report.hpp>
 #include <graze/apps/results/find_orbit.hpp>
+#include <graze/apps/results/orbit_report.hpp>
 #include <graze/apps/text/number.hpp>
 
 #include <graze/floquet/attractor/attractor.hpp>
@@ -31,6 +32,7 @@ struct Options {
   int periods = 200000, interval = 1, max_period = 64;
   std::optional<double> standard_error, change;
   FlowChoice flow;
+  std::vector<std::string> quantities;
   OutputOptions output;
 };
 
@@ -82,11 +84,13 @@ int run(const Options& options, const Console& console) {
     throw std::invalid_argument(
         fmt::format("--periods {} is less than --interval {}; give at least one interval", options.periods, options.interval));
   const Problem problem = open_problem(options.start, console);
+  const Quantities quantities = read_quantities(problem, options.quantities);
   const Vector start = start_state(problem, options.start);
   Json given = options_json(problem, options.start);
   given.update({{"periods", options.periods}, {"interval", options.interval}, {"max_period", options.max_period}});
   if (options.standard_error) given["standard_error"] = *options.standard_error;
   if (options.change) given["change"] = *options.change;
+  put_quantity_option(given, options.quantities);
   put_flow(given, options.flow.kind());
   Result result;
   result.json = result_head("lyapunov/1", "lyapunov", problem, given);
@@ -121,6 +125,9 @@ int run(const Options& options, const Console& console) {
   }
   set_status(result.json, status, message);
   result.json.update(json_of(result_columns(), attractor));
+  QuantityValues measured;
+  if (!attractor.exponents.empty()) measured = measure(quantities, problem.system, problem.parameters, attractor);
+  put_quantities(result.json, measured);
   result.table = {{"exponent", "value", "standard_error", "time_average", "time_average_error"}, {}};
   for (std::size_t i = 0; i < attractor.exponents.size(); ++i) {
     const LyapunovSpectrum& mean = attractor.time_average;
@@ -129,14 +136,17 @@ int run(const Options& options, const Console& console) {
                                  there ? exact(mean.exponents[i]) : "", there ? exact(mean.standard_errors[i]) : ""});
   }
   result.text = describe(problem) + "\n\n" +
-                (attractor.exponents.empty() ? message + "\n" : attractor_text(problem, attractor, options.max_period));
+                (attractor.exponents.empty() ? message + "\n" : attractor_text(problem, attractor, options.max_period)) +
+                quantities_text(measured);
   if (status == Status::done && interrupted()) result.text += "\n" + message + "\n";
   add_notes(result, order_notes(problem, attractor.state, std::max(1, attractor.period)));
   if (status != Status::done) console.err << "graze lyapunov: " << message << "\n";
   return deliver(result, options.output, "lyapunov", exit_code(status), console);
 }
 
-Json schema() { return result_schema("lyapunov/1", "the exponents on an attractor", {schema_of(result_columns())}); }
+Json schema() {
+  return result_schema("lyapunov/1", "the exponents on an attractor", {with_quantities(schema_of(result_columns()))});
+}
 
 std::function<int(const Console&)> setup(CLI::App& app) {
   auto options = std::make_shared<Options>();
@@ -150,6 +160,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
              "stop where no exponent changes by more than this from one interval to the next, instead of --standard-error");
   add_count(app, "--max-period", options->max_period, 1, "longest period that is recognised (default 64)");
   add_flow_option(app, options->flow);
+  add_quantity_option(app, options->quantities);
   add_output_options(app, options->output, "lyapunov/1");
   return [options](const Console& console) { return run(*options, console); };
 }

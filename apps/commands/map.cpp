@@ -31,7 +31,7 @@ namespace {
 
 struct Options {
   StartOptions start;  // problem, settings, settle
-  std::vector<std::string> parameters, starts, layers;
+  std::vector<std::string> parameters, starts, layers, quantities;
   std::string follow = "none", resume, h5;
   bool overwrite = false;
   MapOptions map;
@@ -78,6 +78,7 @@ MapPlan plan_from(const Options& options, const Console& console) {
   if (options.starts.empty() && plan.problem.start) plan.starts = {plan.problem.start};
   plan.follow = options.follow;
   plan.options = options.map;
+  set_quantities(plan, options.quantities);
   if (options.transient && options.follow == "none")
     throw std::invalid_argument(
         "--transient is of rows that are followed; give --follow up, down or both too (--settle is of starts)");
@@ -128,6 +129,8 @@ void check_all_outputs(const Options& options, const MapPlan& plan) {
   check_outputs(output, options.start.file);
   if (!options.h5.empty()) check_map_file("--h5", options.h5);
   check_layers(plan, layer_numbers(options.layers));
+  if (options.output.plot_kind == "quantity" && plan.quantities.empty())
+    throw std::invalid_argument("--plot-kind quantity: there is none; give --y too, for example --y \"max(x)\"");
   if (!options.layers.empty() && options.output.plot.empty() && options.output.out.empty())
     throw std::invalid_argument("--layer chooses the layers of a picture; give --plot FILE or --out DIR too");
   check_distinct({{"--h5", options.h5}, {"--json", output.json}, {"--csv", output.csv}, {"--plot", output.plot}},
@@ -159,16 +162,20 @@ int present(const Options& options, const MapPlan& plan, const Json& head, const
   const std::vector<int> layers = layer_numbers(options.layers);
   std::mutex reading;  // rows come out of a file
   std::vector<Drawing> drawings;
-  const auto add = [&](const std::string& file, const std::string& kind) {
-    drawings.push_back({file, [&, kind] {
+  const auto add = [&](const std::string& file, const std::string& kind, const std::string& quantity = {}) {
+    drawings.push_back({file, [&, kind, quantity] {
                           const std::lock_guard lock(reading);
-                          return picture_of_map(plan, rows, kind, layers);
+                          return picture_of_map(plan, rows, {kind, quantity, layers});
                         }});
   };
-  if (!options.output.plot.empty()) add(options.output.plot, options.output.plot_kind);
-  if (!options.output.out.empty() && run.status == Status::done)
-    for (const std::string& kind : picture_names("graze.map/1"))
-      add(fmt::format("{}/map-{}.png", options.output.out, kind), kind);
+  const bool quantities = !plan.quantities.empty();
+  if (!options.output.plot.empty())
+    add(options.output.plot, quantities && options.output.plot_kind.empty() ? "quantity" : options.output.plot_kind);
+  if (!options.output.out.empty() && run.status == Status::done) {
+    for (const char* kind : {"attractors", "exponent"}) add(fmt::format("{}/map-{}.png", options.output.out, kind), kind);
+    for (std::size_t i = 0; i < plan.quantities.list.size(); ++i)
+      add(fmt::format("{}/map-y{}.png", options.output.out, i + 1), "quantity", plan.quantities.list[i].text);
+  }
   if (!draw_into_files(drawings, console, complain)) code = 130;
   if (counts.empty()) counts = count_map(plan, rows);
   Result result;
@@ -301,6 +308,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_count(app, "--chunk", options->chunk_rows, 1,
             "rows in a chunk: what is kept when it is finished, and lost if the program is killed before (default 1, up to 16 of "
             "short rows)");
+  add_quantity_option(app, options->quantities);
   begin_group(app, "Motions");
   add_count(
       app, "--settle", options->start.settle, 0,
@@ -320,7 +328,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_text(app, "--csv", options->output.csv, "FILE|-", "the map as a table");
   add_text(app, "--plot", options->output.plot, "FILE", "picture of the map (.png, .svg, .pdf)");
   add_choice(app, "--plot-kind", options->output.plot_kind, picture_names("graze.map/1"),
-             "what the picture shows (default attractors)");
+             "what the picture shows (default attractors, with --y quantity)");
   add_texts(app, "--layer", options->layers, "K",
             "a layer in the pictures, counted from 0; repeatable, up to 4 stand side by side (default: the first 4)");
   return [options](const Console& console) { return run(*options, console); };

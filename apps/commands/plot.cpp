@@ -28,20 +28,30 @@ struct Options {
   std::vector<std::string> y, layers;
 };
 
+/// --y of a map names one of its quantities.
+MapView view_of(const Options& options) {
+  if (options.y.size() > 1) throw std::invalid_argument("--y is given twice; the picture of a map shows one quantity");
+  const std::string kind = options.y.empty() ? options.kind : "quantity";
+  if (!options.kind.empty() && options.kind != kind)
+    throw std::invalid_argument(fmt::format("--y shows a quantity; leave --plot-kind {} away", options.kind));
+  return {kind, options.y.empty() ? std::string() : options.y.front(), layer_numbers(options.layers)};
+}
+
 Picture picture_of_map_file(const Options& options) {
-  if (!options.x.empty() || !options.y.empty()) throw std::invalid_argument("--x and --y are for CSV tables");
+  if (!options.x.empty()) throw std::invalid_argument("--x is for CSV tables");
   if (!options.plane.empty()) throw std::invalid_argument("--plane is for motions and orbits; a map has none");
   MapFile file(options.result);
   return picture_of_map(
-      file.plan(), [&file](int row) { return file.row(row); }, options.kind, layer_numbers(options.layers));
+      file.plan(), [&file](int row) { return file.row(row); }, view_of(options));
 }
 
 Picture picture_of_result(const Json& result, const Options& options) {
-  if (options.layers.empty()) return picture_of(result, options.kind);
-  if (result.value("schema", "") != "graze.map/1")
+  const bool map = result.value("schema", "") == "graze.map/1";
+  if (!map && !options.layers.empty())
     throw std::invalid_argument("--layer chooses a layer of a map, and this is none; leave it away");
+  if (!map) return picture_of(result, options.kind);
   const MapPlan plan = plan_of(result);
-  return picture_of_map(plan, rows_from_json(plan, result), options.kind, layer_numbers(options.layers));
+  return picture_of_map(plan, rows_from_json(plan, result), view_of(options));
 }
 
 Picture picture_of_file(const Options& options) {
@@ -61,7 +71,7 @@ Picture picture_of_file(const Options& options) {
     if (format != "json") throw std::invalid_argument("the name must end in .json, .csv or .h5");
     if (!options.x.empty()) throw std::invalid_argument("--x is for CSV tables");
     Json result = parse_json(text);
-    if (!options.y.empty()) result = with_quantities(std::move(result), options.y);
+    if (!options.y.empty() && result.value("schema", "") != "graze.map/1") result = with_quantities(std::move(result), options.y);
     if (!options.plane.empty()) result[seen_plane] = plane_of(problem_of(result), options.plane);
     return picture_of_result(result, options);
   } catch (const std::invalid_argument& error) {
@@ -105,7 +115,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_text(app, "--x", options->x, "COLUMN", "of a table: the horizontal axis (default: the first column of numbers)");
   add_texts(app, "--y", options->y, "COLUMN",
             "of a table: a curve (default: all columns of numbers); of a JSON result: one of its quantities (default: all); "
-            "repeatable");
+            "repeatable; of a map: the quantity that it shows");
   return [options](const Console& console) { return run(*options, console); };
 }
 

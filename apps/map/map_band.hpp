@@ -42,19 +42,20 @@ struct Band {
 
 /// The fields of a band, each as an array of numbers.
 struct BandData {
+  const std::vector<MapField>& fields;
   std::size_t states;
   std::vector<std::string> memory;  ///< by field
-  explicit BandData(const Band& band) : states(static_cast<std::size_t>(band.states)) {
-    for (const MapField& field : map_fields()) memory.emplace_back(band.points() * field.bytes(states), '\0');
+  /// `map_fields` outlive it.
+  BandData(const Band& band, const std::vector<MapField>& map_fields)
+      : fields(map_fields), states(static_cast<std::size_t>(band.states)) {
+    for (const MapField& field : fields) memory.emplace_back(band.points() * field.bytes(states), '\0');
   }
   void put(std::size_t i, const MapPoint& point) {
-    for (std::size_t k = 0; k < memory.size(); ++k)
-      put_bytes(map_fields()[k], point, &memory[k][i * map_fields()[k].bytes(states)]);
+    for (std::size_t k = 0; k < memory.size(); ++k) put_bytes(fields[k], point, &memory[k][i * fields[k].bytes(states)]);
   }
   MapPoint get(std::size_t i) const {
     MapPoint point;
-    for (std::size_t k = 0; k < memory.size(); ++k)
-      take_bytes(map_fields()[k], &memory[k][i * map_fields()[k].bytes(states)], states, point);
+    for (std::size_t k = 0; k < memory.size(); ++k) take_bytes(fields[k], &memory[k][i * fields[k].bytes(states)], states, point);
     return point;
   }
 };

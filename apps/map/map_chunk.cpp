@@ -48,7 +48,7 @@ std::string chunk_bytes(const MapChunk& chunk, const MapPlan& plan, std::uint64_
   put(bytes, fingerprint);
   for (const int number : {chunk.first_row, chunk.rows, plan.layers(), plan.grid.columns.count}) put<std::int32_t>(bytes, number);
   put(bytes, states);
-  for (const MapField& field : map_fields()) {
+  for (const MapField& field : plan.fields) {
     const std::size_t size = field.bytes(plan.problem.system.states);
     std::size_t at = bytes.size();
     bytes.resize(at + chunk.points.size() * size);
@@ -65,7 +65,7 @@ std::optional<MapChunk> chunk_from(std::string_view bytes, const MapPlan& plan, 
   const std::size_t points = static_cast<std::size_t>(chunk.rows) * static_cast<std::size_t>(plan.layers()) *
                              static_cast<std::size_t>(plan.grid.columns.count);
   std::size_t size = magic.size() + 2 * sizeof(std::uint64_t) + 5 * sizeof(std::int32_t);
-  for (const MapField& field : map_fields()) size += points * field.bytes(states);
+  for (const MapField& field : plan.fields) size += points * field.bytes(states);
   if (bytes.size() != size || !bytes.starts_with(magic)) return std::nullopt;
   const std::string_view content = bytes.substr(0, size - sizeof(std::uint64_t));
   if (Reader(bytes.substr(content.size())).take<std::uint64_t>() != checksum(content)) return std::nullopt;
@@ -74,7 +74,7 @@ std::optional<MapChunk> chunk_from(std::string_view bytes, const MapPlan& plan, 
   for (const int wanted : {chunk.first_row, chunk.rows, plan.layers(), plan.grid.columns.count, static_cast<int>(states)})
     if (reader.take<std::int32_t>() != wanted) return std::nullopt;
   chunk.points.resize(points);
-  for (const MapField& field : map_fields())
+  for (const MapField& field : plan.fields)
     for (MapPoint& point : chunk.points) take_bytes(field, reader.take(field.bytes(states)).data(), states, point);
   for (const MapPoint& point : chunk.points)
     if (point.type >= MapType::not_run) return std::nullopt;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // MapChunk: some finished rows of a parameter map, and the bytes that they are kept and sent as:
 //     "graze.map.chunk/1\n", fingerprint of the run (u64), first row, rows, layers, columns, states (i32 each), then each of
-//     map_fields() for all points (the types u8, whole numbers i32, others f64); at last a checksum (u64) of all before.
+//     the map's fields for all points (the types u8, whole numbers i32, others f64); at last a checksum (u64) of all before.
 // Numbers are those of the machine: chunks stay with it, results are HDF5. Whatever does not fit in any way is no chunk.
 #pragma once
 

@@ -2,6 +2,7 @@
 // The one list of what a map has of a point: its JSON and CSV, the bytes of a chunk and the datasets of HDF5 follow from it.
 #pragma once
 
+#include <graze/apps/quantities/quantities.hpp>
 #include <graze/apps/text/column.hpp>
 
 #include <graze/floquet/follow/parameter_map.hpp>
@@ -19,22 +20,27 @@ struct JsonForm<MapType> : ChoiceForm<MapType, map_type_name, MapType::undecided
 
 /// Periods and numbers of impacts are told of periodic points alone; numbers that are not finite and states that are not known
 /// are null in JSON, and those that are no number are empty in CSV.
-using MapMember = std::variant<MapType MapPoint::*, int MapPoint::*, double MapPoint::*, Vector MapPoint::*>;
+using MapMember = std::variant<MapType MapPoint::*, int MapPoint::*, double MapPoint::*, Vector MapPoint::*, Eigen::Index>;
 
 struct MapField {
-  MapMember member;
-  const char* dataset;      ///< its name in HDF5
-  Column<MapPoint> column;  ///< in JSON and CSV
+  MapMember member;         ///< a number: the place of a quantity among those of a point
+  std::string dataset;      ///< its name in HDF5
+  Column<MapPoint> column;  ///< in JSON and CSV; JSON has those of quantities in an object "y"
+  bool of_quantity() const { return std::holds_alternative<Eigen::Index>(member); }
   bool of_states() const { return std::holds_alternative<Vector MapPoint::*>(member); }
   std::size_t bytes() const;                                                                    ///< of a number
   std::size_t bytes(std::size_t states) const { return bytes() * (of_states() ? states : 1); }  ///< of a point
 };
 
-/// In the order in which they stand in every format.
-const std::vector<MapField>& map_fields();
+/// In the order in which they stand in every format. Each quantity is a dataset in the group "y"; "/" in its name, which
+/// separates groups, is "_over_" there.
+std::vector<MapField> map_fields(const std::vector<Quantity>& quantities = {});
 
-/// Those of JSON: "sticking" follows from the others.
+/// Those of JSON but for quantities: "sticking" follows from the others.
 const Columns<MapPoint>& map_columns();
+
+/// NaN: not known.
+double quantity_of(const MapPoint& point, Eigen::Index place);
 
 /// The numbers of a point as the machine has them, as many bytes as field.bytes(states).
 void put_bytes(const MapField& field, const MapPoint& point, char* bytes);

@@ -98,9 +98,9 @@ std::invalid_argument MapFile::damaged(const std::string& dataset, const std::st
 void MapFile::check_datasets() const {
   const Band all{0, plan_.grid.rows.count, plan_.layers(), plan_.grid.columns.count,
                  static_cast<int>(plan_.problem.system.states)};
-  for (const MapField& field : map_fields()) {
-    if (H5Lexists(open_->file, field.dataset, H5P_DEFAULT) <= 0) throw damaged(field.dataset, "is missing");
-    const std::vector<hsize_t> size = size_of(open_->file, field.dataset), wanted = all.size(field.of_states());
+  for (const MapField& field : plan_.fields) {
+    if (H5Lexists(open_->file, field.dataset.c_str(), H5P_DEFAULT) <= 0) throw damaged(field.dataset, "is missing");
+    const std::vector<hsize_t> size = size_of(open_->file, field.dataset.c_str()), wanted = all.size(field.of_states());
     if (size != wanted)
       throw damaged(field.dataset,
                     fmt::format("has {} values and should have {}", fmt::join(size, " x "), fmt::join(wanted, " x ")));
@@ -110,12 +110,12 @@ void MapFile::check_datasets() const {
 void MapFile::read(int first) {
   const int layers = plan_.layers(), columns = plan_.grid.columns.count, states = static_cast<int>(plan_.problem.system.states);
   const Band band{first, std::min(static_cast<int>(cell), plan_.grid.rows.count - first), layers, columns, states};
-  BandData data(band);
+  BandData data(band, plan_.fields);
   const Handle attractor = attractor_type();
-  for (std::size_t i = 0; i < map_fields().size(); ++i) {
-    const MapField& field = map_fields()[i];
+  for (std::size_t i = 0; i < plan_.fields.size(); ++i) {
+    const MapField& field = plan_.fields[i];
     try {
-      const Handle dataset(H5Dopen2(open_->file, field.dataset, H5P_DEFAULT), H5Dclose);
+      const Handle dataset(H5Dopen2(open_->file, field.dataset.c_str(), H5P_DEFAULT), H5Dclose);
       read_part(dataset, type_of(field, attractor), band, field.of_states(), data.memory[i].data());
     } catch (const std::runtime_error&) {
       throw damaged(field.dataset, "cannot be read");
@@ -285,17 +285,17 @@ void write_band(const std::vector<Handle>& datasets, const Band& band, const Ban
     PackedCell packed;
   };
   std::vector<Cell> cells;
-  for (std::size_t i = 0; i < map_fields().size(); ++i)
+  for (std::size_t i = 0; i < data.fields.size(); ++i)
     for (int layer = 0; layer < band.layers; ++layer)
       for (int column = 0; column < band.columns; column += band.cell_columns()) cells.push_back({i, layer, column, {}});
   on_threads(threads, cells.size(), [&](std::size_t k) {
     Cell& one = cells[k];
-    const MapField& field = map_fields()[one.field];
+    const MapField& field = data.fields[one.field];
     const std::string numbers = numbers_of(band, field, data.memory[one.field], cell_rows, one.layer, one.column);
     one.packed = pack(numbers, field.bytes(), deflation);
   });
   for (const auto& [field, layer, column, packed] : cells) {
-    std::vector<hsize_t> at = band.offset(map_fields()[field].of_states());
+    std::vector<hsize_t> at = band.offset(data.fields[field].of_states());
     at[0] = static_cast<hsize_t>(layer);
     at[2] = static_cast<hsize_t>(column);
     check(H5Dwrite_chunk(datasets[field], H5P_DEFAULT, packed.skipped, at.data(), packed.bytes.size(), packed.bytes.data()));
@@ -325,7 +325,11 @@ void write_content(hid_t file, const MapPlan& plan, const Json& head, const MapR
   check(H5Tcommit2(file, "AttractorType", attractor, H5P_DEFAULT, without_times(H5P_DATATYPE_CREATE), H5P_DEFAULT));
   const Band all{0, grid.rows.count, plan.layers(), grid.columns.count, states};
   std::vector<Handle> datasets;
-  for (const MapField& field : map_fields()) {
+  if (!plan.quantities.empty()) {
+    const Handle group(H5Gcreate2(file, "y", H5P_DEFAULT, without_times(H5P_GROUP_CREATE), H5P_DEFAULT), H5Gclose);
+    set_attribute(group, "long_name", std::string("quantities of the attractors; NaN: not known"));
+  }
+  for (const MapField& field : plan.fields) {
     const std::vector<hsize_t> size = all.size(field.of_states());
     std::vector<hsize_t> chunk = size;
     chunk[0] = 1;
@@ -345,7 +349,7 @@ void write_content(hid_t file, const MapPlan& plan, const Json& head, const MapR
   // Band by band, each a row of whole cells: little is held in memory.
   for (int first = 0; first < grid.rows.count; first += static_cast<int>(cell)) {
     const Band band{first, std::min(static_cast<int>(cell), grid.rows.count - first), plan.layers(), grid.columns.count, states};
-    BandData data(band);
+    BandData data(band, plan.fields);
     for (int row = 0; row < band.rows; ++row) {
       const std::vector<MapPoint> points = rows(first + row);
       for (int l = 0; l < band.layers; ++l)

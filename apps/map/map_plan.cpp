@@ -53,6 +53,16 @@ std::vector<MapLayer> layers_of(const MapPlan& plan) {
   return layers;
 }
 
+void set_quantities(MapPlan& plan, const std::vector<std::string>& texts) {
+  plan.quantities = read_quantities(plan.problem, texts);
+  plan.fields = map_fields(plan.quantities.list);
+  if (texts.empty()) return;
+  plan.options.measure = [quantities = plan.quantities, system = plan.problem.system](const Vector& p, const Attractor& found) {
+    const std::vector<double> values = values_at(measure(quantities, system, p, found));
+    return Vector(Eigen::Map<const Vector>(values.data(), static_cast<Eigen::Index>(values.size())));
+  };
+}
+
 void check_plan(const MapPlan& plan) {
   const ParameterGrid& grid = plan.grid;
   if (plan.points() > most_points)
@@ -88,6 +98,7 @@ Json map_head(const MapPlan& plan, const std::vector<std::string>& settings) {
                   {"max_period", o.max_period},
                   {"periods", o.periods},
                   {"standard_error", o.standard_error}};
+  for (const Quantity& one : plan.quantities.list) options["y"].push_back(one.text);
   put_flow(options, o.flow.kind);
   return result_head("map/1", "map", plan.problem, options);
 }
@@ -112,6 +123,7 @@ MapPlan plan_of(const Json& head) {
     plan.options.periods = options.at("periods");
     plan.options.standard_error = options.at("standard_error");
     plan.options.flow.kind = flow_from(options);
+    set_quantities(plan, options.value("y", std::vector<std::string>()));
     return plan;
   } catch (const Json::exception& error) {
     throw std::invalid_argument(std::string("this map does not say how it was computed: ") + plain(error));

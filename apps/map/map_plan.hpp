@@ -3,6 +3,7 @@
 // needs nothing else, and a map can be gone on with.
 #pragma once
 
+#include <graze/apps/map/map_columns.hpp>
 #include <graze/apps/problem/head.hpp>
 #include <graze/apps/problem/problem.hpp>
 
@@ -22,6 +23,8 @@ struct MapPlan {
   ParameterGrid grid;
   std::vector<std::optional<Vector>> starts = {std::nullopt};  ///< without one: at rest, at the barrier where 0 lies beyond it
   std::string follow = "none";                                 ///< "none", "up", "down", "both"
+  Quantities quantities;                                       ///< of --y
+  std::vector<MapField> fields = map_fields();                 ///< of a point, with the quantities
   MapOptions options;
   int chunk_rows = 1;  ///< a chunk is so many rows
 
@@ -43,6 +46,9 @@ LayerOrigin layer_origin(const MapPlan& plan, int layer);
 
 /// What MapWork is given.
 std::vector<MapLayer> layers_of(const MapPlan& plan);
+
+/// Sets what the plan's problem is asked for at each point.
+void set_quantities(MapPlan& plan, const std::vector<std::string>& texts);
 
 /// Checks the whole plan before anything is computed. @throws std::invalid_argument.
 void check_plan(const MapPlan& plan);

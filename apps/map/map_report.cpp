@@ -39,11 +39,14 @@ Json counts_json(const MapCounts& counts) {
   return list;
 }
 
-void add_row(Json& layer, const MapPoint* points, int columns) {
-  for (const Column<MapPoint>& one : map_columns()) {
-    Json& row = layer[one.name].emplace_back(Json::array());
-    for (int column = 0; column < columns; ++column) row.push_back(one.json(points[column]));
-  }
+void add_row(Json& layer, const MapPlan& plan, const MapPoint* points) {
+  const auto add = [&](Json& rows, const Column<MapPoint>& one) {
+    Json& row = rows.emplace_back(Json::array());
+    for (int column = 0; column < plan.grid.columns.count; ++column) row.push_back(one.json(points[column]));
+  };
+  for (const Column<MapPoint>& one : map_columns()) add(layer[one.name], one);
+  for (const MapField& field : plan.fields)
+    if (field.of_quantity()) add(layer["y"][field.column.name], field.column);
 }
 
 }  // namespace
@@ -134,7 +137,7 @@ Json map_json(const MapPlan& plan, const std::vector<MapCounts>& counts, const M
   for (int row = 0; row < plan.grid.rows.count; ++row) {
     const std::vector<MapPoint> points = rows(row);
     for (int layer = 0; layer < plan.layers(); ++layer)
-      add_row(layers[static_cast<std::size_t>(layer)], points.data() + static_cast<std::ptrdiff_t>(layer) * columns, columns);
+      add_row(layers[static_cast<std::size_t>(layer)], plan, points.data() + static_cast<std::ptrdiff_t>(layer) * columns);
   }
   return layers;
 }
@@ -151,6 +154,9 @@ Json map_schema() {
                                {"counts", "of kinds of points", list_schema(kind)}};
   for (const Column<MapPoint>& one : map_columns())
     layer.push_back({one.name, one.meaning, list_schema(list_schema(one.schema)), true, one.unit});
+  const Json values = {{"type", "object"},
+                       {"additionalProperties", list_schema(list_schema(JsonForm<std::optional<double>>::schema()))}};
+  layer.push_back({"y", "quantities that --y asks for", values, false});
   return object_schema({{"layers", "the grid from each start, by row and column", list_schema(object_schema(layer))}});
 }
 
@@ -163,13 +169,15 @@ MapRows rows_from_json(const MapPlan& plan, const Json& result) {
     for (const Json& row : layer.at("type")) fits = fits && count(row) == plan.grid.columns.count;
   }
   if (!fits) throw std::invalid_argument("this map does not have the points that its options name");
-  return [layers, columns = plan.grid.columns.count](int row) {
+  return [layers, fields = plan.fields, columns = plan.grid.columns.count](int row) {
     std::vector<MapPoint> points;
     for (const Json& layer : layers)
       for (int column = 0; column < columns; ++column) {
         MapPoint point;
         for (const Column<MapPoint>& one : map_columns())
           if (one.needed || layer.contains(one.name)) one.set(point, layer.at(one.name).at(row).at(column));
+        for (const MapField& one : fields)
+          if (one.of_quantity()) one.column.set(point, layer.at("y").at(one.column.name).at(row).at(column));
         points.push_back(std::move(point));
       }
     return points;
@@ -180,7 +188,7 @@ void map_csv(const MapPlan& plan, const MapRows& rows, int threads, const TextSi
   const ParameterGrid& grid = plan.grid;
   Table head{{"layer", grid.rows.parameter, grid.columns.parameter}, {}};
   const std::vector<std::string> names = state_columns(plan.problem);
-  for (const MapField& field : map_fields()) {
+  for (const MapField& field : plan.fields) {
     if (!field.of_states()) head.columns.push_back(field.column.name);
     if (field.of_states()) head.columns.insert(head.columns.end(), names.begin(), names.end());
   }
@@ -194,24 +202,7 @@ void map_csv(const MapPlan& plan, const MapRows& rows, int threads, const TextSi
     for (std::size_t i = 0; i < points.size(); ++i) {
       const MapPoint& point = points[i];
       fmt::format_to(out, FMT_COMPILE("{},{},{}"), i / columns.size(), value, columns[i % columns.size()]);
-      for (const MapField& field : map_fields())
-        std::visit(
-            [&](const auto member) {
-              using Value = std::remove_cvref_t<decltype(point.*member)>;
-              const auto add = [&](bool is_known, const auto& cell) {
-                lines += ',';
-                if (is_known) fmt::format_to(out, FMT_COMPILE("{}"), cell);
-              };
-              if constexpr (std::is_same_v<Value, MapType>)
-                add(true, map_type_name(point.*member));
-              else if constexpr (std::is_same_v<Value, int>)
-                add(point.type == MapType::periodic, point.*member);
-              else if constexpr (std::is_same_v<Value, double>)
-                add(!std::isnan(point.*member), point.*member);
-              else
-                for (const double number : point.*member) add(!std::isnan(number), number);
-            },
-            field.member);
+      for (const MapField& field : plan.fields) append_cells(lines, field.column, point, field.of_states() ? names.size() : 1);
       lines += '\n';
     }
     return lines;

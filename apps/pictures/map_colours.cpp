@@ -136,7 +136,7 @@ std::string colour_at(const std::vector<ColourStop>& scale, double value) {
 }
 
 /// From the lowest exponent over zero to the highest.
-std::vector<ColourStop> scale_of(double lowest, double highest) {
+std::vector<ColourStop> diverging_scale(double lowest, double highest) {
   std::vector<ColourStop> scale;
   if (lowest < 0.0)
     scale = {{lowest, "#08306b"}, {0.6 * lowest, "#2b6cb0"}, {0.25 * lowest, "#74add1"}, {0.04 * lowest, "#d0e5f2"}};
@@ -146,6 +146,53 @@ std::vector<ColourStop> scale_of(double lowest, double highest) {
                  {{0.04 * highest, "#fee0a8"}, {0.25 * highest, "#fdae61"}, {0.6 * highest, "#e6550d"}, {highest, "#a50f15"}});
   if (scale.size() == 1) scale = {{-1e-3, "#d0e5f2"}, {0.0, "#f7f7f7"}};
   return scale;
+}
+
+std::vector<ColourStop> sequential_scale(double lowest, double highest) {
+  constexpr std::array colours = {"#440154", "#3b528b", "#21918c", "#5ec962", "#fde725"};
+  if (!(lowest < highest)) {  // one value: a scale has a width
+    const double half = 1e-3 * std::max(std::abs(lowest), 1e-3);
+    lowest -= half;
+    highest += half;
+  }
+  std::vector<ColourStop> scale;
+  for (std::size_t i = 0; i < colours.size(); ++i)
+    scale.push_back({lowest + (highest - lowest) * static_cast<double>(i) / (colours.size() - 1), colours[i]});
+  return scale;
+}
+
+/// Points by their number on a scale from the lowest to the highest of all; `none`: the name of points that have no number.
+MapColours scaled_colours(const std::vector<MapPoint>& points, const std::function<double(const MapPoint&)>& number,
+                          std::vector<ColourStop> (*scale_of)(double lowest, double highest), const char* none) {
+  constexpr int steps = 400;
+  MapColours out;
+  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+  for (const MapPoint& point : points) {
+    if (!std::isfinite(number(point))) continue;
+    lowest = std::min(lowest, number(point));
+    highest = std::max(highest, number(point));
+  }
+  const bool any = lowest <= highest;
+  const std::vector<ColourStop> scale = any ? scale_of(lowest, highest) : scale_of(0.0, 0.0);
+  const double first = scale.front().value, width = scale.back().value - first;
+  if (any) out.scale = scale;
+  for (int i = 0; i <= steps; ++i) out.colours.push_back(colour_at(scale, first + width * i / steps));
+  Classes classes(out);
+  const auto occurs_as = [&](bool (*is)(double)) {
+    return std::any_of(points.begin(), points.end(),
+                       [&](const MapPoint& point) { return point.type < MapType::inadmissible && is(number(point)); });
+  };
+  const int infinite =
+      occurs_as([](double value) { return std::isinf(value); }) ? classes.add("-infinity (sticks)", sticking_colour) : -1;
+  const std::map<MapType, int> others = classes_without_motion(points, classes);
+  const int unknown = occurs_as([](double value) { return std::isnan(value); }) ? classes.add(none, undecided_colour) : -1;
+  out.index = [=](const MapPoint& point) {
+    const double value = number(point);
+    if (std::isinf(value)) return infinite;
+    if (std::isfinite(value)) return static_cast<int>(std::lround(steps * (value - first) / width));
+    return point.type < MapType::inadmissible ? unknown : at(others, point.type);
+  };
+  return out;
 }
 
 }  // namespace
@@ -179,33 +226,13 @@ MapColours attractor_colours(const std::vector<MapPoint>& points) {
 }
 
 MapColours exponent_colours(const std::vector<MapPoint>& points) {
-  constexpr int steps = 400;
-  MapColours out;
-  double lowest = 0.0, highest = 0.0;
-  bool any = false;
-  for (const MapPoint& point : points) {
-    if (!std::isfinite(point.lambda_1)) continue;
-    any = true;
-    lowest = std::min(lowest, point.lambda_1);
-    highest = std::max(highest, point.lambda_1);
-  }
-  const std::vector<ColourStop> scale = scale_of(lowest, highest);
-  const double first = scale.front().value, width = scale.back().value - first;
-  if (any) out.scale = scale;
-  for (int i = 0; i <= steps; ++i) out.colours.push_back(colour_at(scale, first + width * i / steps));
-  Classes classes(out);
-  const bool forgets = occurs(points, [](const MapPoint& point) { return std::isinf(point.lambda_1); });
-  const int infinite = forgets ? classes.add("-infinity (sticks)", sticking_colour) : -1;
-  const std::map<MapType, int> others = classes_without_motion(points, classes);
-  const bool missing =
-      occurs(points, [](const MapPoint& point) { return std::isnan(point.lambda_1) && point.type < MapType::inadmissible; });
-  const int none = missing ? classes.add("no exponent", undecided_colour) : -1;
-  out.index = [first, width, infinite, none, others](const MapPoint& point) {
-    if (std::isinf(point.lambda_1)) return infinite;
-    if (std::isfinite(point.lambda_1)) return static_cast<int>(std::lround(steps * (point.lambda_1 - first) / width));
-    return point.type < MapType::inadmissible ? none : at(others, point.type);
-  };
-  return out;
+  return scaled_colours(
+      points, [](const MapPoint& point) { return point.lambda_1; }, diverging_scale, "no exponent");
+}
+
+MapColours quantity_colours(const std::vector<MapPoint>& points, Eigen::Index place) {
+  return scaled_colours(
+      points, [place](const MapPoint& point) { return quantity_of(point, place); }, sequential_scale, "not known");
 }
 
 }  // namespace graze::apps

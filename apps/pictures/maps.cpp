@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Pictures of graze.map/1: a cell for each point, coloured by its attractor or by its first exponent, a panel for each layer.
+// Pictures of graze.map/1: a cell for each point, coloured by its attractor, its first exponent or a quantity, a panel for
+// each layer.
 #include <graze/apps/map/map_report.hpp>
 #include <graze/apps/pictures/map_colours.hpp>
 #include <graze/apps/pictures/maps.hpp>
@@ -49,11 +50,50 @@ std::string percent(std::size_t part, std::size_t whole) {
 
 Picture draw_json(const Json& result, const std::string& kind) {
   const MapPlan plan = plan_of(result);
-  return picture_of_map(plan, rows_from_json(plan, result), kind);
+  return picture_of_map(plan, rows_from_json(plan, result), {.kind = kind});
 }
 
 Picture draw_attractors(const Json& result) { return draw_json(result, "attractors"); }
 Picture draw_exponent(const Json& result) { return draw_json(result, "exponent"); }
+Picture draw_quantity(const Json& result) { return draw_json(result, "quantity"); }
+
+bool has_quantities(const Json& result) { return result.at("options").contains("y"); }
+
+/// What the picture shows of a point: its colour, title and the label of its scale.
+struct Shading {
+  MapColours colours;
+  std::string title, label;
+};
+
+Shading shading_of(const MapPlan& plan, const std::vector<MapPoint>& points, const MapView& view) {
+  if (view.kind == "exponent") {
+    const auto unit = plan.problem.written->units.find("t");
+    const bool given = unit != plan.problem.written->units.end() && !is_built_in(plan.problem);
+    return {exponent_colours(points), "First Lyapunov exponent",
+            is_built_in(plan.problem) ? "lambda_1 per unit of dimensionless time"
+            : given                   ? fmt::format("lambda_1 / (1/{})", unit->second)
+                                      : std::string("lambda_1 per unit of time")};
+  }
+  if (view.kind != "quantity") return {attractor_colours(points), "Attractors", {}};
+  const std::vector<Quantity>& list = plan.quantities.list;
+  const auto found = view.quantity.empty()
+                         ? list.begin()
+                         : std::find_if(list.begin(), list.end(), [&](const Quantity& one) { return one.text == view.quantity; });
+  return {quantity_colours(points, found - list.begin()), found->text, quantity_label(plan.problem, found->text, true)};
+}
+
+void check_view(const MapPlan& plan, const MapView& view) {
+  if (!view.kind.empty() && view.kind != "attractors" && view.kind != "exponent" && view.kind != "quantity")
+    throw std::invalid_argument("of graze.map/1 " +
+                                unknown_name("kind of picture", view.kind, {"attractors", "exponent", "quantity"}));
+  if (view.kind != "quantity") return;
+  if (plan.quantities.empty())
+    throw std::invalid_argument("this map has no quantities to draw; compute it with --y, for example --y \"max(x)\"");
+  std::vector<std::string> names;
+  for (const Quantity& one : plan.quantities.list) names.push_back(one.text);
+  if (!view.quantity.empty() && std::find(names.begin(), names.end(), view.quantity) == names.end())
+    throw std::invalid_argument("--y: " + unknown_name("quantity of this map", view.quantity, names));
+}
 
 }  // namespace
 
@@ -79,10 +119,9 @@ void check_layers(const MapPlan& plan, const std::vector<int>& layers) {
         "--layer is given {} times; a picture shows {} layers at most, draw the others in another", layers.size(), most_panels));
 }
 
-Picture picture_of_map(const MapPlan& plan, const MapRows& rows, const std::string& kind, const std::vector<int>& layers) {
-  const bool exponent = kind == "exponent";
-  if (!exponent && !kind.empty() && kind != "attractors")
-    throw std::invalid_argument("of graze.map/1 " + unknown_name("kind of picture", kind, {"attractors", "exponent"}));
+Picture picture_of_map(const MapPlan& plan, const MapRows& rows, const MapView& view) {
+  const std::vector<int>& layers = view.layers;
+  check_view(plan, view);
   check_layers(plan, layers);
   const std::vector<int> columns = thinned(plan.grid.columns.count, most_columns);
   const std::vector<int> kept_rows = thinned(plan.grid.rows.count, most_rows);
@@ -96,14 +135,14 @@ Picture picture_of_map(const MapPlan& plan, const MapRows& rows, const std::stri
     for (const int layer : panels)
       for (const int column : columns) points.push_back(all[static_cast<std::size_t>(layer * plan.grid.columns.count + column)]);
   }
-  const MapColours colours = exponent ? exponent_colours(points) : attractor_colours(points);
+  const auto& [colours, title, scale_label] = shading_of(plan, points, view);
   const auto missing = static_cast<std::size_t>(
       std::count_if(points.begin(), points.end(), [](const MapPoint& point) { return point.type == MapType::not_run; }));
 
   std::vector<Picture> all;
   for (std::size_t panel = 0; panel < panels.size(); ++panel) {
     Picture picture;
-    picture.title = exponent ? "First Lyapunov exponent" : "Attractors";
+    picture.title = title;
     if (plan.layers() > 1) picture.title += fmt::format(", layer {}: {}", panels[panel], layer_name(plan, panels[panel]));
     picture.subtitle = map_model(plan);
     if (panels.size() > 1) picture.subtitle.replace(picture.subtitle.find(": "), 2, "\n");  // narrow
@@ -112,8 +151,8 @@ Picture picture_of_map(const MapPlan& plan, const MapRows& rows, const std::stri
       picture.subtitle += fmt::format("\nincomplete: {} % of the points are not computed", percent(missing, points.size()));
     if (layers.empty() && plan.layers() > static_cast<int>(panels.size()) && panel + 1 == panels.size())
       picture.subtitle += fmt::format("\n(the first {} of {} layers; --layer draws others)", panels.size(), plan.layers());
-    picture.x_label = plan.grid.columns.parameter + " (dimensionless)";
-    picture.y_label = plan.grid.rows.parameter + " (dimensionless)";
+    picture.x_label = plan.grid.columns.parameter + unit_behind(plan.problem, plan.grid.columns.parameter);
+    picture.y_label = plan.grid.rows.parameter + unit_behind(plan.problem, plan.grid.rows.parameter);
     picture.grid = false;
     picture.common_legend = true;
     if (panels.size() > 1) picture.legend_columns = 2 * panels.size();
@@ -128,7 +167,7 @@ Picture picture_of_map(const MapPlan& plan, const MapRows& rows, const std::stri
     picture.cells = std::move(cells);
     picture.curves = colours.legend;
     if (!colours.scale.empty()) {
-      picture.colour_label = "lambda_1 per unit of dimensionless time";
+      picture.colour_label = scale_label;
       picture.colour_range = {{colours.scale.front().value, colours.scale.back().value}};
       picture.palette = colours.scale;
     }
@@ -145,6 +184,10 @@ PictureKind map_picture() {
 
 PictureKind map_exponent_picture() {
   return {"graze.map/1", "exponent", "the first exponent over two parameters", draw_exponent, {}};
+}
+
+PictureKind map_quantity_picture() {
+  return {"graze.map/1", "quantity", "the first quantity of --y over two parameters", draw_quantity, {}, has_quantities};
 }
 
 }  // namespace graze::apps

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Pictures of parameter maps: attractor types with a legend, or the first exponent.
+// Pictures of parameter maps: attractor types with a legend, the first exponent, or a quantity of --y.
 #pragma once
 
 #include <graze/apps/drawing/picture.hpp>
@@ -10,11 +10,15 @@
 
 namespace graze::apps {
 
-/// `kind`: "attractors" (default) or "exponent"; `layers`: what --layer asked for, else the first four. A map of more points than
-/// the picture has elements is drawn from every so-many-th of them. @throws std::invalid_argument for a kind or a layer there is
-/// none of.
-Picture picture_of_map(const MapPlan& plan, const MapRows& rows, const std::string& kind = {},
-                       const std::vector<int>& layers = {});
+struct MapView {
+  std::string kind = {};         ///< "attractors" (default), "exponent" or "quantity"
+  std::string quantity = {};     ///< of the map; empty: its first
+  std::vector<int> layers = {};  ///< of --layer; empty: the first four
+};
+
+/// A map of more points than the picture has elements is drawn from every so-many-th of them. @throws std::invalid_argument for
+/// a kind, a quantity or a layer that the map does not have.
+Picture picture_of_map(const MapPlan& plan, const MapRows& rows, const MapView& view = {});
 
 /// What --layer says, once or several times. @throws std::invalid_argument if it is no whole number.
 std::vector<int> layer_numbers(const std::vector<std::string>& texts);

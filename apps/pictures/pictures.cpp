@@ -36,6 +36,7 @@ const std::vector<PictureKind>& picture_kinds() {
       basins_picture(),
       map_picture(),
       map_exponent_picture(),
+      map_quantity_picture(),
       diagram_picture(),
       of_schema(skeleton_picture(), diagram_schema),
       of_schema(sweep_picture(), diagram_schema),
@@ -145,14 +146,17 @@ namespace {
 /// What stands behind a name on an axis: " / mm", " (dimensionless)".
 std::string unit_behind(const Json& result, const std::string& name) {
   if (!result.contains("states") && !result.contains("converted_from")) return " (dimensionless)";  // without making the system
-  const Problem problem = problem_of(result);
+  return unit_behind(problem_of(result), name);
+}
+
+}  // namespace
+
+std::string unit_behind(const Problem& problem, const std::string& name) {
   const auto unit = problem.written->units.find(name);
   if (is_built_in(problem) && (unit == problem.written->units.end() || unit->second == "dimensionless"))
     return " (dimensionless)";
   return unit == problem.written->units.end() ? std::string() : " / " + unit->second;
 }
-
-}  // namespace
 
 std::string parameter_label(const Json& result, const std::string& name) { return name + unit_behind(result, name); }
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <graze/apps/drawing/picture.hpp>
+#include <graze/apps/problem/problem.hpp>
 #include <graze/apps/text/json.hpp>
 #include <graze/apps/text/table.hpp>
 
@@ -63,6 +64,9 @@ StatePair portrait_plane(const Json& result);
 /// The member of a result in which `graze plot --plane` puts two states by their numbers.
 inline constexpr const char* seen_plane = "seen_plane";
 
+/// Behind a name on an axis: " / mm", " (dimensionless)"; empty where the file gives no unit.
+std::string unit_behind(const Problem& problem, const std::string& name);
+
 /// Names for axes: "eta (dimensionless)"; of a system written as text "A / mm", or the plain name where no unit is given.
 std::string parameter_label(const Json& result, const std::string& name);
 std::string time_label(const Json& result);
@@ -108,5 +112,6 @@ PictureKind diagram_picture();
 PictureKind basins_picture();
 PictureKind map_picture();
 PictureKind map_exponent_picture();
+PictureKind map_quantity_picture();
 
 }  // namespace graze::apps

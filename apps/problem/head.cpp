@@ -64,7 +64,8 @@ Json result_schema(const std::string& schema, const std::string& meaning, const 
        {"parameters", "all of them", numbers, false},
        {"tied", "values of the parameters that are expressions of others", numbers, false},
        {"converted_from", "the physical quantities that were given", from, false},
-       {"options", "what was asked for", any}})};
+       {"options", "what was asked for", any},
+       {"notes", "sentences on events that meet at an instant and whose order matters", list_schema(text), false}})};
   all.insert(all.end(), members.begin(), members.end());
   return plain_result_schema(schema, meaning, all);
 }

@@ -332,6 +332,26 @@ QuantityValues measure(const Quantities& quantities, const HybridSystem& system,
   return measure(quantities, system, orbit.parameters, {.states = orbit.states, .duration = orbit.duration});
 }
 
+QuantityValues measure(const Quantities& quantities, const HybridSystem& system, const Vector& p, const Attractor& attractor) {
+  constexpr int periods_of_a_motion = 64;
+  const bool closes = attractor.type == AttractorType::periodic, forced = is_forced(system);
+  QuantityValues unknown;
+  for (const Quantity& one : quantities.list) unknown.push_back({one.text, {std::nan("")}});
+  if (quantities.empty() || (!forced && !closes)) return unknown;
+  MeasuredMotion motion{.states = {attractor.state}, .duration = attractor.duration, .closes = closes};
+  if (forced) {
+    const double unit = forcing_period(system, p);
+    const int periods = closes ? attractor.period : periods_of_a_motion;
+    motion.duration = periods * unit;
+    while (static_cast<int>(motion.states.size()) < periods) {
+      const Trajectory run = simulate(system, p, 0.0, motion.states.back(), {.t_end = unit});
+      if (run.termination != Termination::time) return unknown;
+      motion.states.push_back(run.x);
+    }
+  }
+  return measure(quantities, system, p, motion);
+}
+
 void put_quantities(Json& json, const QuantityValues& values) {
   json.erase("y");
   if (!values.empty()) json["y"] = tree_of([&](JsonText& text) { write_quantities(values, text); });

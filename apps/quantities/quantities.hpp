@@ -17,6 +17,7 @@
 #include <graze/apps/text/json_text.hpp>
 #include <graze/apps/text/table.hpp>
 
+#include <graze/floquet/attractor/attractor.hpp>
 #include <graze/floquet/orbit/periodic_orbit.hpp>
 #include <graze/lib/equations/motion_functions.hpp>
 
@@ -95,6 +96,10 @@ struct MeasuredMotion {
 QuantityValues measure(const Quantities& quantities, const HybridSystem& system, const Vector& p, const MeasuredMotion& motion);
 
 QuantityValues measure(const Quantities& quantities, const HybridSystem& system, const PeriodicOrbit& orbit);
+
+/// Of an attractor that is no orbit they are those of the motion over 64 forcing periods from its state; of one without forcing,
+/// whose returns do not say how long it is, they are not known.
+QuantityValues measure(const Quantities& quantities, const HybridSystem& system, const Vector& p, const Attractor& attractor);
 
 /// Adds "y": {"max(x)": 1.2, "x": [0.3, 0.5]}, a number or a list of several; nothing where there are no values, and what was
 /// there goes.

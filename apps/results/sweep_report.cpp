@@ -3,11 +3,9 @@
 #include <graze/apps/results/sweep_report.hpp>
 #include <graze/apps/text/number.hpp>
 
-#include <fmt/compile.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <iterator>
 #include <limits>
 #include <tuple>
 
@@ -111,25 +109,24 @@ Table sweep_overview(const std::vector<SweepRow>& rows, const std::string& param
 
 void samples_csv(const Problem& problem, const std::vector<SweepRow>& rows, const std::string& parameter, int threads,
                  const TextSink& sink, const RowQuantities& measured) {
-  Table head{{parameter, "direction", "attractor", "period", "impacts"}, {}};
-  for (std::size_t i = 1; i <= problem.system.states; ++i) head.columns.push_back(fmt::format("exponent{}", i));
+  static const Columns<SweepRow> columns = joined<SweepRow>({row_columns(), of_part(attractor_columns(), &SweepRow::attractor)});
+  std::vector<Shown> shown = {{"value", {parameter}}, {"direction"}, {"type", {"attractor"}}, {"period"}, {"impacts"},
+                              {"exponents", {}}};
+  for (std::size_t i = 1; i <= problem.system.states; ++i) shown.back().heads.push_back(fmt::format("exponent{}", i));
+  Table head;
+  add_columns(head, shown);
   for (const std::string& name : state_columns(problem)) head.columns.push_back(name);
   const auto with_values = std::find_if(measured.begin(), measured.end(), [](const auto& values) { return !values.empty(); });
   if (with_values != measured.end()) add_columns(head, *with_values);
   sink(csv(head));
   hand_on_items(threads, rows.size(), sink, [&](std::size_t k, std::string& lines) {
     const SweepRow& row = rows[k];
-    const Attractor& attractor = row.attractor;
-    std::string begin =
-        fmt::format("{},{},{},", row.value, sweep_direction_name(row.direction), attractor_type_name(attractor.type));
-    begin += attractor.period > 0 ? fmt::format("{},{}", attractor.period, attractor.impacts) : ",";
-    for (std::size_t i = 0; i < problem.system.states; ++i)
-      begin += "," + (i < attractor.exponents.size() ? exact(attractor.exponents[i]) : "");
+    std::string begin;
+    append_cells(begin, columns, shown, row);
     for (std::size_t period = 0; period < row.states.size(); ++period) {
-      lines += begin;
-      for (const double value : row.states[period]) fmt::format_to(std::back_inserter(lines), FMT_COMPILE(",{}"), value);
-      if (!measured.empty())
-        for (const double value : values_at(measured[k], period)) lines += "," + (std::isfinite(value) ? exact(value) : "");
+      lines.append(begin, 1);
+      JsonForm<Vector>::cells(row.states[period], lines);
+      if (!measured.empty()) JsonForm<std::vector<double>>::cells(values_at(measured[k], period), lines);
       lines += '\n';
     }
   });

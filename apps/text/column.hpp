@@ -4,7 +4,8 @@
 // tables. A further field is one line of the list.
 //
 // JsonForm<V> says how a value stands in JSON: json(), value() (the inverse, @throws Json::exception where it is of another kind)
-// and schema(). A number that may be missing is an optional one; a plain one that is not finite is null nevertheless. A type with
+// and schema(); and in CSV: cells(), each after a comma, empty for what is not known. A number that may be missing is an optional
+// one; a plain one that is not finite is null nevertheless. A type with
 // a list of columns has it as its form by
 //     template <> struct JsonForm<Contact> : RecordForm<Contact, contact_columns> {};
 // and a type of choices, of which each has a name, by
@@ -14,10 +15,14 @@
 #include <graze/apps/text/json_text.hpp>
 #include <graze/apps/text/table.hpp>
 
+#include <fmt/compile.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <initializer_list>
+#include <iterator>
 #include <map>
 #include <stdexcept>
 #include <utility>
@@ -43,6 +48,15 @@ template <class V> struct JsonForm {
   static Json json(const V& value) { return value; }
   static V value(const Json& json) { return json.get<V>(); }
   static void write(const V& value, JsonText& text) { text.value(value); }
+  static void cells(const V& value, std::string& line) requires(!std::is_same_v<V, Json>) {
+    line += ',';
+    if constexpr (std::is_same_v<V, bool>)
+      line += value ? "yes" : "no";
+    else if constexpr (std::is_floating_point_v<V>) {
+      if (!std::isnan(value)) fmt::format_to(std::back_inserter(line), FMT_COMPILE("{}"), value);
+    } else
+      fmt::format_to(std::back_inserter(line), FMT_COMPILE("{}"), value);
+  }
   static Json schema() {
     if constexpr (std::is_same_v<V, Json>) return Json::object();
     return {{"type", std::is_same_v<V, bool>   ? "boolean"
@@ -69,6 +83,12 @@ template <class List, class Item = typename List::value_type> struct ListForm {
     for (const Item& item : list) JsonForm<Item>::write(item, text);
     text.end_list();
   }
+  static void cells(const List& list, std::string& line) requires requires(const Item& item) {
+    JsonForm<Item>::cells(item, line);
+  }
+  {
+    for (const Item& item : list) JsonForm<Item>::cells(item, line);
+  }
   static Json schema() { return list_schema(JsonForm<Item>::schema()); }
 };
 template <class Item> struct JsonForm<std::vector<Item>> : ListForm<std::vector<Item>> {};
@@ -92,7 +112,20 @@ template <class V> struct JsonForm<std::optional<V>> {
   static void write(const std::optional<V>& value, JsonText& text) {
     value ? JsonForm<V>::write(*value, text) : text.value(std::optional<bool>());
   }
+  static void cells(const std::optional<V>& value, std::string& line) requires requires { JsonForm<V>::cells(*value, line); }
+  { value ? JsonForm<V>::cells(*value, line) : void(line += ','); }
   static Json schema() { return or_null(JsonForm<V>::schema()); }
+};
+/// A number that may be infinite or unknown, which JSON has no word for.
+struct MaybeFinite {
+  double value = 0.0;
+};
+template <> struct JsonForm<MaybeFinite> {
+  static Json json(const MaybeFinite& number) { return std::isfinite(number.value) ? Json(number.value) : Json(nullptr); }
+  static MaybeFinite value(const Json& json) { return {json.is_null() ? std::nan("") : json.get<double>()}; }
+  static void write(const MaybeFinite& number, JsonText& text) { text.value(number.value); }
+  static void cells(const MaybeFinite& number, std::string& line) { JsonForm<double>::cells(number.value, line); }
+  static Json schema() { return or_null(JsonForm<double>::schema()); }
 };
 /// Values by their names, which can be any.
 template <class V> struct JsonForm<std::map<std::string, V>> {
@@ -127,9 +160,10 @@ template <class T> struct Column {
   Json schema;
   std::function<Json(const T&)> json;
   std::function<void(const T&, JsonText&)> write;
-  std::function<void(T&, const Json&)> set = {};  ///< empty: it follows from others, and is not read
-  std::function<bool(const T&)> applies = {};     ///< whether there is one at all; empty: always
-  bool needed = true;                             ///< to a reader
+  std::function<void(const T&, std::string&)> cells = {};  ///< of a line of CSV; empty: what it holds are no cells
+  std::function<void(T&, const Json&)> set = {};           ///< empty: it follows from others, and is not read
+  std::function<bool(const T&)> applies = {};              ///< whether there is one at all; empty: always
+  bool needed = true;                                      ///< to a reader
 
   Column() = default;
   /// `head`: the name, and behind it a unit in brackets: "duration [time]". `get`: a member, which is then read back, too, or
@@ -144,6 +178,8 @@ template <class T> struct Column {
     schema = Form::schema();
     json = [get](const T& record) { return Form::json(std::invoke(get, record)); };
     write = [get](const T& record, JsonText& text) { Form::write(std::invoke(get, record), text); };
+    if constexpr (requires(const T& record, std::string& line) { Form::cells(std::invoke(get, record), line); })
+      cells = [get](const T& record, std::string& line) { Form::cells(std::invoke(get, record), line); };
     if constexpr (!std::is_null_pointer_v<Put>)
       set = [put](T& record, const Json& value) { put(record, Form::value(value)); };
     else if constexpr (std::is_member_object_pointer_v<Get>)
@@ -225,6 +261,7 @@ template <class E, auto name, E... all> struct ChoiceForm {
         fmt::format("{} stands in the result where it can be one of {}; compute it anew", flat(json), fmt::join(names, ", ")));
   }
   static void write(E choice, JsonText& text) { text.value(name(choice)); }
+  static void cells(E choice, std::string& line) { JsonForm<std::string_view>::cells(name(choice), line); }
   static Json schema() { return {{"enum", {name(all)...}}}; }
 };
 
@@ -243,6 +280,7 @@ template <class T, class Part> Columns<T> of_part(const Columns<Part>& columns, 
     out.needed = one.needed;
     out.json = [=](const T& record) { return one.json(record.*part); };
     out.write = [=](const T& record, JsonText& text) { one.write(record.*part, text); };
+    if (one.cells) out.cells = [=](const T& record, std::string& line) { one.cells(record.*part, line); };
     if (one.set) out.set = [=](T& record, const Json& json) { one.set(record.*part, json); };
     if (one.applies) out.applies = [=](const T& record) { return one.applies(record.*part); };
   }
@@ -297,18 +335,26 @@ template <class T> Table table_of(const Columns<T>& columns, const std::vector<S
   return table;
 }
 
-/// A number where it is finite.
-inline std::optional<double> finite(double value) { return std::isfinite(value) ? std::optional(value) : std::nullopt; }
-using MaybeNumbers = std::vector<std::optional<double>>;
-inline MaybeNumbers finite(const std::vector<double>& values) {
-  MaybeNumbers out;
-  for (const double value : values) out.push_back(finite(value));
-  return out;
+/// Goes on with a line of CSV: the cells of a column, as many as it has heads, each after a comma.
+template <class T> void append_cells(std::string& line, const Column<T>& column, const T& record, std::size_t heads = 1) {
+  const auto begin = static_cast<std::ptrdiff_t>(line.size());
+  if (column.is_in(record)) column.cells(record, line);
+  line.append(heads - static_cast<std::size_t>(std::count(line.begin() + begin, line.end(), ',')), ',');
 }
-/// The inverse, with `otherwise` for what was not.
+template <class T>
+void append_cells(std::string& line, const Columns<T>& columns, const std::vector<Shown>& shown, const T& record) {
+  for (const Shown& one : shown)
+    for (const Column<T>& candidate : columns)
+      if (candidate.name == one.column) append_cells(line, candidate, record, one.heads.size());
+}
+
+inline MaybeFinite finite(double value) { return {value}; }
+using MaybeNumbers = std::vector<MaybeFinite>;
+inline MaybeNumbers finite(const std::vector<double>& values) { return {values.begin(), values.end()}; }
+/// The inverse, with `otherwise` for what JSON does not have.
 inline std::vector<double> numbers(const MaybeNumbers& values, double otherwise) {
   std::vector<double> out;
-  for (const std::optional<double>& value : values) out.push_back(value.value_or(otherwise));
+  for (const MaybeFinite& one : values) out.push_back(std::isnan(one.value) ? otherwise : one.value);
   return out;
 }
 

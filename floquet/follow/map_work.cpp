@@ -192,7 +192,7 @@ MotionTask<> MapWork::find_point(TaskSlot& lane, const Begun& begun, MapPoint& o
   Attractor found = co_await approach_attractor_in_lanes(lane, system_, p, start, finding);
   if (found.termination == Termination::time && found.type != AttractorType::periodic) hand_on(begun, found.state);
   co_await average_on_attractor_in_lanes(lane, system_, p, found, finding);
-  take(found, out);
+  take(p, found, out);
 }
 
 /// Where a point starts: without a neighbour's state, or where it lies inside the barrier by now, at the layer's start. Null:
@@ -208,7 +208,7 @@ const AttractorOptions* MapWork::begin(const MapLayer& layer, const Vector& p, c
   return nullptr;
 }
 
-void MapWork::take(const Attractor& attractor, MapPoint& out) const {
+void MapWork::take(const Vector& p, const Attractor& attractor, MapPoint& out) const {
   const bool periodic = attractor.type == AttractorType::periodic;
   // A signal may have cut the average short without leaving a trace in an attractor that looks undecided.
   if (!periodic && cancelled()) return;
@@ -220,6 +220,7 @@ void MapWork::take(const Attractor& attractor, MapPoint& out) const {
   out.period = attractor.period;
   out.impacts = attractor.impacts;
   out.state = attractor.state;
+  if (options_.measure) out.quantities = options_.measure(p, attractor);
   if (attractor.exponents.empty()) return;
   out.lambda_1 = attractor.exponents.front();
   out.standard_error = attractor.standard_errors.front();

@@ -77,7 +77,7 @@ class MapWork {
   std::optional<Begun> end(const Begun& begun, MapPoint found);
   const AttractorOptions* begin(const MapLayer& layer, const Vector& p, const std::optional<Vector>& from, Vector& start,
                                 MapPoint& out) const;
-  void take(const Attractor& attractor, MapPoint& out) const;
+  void take(const Vector& p, const Attractor& attractor, MapPoint& out) const;
   bool cancelled() const { return failed_ || (options_.cancelled && options_.cancelled()); }
 
   const HybridSystem system_;

@@ -64,6 +64,7 @@ struct MapPoint {
   double lambda_1 = std::numeric_limits<double>::quiet_NaN();
   double standard_error = std::numeric_limits<double>::quiet_NaN();  ///< 0 of a periodic one: it is that of its multipliers
   Vector state;                                                      ///< on the attractor, at forcing phase 0; NaN if none
+  Vector quantities;  ///< of the attractor, by MapOptions::measure; empty if there is none or nothing is measured
 };
 
 struct MapOptions {
@@ -73,6 +74,7 @@ struct MapOptions {
   int periods = 5000;            ///< most forcing periods of an average
   double standard_error = 3e-3;  ///< bound of the average's standard errors; it goes on until the sign of lambda_1 is sure, too
   FlowOptions flow = {};
+  std::function<Vector(const Vector& p, const Attractor& attractor)> measure = {};  ///< quantities of a point, from any thread
   std::function<bool()> cancelled = {};
   std::function<void()> progress = {};  ///< after every point, from any thread
 };

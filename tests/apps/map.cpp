@@ -38,7 +38,8 @@ std::vector<std::string> with(const std::vector<std::string>& more) {
 TEST_CASE("map: JSON, table, HDF5 and h5py tell the same") {
   const TemporaryFolder folder;
   const std::string h5 = folder.file("m.h5"), csv = folder.file("m.csv");
-  const Json json = json_of(run(with({"--follow", "both", "--h5", h5, "--csv", csv, "--json", "-"})));
+  const Json json =
+      json_of(run(with({"--follow", "both", "--h5", h5, "--csv", csv, "--json", "-", "--y", "max(x)", "--y", "v/eta"})));
   CHECK(json["schema"] == "graze.map/1");
   CHECK(json["status"] == "done");
   CHECK(json["options"]["columns"] == Json({{"parameter", "eta"}, {"from", 0.69}, {"to", 0.74}, {"count", 6}}));
@@ -85,6 +86,8 @@ TEST_CASE("map: JSON, table, HDF5 and h5py tell the same") {
   for (std::size_t layer = 0; layer < 2; ++layer) {
     for (const char* name : {"type", "lambda_1", "standard_error", "state"})
       CHECK(python[name][layer] == json["layers"][layer][name]);
+    CHECK(python["y"]["max(x)"][layer] == json["layers"][layer]["y"]["max(x)"]);
+    CHECK(python["y"]["v_over_eta"][layer] == json["layers"][layer]["y"]["v/eta"]);
     for (std::size_t row = 0; row < 3; ++row)
       for (std::size_t column = 0; column < 6; ++column) {
         const Json& period = json["layers"][layer]["period"][row][column];
@@ -257,8 +260,8 @@ TEST_CASE("map: no byte of a chunk can change without being noticed") {
   plan.problem = make_problem("linear", "hertz");
   plan.grid = {{"eta", 0.7, 0.8, 2}, {"r", 1.0, 2.0, 3}};
   MapChunk chunk{1, 1, std::vector<MapPoint>(2)};
-  chunk.points[0] = {MapType::periodic, 3, 2, -0.05, 0.0, Vector{{1.0, -2.0}}};
-  chunk.points[1] = {MapType::chaotic, 0, 0, 0.1, 1e-3, Vector{{0.5, 0.25}}};
+  chunk.points[0] = {MapType::periodic, 3, 2, -0.05, 0.0, Vector{{1.0, -2.0}}, {}};
+  chunk.points[1] = {MapType::chaotic, 0, 0, 0.1, 1e-3, Vector{{0.5, 0.25}}, {}};
   const std::string bytes = chunk_bytes(chunk, plan, 42);
   const auto back = chunk_from(bytes, plan, 42, 1);
   REQUIRE(back);

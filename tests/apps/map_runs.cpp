@@ -61,12 +61,11 @@ void check_finished(const Outcome& outcome, const std::string& out) {
   CHECK_FALSE(fs::exists(out + "/chunks"));
 }
 
-/// Sends a signal once so many chunks are there.
+/// Sends a signal once so many chunks are there, to a process that is looked for before: the run does not wait.
 std::function<bool(pid_t)> after(int count, const std::string& out, int signal, const std::function<pid_t()>& whom = {}) {
-  return [=](pid_t child) {
-    if (chunks(out) < count) return false;
-    const pid_t target = whom ? whom() : child;
-    return target > 0 && ::kill(target, signal) == 0;
+  return [=, target = pid_t(0)](pid_t child) mutable {
+    if (target <= 0) target = whom ? whom() : child;
+    return target > 0 && chunks(out) >= count && ::kill(target, signal) == 0;
   };
 }
 

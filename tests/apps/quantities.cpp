@@ -2,6 +2,8 @@
 // --y: quantities of orbits, branches and attractors against closed forms, in every place where they are written.
 #include "graze_program.hpp"
 
+#include <graze/apps/map/map_file.hpp>
+#include <graze/apps/pictures/maps.hpp>
 #include <graze/apps/pictures/pictures.hpp>
 #include <graze/apps/pictures/seen.hpp>
 #include <graze/apps/text/table.hpp>
@@ -10,7 +12,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <filesystem>
 #include <numbers>
+#include <set>
 
 using namespace graze;
 using namespace graze::apps;
@@ -202,6 +206,72 @@ TEST_CASE("quantities of a sweep are those of its attractors, and its states at 
   }
   CHECK(doubled);
   CHECK(picture_of(json).y_label == "x at forcing phase 0 (dimensionless)");
+}
+
+TEST_CASE("quantities of a map are those of the attractors at its points, in every format") {
+  const TemporaryFolder folder;
+  const std::string out = folder.file("run");
+  const std::vector<std::string> asked = {"map",     problem("hertz-damped"),
+                                          "--param", "eta:0.72:0.92:3",
+                                          "--param", "r:2:2.1:2",
+                                          "--y",     "max(x)",
+                                          "--y",     "v/eta",
+                                          "--y",     "period"};
+  std::vector<std::string> all = asked;
+  all.insert(all.end(), {"--out", out, "--csv", folder.file("m.csv")});
+  const Json json = result(all), y = json["layers"][0]["y"];
+  const Table table = parse_csv(read_file(folder.file("m.csv")), "m.csv");
+  MapFile file(out + "/map.h5");
+  std::size_t line = 0;
+  std::set<std::string> types;
+  for (const std::size_t row : {0, 1}) {
+    const std::vector<MapPoint> points = file.row(static_cast<int>(row));
+    for (std::size_t i = 0; i < 3; ++i, ++line) {
+      INFO("row " << row << ", column " << i);
+      const auto value = [&](const char* name) { return y[name][row][i].get<double>(); };
+      CHECK(points[i].quantities[0] == value("max(x)"));
+      CHECK(std::stod(table.rows[line][column(table, "v/eta")]) == value("v/eta"));
+      const auto cell = [&](const char* name) { return table.rows[line][column(table, name)]; };
+      const std::string eta = cell("eta"), r = cell("r"), period = table.rows[line][4];
+      types.insert(cell("type"));
+      CHECK(value("v/eta") == Approx(std::stod(cell("v")) / std::stod(eta)).epsilon(1e-13));
+      if (cell("impacts") != "0") CHECK(value("max(x)") > std::stod(r));  // it goes into the elastic barrier
+      if (cell("type") != "periodic") continue;
+      CHECK(value("period") == Approx(std::stod(period) * 2.0 * pi / std::stod(eta)).epsilon(1e-13));
+      const Json orbit = result({"orbit", problem("hertz-damped"), "--set", "eta=" + eta, "--set", "r=" + r, "--period", period,
+                                 "--start", cell("x") + "," + cell("v"), "--settle", "0", "--y", "max(x)"})["orbit"];
+      CHECK(value("max(x)") == Approx(orbit["y"]["max(x)"].get<double>()).epsilon(1e-10));
+    }
+  }
+  CHECK(types == std::set<std::string>{"chaotic", "periodic"});
+
+  // Gone on with it has to be of the same quantities; pictures show them, one by one.
+  std::vector<std::string> other(asked.begin(), asked.end() - 2);
+  other.insert(other.end(), {"--resume", out});
+  CHECK_THAT(call(other).err, Contains("is of another run"));
+  CHECK(std::filesystem::exists(out + "/map-y3.png"));
+  CHECK(picture_of(json, "quantity").colour_label == "max(x) (dimensionless)");
+  CHECK(picture_of_map(file.plan(), [&](int row) { return file.row(row); }, {.kind = "quantity", .quantity = "period"}).title ==
+        "period");
+  CHECK_THROWS_WITH(
+      picture_of_map(file.plan(), [&](int row) { return file.row(row); }, {.kind = "quantity", .quantity = "perod"}),
+      Contains("\"perod\" (did you mean \"period\"?)"));
+}
+
+TEST_CASE("quantities of coexisting attractors and of the one that lyapunov reaches are those of their orbits") {
+  const Json json = result({"attractors", problem("newton-elastic"), "--set", "eta=0.744", "--x", "-1:2:12", "--v", "-2:2:12",
+                            "--y", "max(v)", "--y", "impacts"});
+  REQUIRE(json["attractors"].size() == 2);
+  for (const Json& found : json["attractors"]) {
+    const std::string state = found["state"][0].dump() + "," + found["state"][1].dump(), period = found["period"].dump();
+    const Json orbit = result({"orbit", problem("newton-elastic"), "--set", "eta=0.744", "--settle", "0", "--start", state,
+                               "--period", period, "--y", "max(v)"})["orbit"];
+    CHECK(found["y"]["max(v)"].get<double>() == Approx(orbit["y"]["max(v)"].get<double>()).epsilon(1e-10));
+    CHECK(found["y"]["impacts"] == found["impacts"].get<double>());
+    const Json reached = result({"lyapunov", problem("newton-elastic"), "--set", "eta=0.744", "--settle", "0", "--start", state,
+                                 "--periods", "100", "--y", "max(v)"});
+    CHECK(reached["y"]["max(v)"].get<double>() == Approx(orbit["y"]["max(v)"].get<double>()).epsilon(1e-10));
+  }
 }
 
 TEST_CASE("quantities of a diagram that is gone on with are those of one run through") {

@@ -32,4 +32,6 @@ with h5py.File(sys.argv[1]) as file:
         "lambda_1": [[[number(x) for x in row] for row in layer] for layer in file["lambda_1"][:]],
         "standard_error": [[[number(x) for x in row] for row in layer] for layer in file["standard_error"][:]],
         "state": file["state"][:].tolist(),
+        "y": {name: [[[number(x) for x in row] for row in layer] for layer in values[:]]
+              for name, values in file.get("y", {}).items()},
     }))
