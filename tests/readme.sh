@@ -1,67 +1,104 @@
 #!/bin/bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Runs what README.md shows and compares the output, letter by letter:
-#   the first ```cpp block, built against the installed package, with the ```text block that follows it;
-#   the first ```console block: each line `$ command` (in bash, from the source folder, with graze on PATH),
-#   with the lines that follow it.
+# Runs the examples of README.md and of the pages it links to, and compares their output letter by letter:
+#   the first ```cpp block of README.md, built against the installed package, with the ```text block that follows it;
+#   each ```console block of each page: every line `$ command`, with the lines that follow it as its output.
+# The commands of a page run in bash, in order, in a folder of their own: with graze on PATH, the source tree's data/ in it, and each
+# ```toml block of the page that begins with a line `# NAME.toml` as that file.
+# Relative links of the pages must lead to files, and to headings, that exist.
 # usage: readme.sh GRAZE_PROGRAM WORK_FOLDER      (the package is found by CMAKE_PREFIX_PATH)
 set -euo pipefail
 source_folder="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 program="$(realpath "$1")"
 work="$(realpath -m "$2")"
-readme="$source_folder/README.md"
+cd "$source_folder"
+pages=(README.md lib/README.md tests/benchmarks/README.md data/guide/*.md)
 
-fail() { echo "README.md: $*" >&2; exit 1; }
+fail() { echo "$page: $*" >&2; exit 1; }
 
-# block LANGUAGE [AFTER]: the first block in that language, or the first one that begins after line AFTER.
+# block LANGUAGE [AFTER]: the first block of the page in that language, or the first one that begins after line AFTER.
 block() {
   awk -v fence='```'"$1" -v after="${2:-0}" '
     !inside && NR > after && $0 == fence { inside = 1; next }
     inside && $0 == "```" { closed = 1; exit }
     inside { print }
-    END { exit !closed }' "$readme" || fail "no complete \`\`\`$1 block${2:+ after line $2}"
+    END { exit !closed }' "$source_folder/$page" || fail "no complete \`\`\`$1 block${2:+ after line $2}"
 }
 
 # same WHAT EXPECTED ACTUAL
 same() {
-  diff -u --label "README.md" --label "$1" <(printf '%s\n' "$2") <(printf '%s\n' "$3") ||
-    fail "shows another output than '$1' gives (above: - README.md, + as computed)"
+  diff -u --label "$page" --label "$1" <(printf '%s\n' "$2") <(printf '%s\n' "$3") ||
+    fail "shows another output than '$1' gives (above: - $page, + as computed)"
+}
+
+# Writes the page's files, and prints its console blocks one after the other.
+unpack() {
+  awk -v folder="$session" '
+    block == "toml" && first && /^# [a-z-]+\.toml$/ { file = folder "/" $2 }
+    block && /^```$/ { block = file = ""; next }
+    block == "toml" && file { print > file }
+    block == "console" && first && !/^\$ / { print "a console block begins with: " $0 > "/dev/stderr"; exit 1 }
+    block == "console" { print }
+    { first = 0 }
+    !block && /^```/ { block = substr($0, 4); if (!block) block = "plain"; first = 1 }
+    END { if (block) { print "a block is not closed" > "/dev/stderr"; exit 1 } }' "$source_folder/$page"
+}
+
+check() {
+  [[ -n $command ]] || return 0
+  local actual
+  actual="$(cd "$session" && bash -c "$command" < /dev/null)" || fail "'$command' exits with $?"
+  same "$command" "${expected%"${expected##*[!$'\n']}"}" "$actual"
+  commands=$((commands + 1))
+}
+
+# Headings as they are named in links.
+headings() { sed -n '/^```/,/^```/d; s/^##* //p' "$1" | tr '[:upper:]' '[:lower:]' | sed 's/[^a-z0-9 _-]//g; s/ /-/g'; }
+
+check_links() {
+  local link target
+  while IFS= read -r link; do
+    target="${link%%#*}"
+    target="${target:+$(dirname "$page")/$target}"
+    [[ -e ${target:=$page} ]] || fail "links to $link, which is not there"
+    [[ $link != *'#'* ]] || headings "$target" | grep -qxF "${link#*#}" || fail "links to $link; $target has no such heading"
+  done < <(grep -oE '\]\([^) ]+\)' "$page" | sed 's/^](//; s/)$//' | grep -v '^https\?:' || true)
 }
 
 rm -rf "$work"
 mkdir -p "$work/program"
+page=README.md
 block cpp > "$work/program/main.cpp"
-cp "$source_folder/tests/consumer/CMakeLists.txt" "$work/program/"
+cp tests/consumer/CMakeLists.txt "$work/program/"
 cmake -S "$work/program" -B "$work/build" >&2
 cmake --build "$work/build" >&2
-first_line="$(grep -n -m 1 -x '```cpp' "$readme")"
+first_line="$(grep -n -m 1 -x '```cpp' "$page")"
 expected="$(block text "${first_line%%:*}")"
 actual="$("$work/build/consumer")" || fail "the program exits with $?"
 same "the C++ program" "$expected" "$actual"
 
-cd "$source_folder"
 export PATH="${program%/*}:$PATH"
-command=
-expected=
-commands=0
-check() {
-  [[ -n $command ]] || return 0
-  local actual
-  actual="$(bash -c "$command" < /dev/null)" || fail "'$command' exits with $?"
-  same "$command" "${expected%"${expected##*[!$'\n']}"}" "$actual"
-  commands=$((commands + 1))
-}
-session="$(block console)"
-while IFS= read -r line; do
-  if [[ $line == '$ '* ]]; then
-    check
-    command="${line:2}"
-    expected=
-  else
-    [[ -n $command ]] || fail "the console block does not begin with a line '\$ command'"
-    expected+="$line"$'\n'
-  fi
-done <<< "$session"
-check
-[[ $commands -gt 0 ]] || fail "the console block has no line '\$ command'"
-echo "README.md: the program and $commands commands give what it shows"
+total=0
+for page in "${pages[@]}"; do
+  check_links
+  session="$work/session/${page%.md}"
+  mkdir -p "$session"
+  ln -s "$source_folder/data" "$session/data"
+  lines="$(unpack)" || fail "cannot be read"
+  command=
+  expected=
+  commands=0
+  while IFS= read -r line; do
+    if [[ $line == '$ '* ]]; then
+      check
+      command="${line:2}"
+      expected=
+    else
+      expected+="$line"$'\n'
+    fi
+  done <<< "$lines"
+  check
+  [[ $commands -gt 0 || $page != README.md ]] || fail "has no console block"
+  total=$((total + commands))
+done
+echo "README.md and its pages: the program and $total commands give what they show"
