@@ -11,7 +11,7 @@
 #include <graze/apps/pictures/range.hpp>
 #include <graze/apps/problem/axis.hpp>
 #include <graze/apps/problem/flow_choice.hpp>
-#include <graze/apps/problem/motion.hpp>
+#include <graze/lib/motion/sampled_motion.hpp>
 #include <graze/apps/results/attractor_report.hpp>
 #include <graze/apps/results/find_orbit.hpp>
 #include <graze/apps/results/input_file.hpp>

@@ -109,7 +109,7 @@ int run(const Options& given, const Console& console) {
   result.json = result_head("branch/1", "continue", problem, all_options(problem, options));
   folder.check_free_for(result.json);
   result.json["parameter"] = options.parameter;
-  const FoundOrbits found = find_orbits(problem, options.orbit, console);
+  const OrbitResult found = find_orbits(problem, options.orbit, console);
   Status status = found.status;
   std::string message = found.message;
   std::vector<Branch> branches;

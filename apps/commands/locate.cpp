@@ -91,7 +91,7 @@ bool is_meant(const SpecialPoint& point, double near, double reach) {
 
 /// The branches met, and the wanted point on them.
 struct Located {
-  FoundOrbits first;  ///< orbits at the first value
+  OrbitResult first;  ///< orbits at the first value
   std::vector<Branch> branches;
   LocateResult nearest;
 };
@@ -112,7 +112,7 @@ class Hunt {
   }
 
   /// True if the point is there.
-  bool follow(const FoundOrbits& found) {
+  bool follow(const OrbitResult& found) {
     for (const PeriodicOrbit& orbit : found.orbits) {
       if (interrupted()) return true;
       if (orbit.admissible != Admissibility::admissible || is_known(orbit)) continue;
@@ -149,11 +149,12 @@ Located locate_near(const Problem& problem, const Options& options, double reach
   const Console silent{console.out, console.err, true, console.threads};
   const auto look_at = [&](const Problem& place, bool is_first) {
     try {
-      const FoundOrbits found = find_orbits(place, options.orbit, is_first ? console : silent);
+      const OrbitResult found = find_orbits(place, options.orbit, is_first ? console : silent);
       if (is_first) out.first = found;
       if (hunt.follow(found)) return true;
-      if (found.origin != "settled" || !is_forced(problem.system)) return false;  // of other systems there is no search
-    } catch (const std::invalid_argument&) {                                      // the start lies inside the barrier there
+      if (found.origin != OrbitOrigin::settled || !is_forced(problem.system))
+        return false;                         // of other systems there is no search
+    } catch (const std::invalid_argument&) {  // the start lies inside the barrier there
       if (is_first) throw;
     }
     if (is_first)

@@ -31,7 +31,7 @@ int run(const Options& options, const Console& console) {
   Result result;
   result.json = result_head("orbit/1", "orbit", problem, asked);
   folder.check_free_for(result.json);
-  const FoundOrbits found = find_orbits(problem, options.orbit, console);
+  const OrbitResult found = find_orbits(problem, options.orbit, console);
   set_status(result.json, found.status, found.message);
   std::vector<QuantityValues> measured;
   Json orbits = Json::array();
@@ -41,7 +41,7 @@ int run(const Options& options, const Console& console) {
     put_quantities(orbits.back(), measured.back());
   }
   result.json["orbit"] = found.status != Status::failed && !found.orbits.empty() ? orbits.front() : Json(nullptr);
-  if (found.origin != "settled") result.json["orbits"] = std::move(orbits);
+  if (found.origin != OrbitOrigin::settled) result.json["orbits"] = std::move(orbits);
   result.json.update(json_of(origin_columns(), found));
 
   result.table = orbits_table(problem, found.orbits, false, measured);

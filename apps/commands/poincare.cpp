@@ -8,9 +8,9 @@
 #include <graze/apps/output/output_folder.hpp>
 #include <graze/apps/output/result.hpp>
 #include <graze/apps/problem/ending.hpp>
-#include <graze/apps/problem/section.hpp>
 #include <graze/apps/quantities/quantities.hpp>
 #include <graze/apps/results/find_orbit.hpp>
+#include <graze/apps/results/section_report.hpp>
 #include <graze/apps/text/number.hpp>
 
 #include <fmt/format.h>
@@ -60,8 +60,8 @@ void take_section(const Options& options, Problem& problem, SectionOptions& coll
     throw std::invalid_argument(fmt::format("--section {}: must be one of {}", options.section, fmt::join(names, ", ")));
 }
 
-Section collect(const Problem& problem, const Vector& start, SectionOptions collecting, const Options& options,
-                const Console& console) {
+PoincareSection collect(const Problem& problem, const Vector& start, SectionOptions collecting, const Options& options,
+                        const Console& console) {
   Progress progress(console.err, console.quiet, "collecting");
   collecting.points = options.points;
   collecting.cancelled = interrupted;
@@ -69,11 +69,11 @@ Section collect(const Problem& problem, const Vector& start, SectionOptions coll
     progress.update(static_cast<double>(points) / options.points,
                     [&] { return fmt::format("{} of {} points", points, options.points); });
   };
-  return collect_section(problem, start, collecting);
+  return poincare_section(problem.system, problem.parameters, start, collecting);
 }
 
 /// Their values behind the columns of the section.
-void append_values(const Quantities& expressions, const Problem& problem, Section& section) {
+void append_values(const Quantities& expressions, const Problem& problem, PoincareSection& section) {
   if (section.kind != SectionKind::event) return append_values(expressions, problem, false, section.points);
   const auto states = static_cast<Eigen::Index>(problem.system.states);
   const double T = forcing_period(problem.system, problem.parameters);
@@ -105,7 +105,7 @@ int run(const Options& options, const Console& console) {
   result.json = result_head("poincare/1", "poincare", problem, asked);
   folder.check_free_for(result.json);
   const Settled settled = settle_down(problem, options.start, console);
-  Section section;
+  PoincareSection section;
   section.termination = settled.termination;
   section.state = settled.state;
   if (settled.termination == Termination::time) section = collect(problem, settled.state, collecting, options, console);
@@ -119,8 +119,8 @@ int run(const Options& options, const Console& console) {
   } else if (section.points.size() < static_cast<std::size_t>(options.points)) {
     status = Status::failed;
     message = fmt::format("stopped after {}: no {} in the last {} {}", counted(section.points.size(), "point"),
-                          section.kind == SectionKind::event ? fmt::format("event {}", name) : "impact", patience,
-                          periods_name(problem));
+                          section.kind == SectionKind::event ? fmt::format("event {}", name) : "impact",
+                          SectionOptions{}.patience, periods_name(problem));
   }
   set_status(result.json, status, message);
   append_values(expressions, problem, section);

@@ -95,7 +95,7 @@ struct Collected {
   std::vector<Item> orbits;
   Status status = Status::done;
   std::vector<std::string> complaints;
-  FoundOrbits first;  ///< at the first value
+  OrbitResult first;  ///< at the first value
 
   void fail(std::string why) {
     if (status == Status::done) status = Status::failed;
@@ -139,8 +139,8 @@ Collected collect(const Problem& problem, const Options& options, const std::vec
       console.note(fmt::format("the orbit could not be carried to {} = {}; another is looked for there", options.parameter,
                                rounded(value, 9)));
     }
-    const FoundOrbits found = find_orbits(at, options.orbit, console);
-    if (out.first.origin.empty() && out.orbits.empty()) out.first = found;
+    const OrbitResult found = find_orbits(at, options.orbit, console);
+    if (out.first.origin == OrbitOrigin::none && out.orbits.empty()) out.first = found;
     if (found.status == Status::interrupted) {
       out.status = Status::interrupted;
       out.complaints.push_back(found.message);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/output/notes.hpp>
-#include <graze/apps/problem/motion.hpp>
+#include <graze/lib/motion/sampled_motion.hpp>
 #include <graze/apps/text/number.hpp>
 
 #include <graze/lib/motion/order_of_events.hpp>

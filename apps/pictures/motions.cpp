@@ -4,7 +4,7 @@
 #include <graze/apps/pictures/range.hpp>
 #include <graze/apps/pictures/seen.hpp>
 #include <graze/apps/problem/head.hpp>
-#include <graze/apps/problem/motion.hpp>
+#include <graze/lib/motion/sampled_motion.hpp>
 #include <graze/apps/results/orbit_report.hpp>
 #include <graze/apps/text/number.hpp>
 

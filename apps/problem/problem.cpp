@@ -288,8 +288,8 @@ Vector rest_state(const Problem& problem, const Vector& parameters) {
 std::array<std::size_t, 2> plane_of(const Problem& problem, const std::string& given) {
   const std::vector<std::string> names = state_columns(problem);
   if (std::count(given.begin(), given.end(), ',') != 1)
-    throw std::invalid_argument(fmt::format("--plane {}: must be two states with a comma between them, for example {},{}",
-                                            given, names[0], names[1 % names.size()]));
+    throw std::invalid_argument(fmt::format("--plane {}: must be two states with a comma between them, for example {},{}", given,
+                                            names[0], names[1 % names.size()]));
   const std::size_t comma = given.find(',');
   const std::string chosen[] = {given.substr(0, comma), given.substr(comma + 1)};
   std::array<std::size_t, 2> plane{};

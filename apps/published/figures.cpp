@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/pictures/pictures.hpp>
-#include <graze/apps/problem/section.hpp>
+#include <graze/apps/problem/head.hpp>
 #include <graze/apps/published/figures.hpp>
 #include <graze/apps/results/motion_report.hpp>
+#include <graze/apps/results/section_report.hpp>
 #include <graze/apps/results/sweep_report.hpp>
 #include <graze/apps/text/number.hpp>
 
@@ -40,7 +41,7 @@ Picture portrait_of_chaos(const Problem& problem, const Vector& state) {
   result.update(motion_json(problem, motion, contacts_of_run(motion.events)));
   Picture portrait = picture_of(result, "phase");
   Json section = result_head("poincare/1", "reproduce", problem, Json::object());
-  section.update(section_json(problem, collect_section(problem, state, {.points = section_points})));
+  section.update(section_json(problem, poincare_section(problem.system, problem.parameters, state, {.points = section_points})));
   Picture points = picture_of(section, "section");
   points.title = fmt::format("Poincaré section, {} points", section_points);
   points.subtitle.clear();

@@ -7,11 +7,6 @@
 #include <graze/apps/results/orbit_report.hpp>
 #include <graze/apps/text/number.hpp>
 
-#include <graze/floquet/attractor/search.hpp>
-#include <graze/floquet/orbit/returns.hpp>
-#include <graze/floquet/orbit/search_box.hpp>
-#include <graze/floquet/orbit/stroboscopic_states.hpp>
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -28,15 +23,6 @@ std::string shown(const Vector& state) { return rounded_state(state, 9); }
 
 std::string periods(int n) { return counted(static_cast<std::size_t>(n), "forcing period"); }
 
-void take(FoundOrbits& found, std::vector<PeriodicOrbit> orbits, const char* origin) {
-  std::stable_partition(orbits.begin(), orbits.end(),
-                        [](const PeriodicOrbit& o) { return o.admissible == Admissibility::admissible; });
-  const bool any = !orbits.empty() && orbits.front().admissible == Admissibility::admissible;
-  found.orbits = std::move(orbits);
-  found.origin = origin;
-  if (any) found.status = Status::done;
-}
-
 /// What to do where numbers of such sizes cannot be computed with.
 std::string extreme_parameter(const Problem& problem) {
   Eigen::Index farthest = -1;
@@ -47,14 +33,6 @@ std::string extreme_parameter(const Problem& problem) {
   return fmt::format(
       "of the parameters, {} = {} is farthest from 1 in size: give it, or the units of length and time, another size",
       problem.system.parameters[static_cast<std::size_t>(farthest)].name, rounded(problem.parameters[farthest], 9));
-}
-
-/// The orbit that the settled motion repeats, if it does.
-std::optional<PeriodicOrbit> settled_orbit(const Problem& problem, const Settled& settled) {
-  if (settled.suspected_period == 0) return std::nullopt;
-  PeriodicOrbit orbit = shoot(problem.system, problem.parameters, settled.state, settled.suspected_period);
-  if (!orbit.converged()) return std::nullopt;
-  return orbit;
 }
 
 /// What the settled motion is, in words.
@@ -139,168 +117,129 @@ Json options_json(const Problem& problem, const OrbitOptions& options) {
   return json;
 }
 
-Settled settle_down(const Problem& problem, const StartOptions& options, const Console& console) {
-  const int wanted = settle_of(problem, options);
-  Progress progress(console.err, console.quiet, "settling");
-  int done = 0;
-  SettleOptions settling;
-  settling.periods = wanted;
-  settling.cancelled = [&] {
+namespace {
+
+/// The transient of a start, with progress.
+SettleOptions settling(const Problem& problem, const StartOptions& options, Progress& progress) {
+  SettleOptions out;
+  out.periods = settle_of(problem, options);
+  out.cancelled = [&problem, &progress, wanted = out.periods, done = 0]() mutable {
     progress.update(static_cast<double>(done) / std::max(1, wanted),
                     [&] { return fmt::format("{} of {}", done, counted_periods(problem, wanted)); });
     ++done;
     return interrupted();
   };
-  settling.flow.cancelled = interrupted;
-  return settle(problem.system, problem.parameters, start_state(problem, options), settling);
+  out.flow.cancelled = interrupted;
+  return out;
+}
+
+}  // namespace
+
+Settled settle_down(const Problem& problem, const StartOptions& options, const Console& console) {
+  Progress progress(console.err, console.quiet, "settling");
+  return settle(problem.system, problem.parameters, start_state(problem, options), settling(problem, options, progress));
 }
 
 namespace {
 
-void refuse_search(const Problem& problem, const OrbitOptions& options) {
-  if (options.search && !is_forced(problem.system))
+/// Why a search has found no orbit that is admissible, or was interrupted.
+std::string search_message(const Problem& problem, const FoundOrbits& found, int period) {
+  if (!found.search && found.cancelled)
+    return fmt::format("{} before the first start of the search for orbits of period {}", interruption(), period);
+  if (!found.search) {
+    const std::string singularity = singularity_text(problem, found.box->ended, rest_state(problem, problem.parameters));
+    return fmt::format("no motion from rest or beside it can be carried over one forcing period: {}",
+                       singularity.empty() ? fmt::format("{}; {}", termination_text(found.box->ended), extreme_parameter(problem))
+                                           : singularity);
+  }
+  const std::string starts = counted(static_cast<std::size_t>(found.search->starts), "start");
+  if (found.cancelled)
+    return fmt::format("{} after {} of the search; {} of period {} found by then", interruption(), starts,
+                       counted(found.orbits.size(), "orbit"), period);
+  return fmt::format("no admissible orbit of period {} was found by a search of {}", period, starts);
+}
+
+std::string autonomous_message(const Problem& problem, const FoundOrbits& found, int period) {
+  const Settled& settled = *found.settled;
+  const std::string after = counted_periods(problem, settled.periods);
+  if (found.cancelled) return fmt::format("{} after {}", interruption(), after);
+  if (found.attempted)
+    return fmt::format("no orbit of {} was found from {} ({})", counted_periods(problem, period), shown(found.attempted->state),
+                       newton_status_text(found.attempted->newton.status));
+  if (!found.orbits.empty()) return {};
+  return fmt::format("{}: after {} it is at {}; events with a count are returns, or those that begin a contact",
+                     termination_text(Termination::no_return), after, shown(settled.state));
+}
+
+/// What the motion came to, in words.
+std::string reached_text(const Problem& problem, const FoundOrbits& found) {
+  if (found.settled->termination == Termination::time) return attractor(*found.settled, found.settled_on);
+  return fmt::format("the transient ended after {}: {}", periods(found.settled->periods),
+                     ending_text(problem, found.settled->termination, found.settled->state));
+}
+
+}  // namespace
+
+OrbitResult find_orbits(const Problem& problem, const OrbitOptions& options, const Console& console) {
+  const bool forced = is_forced(problem.system);
+  if (options.search && !forced)
     throw std::invalid_argument(fmt::format(
         "--search is for forced systems; {} is autonomous: give a state near its orbit by --start", problem.system.name));
-}
-
-}  // namespace
-
-FoundOrbits search_for_orbits(const Problem& problem, const OrbitOptions& options, const Console& console) {
-  FoundOrbits found;
-  const int period = period_of(problem, options);
-  Progress progress(console.err, console.quiet, "searching");
-  SearchOptions search;
-  search.seed = static_cast<unsigned>(options.seed);
-  search.cancelled = interrupted;
-  search.progress = [&](int starts, int orbits) {
-    progress.update(-1.0, [&] {
+  const Vector start = start_state(problem, options.start);  // what is wrong with it is said before anything is computed
+  FindOrbitOptions finding;
+  finding.period = period_of(problem, options);
+  finding.search_only = options.search;
+  std::optional<Progress> progress;
+  progress.emplace(console.err, console.quiet, options.search ? "searching" : "settling");
+  finding.settle = settling(problem, options.start, *progress);
+  OrbitResult out;
+  finding.before_search = [&](const FoundOrbits& found) {
+    out.remark = reached_text(problem, found);
+    progress.reset();
+    console.note(fmt::format("{}; searching for orbits of period {}", out.remark, finding.period));
+    progress.emplace(console.err, console.quiet, "searching");
+  };
+  finding.search.seed = static_cast<unsigned>(options.seed);
+  finding.search.cancelled = interrupted;
+  finding.search.progress = [&](int starts, int orbits) {
+    progress->update(-1.0, [&] {
       return fmt::format("{}, {} of period {}", counted(static_cast<std::size_t>(starts), "start"),
-                         counted(static_cast<std::size_t>(orbits), "orbit"), period);
+                         counted(static_cast<std::size_t>(orbits), "orbit"), finding.period);
     });
   };
-  // The box first, and by runs that can be interrupted: where the forcing is slow, each of them takes its time.
-  const SearchBox box = search_box(problem.system, problem.parameters, {.cancelled = interrupted});
-  search.lower = box.lower;
-  search.upper = box.upper;
-  search.max_steps = box.max_steps;
-  if (interrupted()) {
-    found.status = Status::interrupted;
-    found.message = fmt::format("{} before the first start of the search for orbits of period {}", interruption(), period);
-    return found;
+  static_cast<FoundOrbits&>(out) = graze::find_orbits(problem.system, problem.parameters, start, finding);
+  out.status = out.cancelled ? Status::interrupted : out.found() ? Status::done : Status::failed;
+  if (!forced) {
+    out.message = autonomous_message(problem, out, finding.period);
+    out.settled.reset();  // results of autonomous systems do not have it
+  } else if (out.cancelled && !out.box) {
+    out.message = fmt::format("{} after {} of {} of transient, at state {}", interruption(), out.settled->periods,
+                              periods(finding.settle.periods), shown(out.settled->state));
+  } else if (out.status != Status::done) {
+    out.message = search_message(problem, out, finding.period);
+    // One place in the file is enough, with its line of the text behind the sentence.
+    const bool said = !out.settled || out.message.find(termination_text(out.settled->termination)) != std::string::npos ||
+                      out.message.find('\n') != std::string::npos;
+    if (out.status == Status::failed && !said) out.message += "; " + out.remark;
   }
-  if (box.ended != Termination::time) {
-    const std::string singularity = singularity_text(problem, box.ended, rest_state(problem, problem.parameters));
-    found.message = fmt::format(
-        "no motion from rest or beside it can be carried over one forcing period: {}",
-        singularity.empty() ? fmt::format("{}; {}", termination_text(box.ended), extreme_parameter(problem)) : singularity);
-    return found;
-  }
-  SearchResult result = search_orbits(problem.system, problem.parameters, period, search);
-  for (PeriodicOrbit& orbit : result.orbits) orbit.checks.finite_difference = finite_difference_check(problem.system, orbit);
-  const std::size_t count = result.orbits.size();
-  take(found, std::move(result.orbits), "search");
-  if (interrupted()) {
-    found.status = Status::interrupted;
-    found.message = fmt::format("{} after {} of the search; {} of period {} found by then", interruption(),
-                                counted(static_cast<std::size_t>(result.starts), "start"), counted(count, "orbit"), period);
-  } else if (found.status != Status::done) {
-    found.message = fmt::format("no admissible orbit of period {} was found by a search of {}", period,
-                                counted(static_cast<std::size_t>(result.starts), "start"));
-  }
-  return found;
+  return out;
 }
 
-namespace {
-
-/// The orbit of an autonomous system that the motion settles on, closed after `period` returns.
-FoundOrbits find_autonomous(const Problem& problem, const OrbitOptions& options, const Console& console) {
-  refuse_search(problem, options);
-  const int period = period_of(problem, options);
-  const Settled settled = settle_down(problem, options.start, console);
-  FoundOrbits found;
-  const std::string after = counted_periods(problem, settled.periods);
-  if (settled.termination == Termination::interrupted) {
-    found.status = Status::interrupted;
-    found.message = fmt::format("{} after {}", interruption(), after);
-    return found;
-  }
-  Propagator propagator(problem.system, problem.parameters, {}, {.cancelled = interrupted});
-  // The first of them brings the motion to a return, wherever it was before.
-  std::vector<Vector> states = stroboscopic_states(propagator, settled.state, static_cast<std::size_t>(period) + 1);
-  states.erase(states.begin());
-  if (settled.termination != Termination::time || states.size() < static_cast<std::size_t>(period)) {
-    found.message = fmt::format("{}: after {} it is at {}; events with a count are returns, or those that begin a contact",
-                                termination_text(Termination::no_return), after, shown(settled.state));
-    return found;
-  }
-  ShootingOptions shooting;
-  shooting.finite_differences = true;
-  PeriodicOrbit orbit = shoot_returns(propagator, states, shooting);
-  if (!orbit.converged()) {
-    found.message = fmt::format("no orbit of {} was found from {} ({})", counted_periods(problem, period), shown(states.front()),
-                                newton_status_text(orbit.newton.status));
-    return found;
-  }
-  take(found, {std::move(orbit)}, "settled");
-  return found;
+OrbitResult search_for_orbits(const Problem& problem, const OrbitOptions& options, const Console& console) {
+  OrbitOptions searching = options;
+  searching.search = true;
+  return find_orbits(problem, searching, console);
 }
 
-}  // namespace
-
-FoundOrbits find_orbits(const Problem& problem, const OrbitOptions& options, const Console& console) {
-  if (!is_forced(problem.system)) return find_autonomous(problem, options, console);
-  start_state(problem, options.start);  // what is wrong with it is said before anything is computed
-  if (options.search) return search_for_orbits(problem, options, console);
-  FoundOrbits found;
-  const int period = period_of(problem, options);
-  found.settled = settle_down(problem, options.start, console);
-  const Settled& settled = *found.settled;
-  if (settled.termination == Termination::interrupted) {
-    found.status = Status::interrupted;
-    found.message = fmt::format("{} after {} of {} of transient, at state {}", interruption(), settled.periods,
-                                periods(settle_of(problem, options.start)), shown(settled.state));
-    return found;
-  }
-  std::optional<PeriodicOrbit> fallback, attained;
-  std::string reached;
-  if (settled.termination == Termination::time) {
-    ShootingOptions shooting;
-    shooting.finite_differences = true;
-    PeriodicOrbit orbit = shoot(problem.system, problem.parameters, settled.state, period, shooting);
-    const bool wanted = orbit.converged() && orbit.period == period && orbit.admissible == Admissibility::admissible;
-    // Without a transient the state is the user's own guess; with one, an unstable orbit is not what the motion settled on.
-    if (wanted && (orbit.stable() || settled.suspected_period == period || settle_of(problem, options.start) == 0)) {
-      take(found, {orbit}, "settled");
-      return found;
-    }
-    if (wanted) fallback = std::move(orbit);
-    attained = settled_orbit(problem, settled);
-    reached = attractor(settled, attained);
-  } else {
-    reached = fmt::format("the transient ended after {}: {}", periods(settled.periods),
-                          ending_text(problem, settled.termination, settled.state));
-  }
-  console.note(fmt::format("{}; searching for orbits of period {}", reached, period));
-  FoundOrbits searched = search_for_orbits(problem, options, console);
-  searched.settled = found.settled;
-  searched.settled_on = std::move(attained);
-  searched.remark = reached;
-  if (searched.status == Status::failed && fallback) take(searched, {*fallback}, "settled");
-  // One place in the file is enough, with its line of the text behind the sentence.
-  const bool said = searched.message.find(termination_text(settled.termination)) != std::string::npos ||
-                    searched.message.find('\n') != std::string::npos;
-  if (searched.status == Status::failed && !said) searched.message += "; " + reached;
-  return searched;
-}
-
-const Columns<FoundOrbits>& origin_columns() {
-  using F = FoundOrbits;
+const Columns<OrbitResult>& origin_columns() {
+  using F = OrbitResult;
   const auto is_result = [](const F& found) {
     return !found.orbits.empty() && same_orbit(found.orbits.front(), *found.settled_on);
   };
   static const Columns<F> list = {
-      {"origin", "whether the orbit is settled on, or found by a search", &F::origin,
-       only([](const F& found) { return !found.origin.empty(); })},
+      {"origin", "whether the orbit is settled on, or found by a search",
+       [](const F& found) { return std::string(orbit_origin_name(found.origin)); },
+       only([](const F& found) { return found.origin != OrbitOrigin::none; })},
       object<F>("settled", "where the transient led to",
                 {{"state", "at forcing phase 0", [](const F& found) { return found.settled->state; }},
                  {"periods", "of the transient", [](const F& found) { return found.settled->periods; }},

@@ -8,8 +8,7 @@
 #include <graze/apps/problem/problem.hpp>
 #include <graze/apps/text/column.hpp>
 
-#include <graze/floquet/attractor/settle.hpp>
-#include <graze/floquet/orbit/periodic_orbit.hpp>
+#include <graze/floquet/attractor/find_orbit.hpp>
 
 #include <optional>
 #include <string>
@@ -60,23 +59,19 @@ Json options_json(const Problem& problem, const OrbitOptions& options);
 /// The state after the transient, with progress on the console.
 Settled settle_down(const Problem& problem, const StartOptions& options, const Console& console);
 
-struct FoundOrbits {
+struct OrbitResult : FoundOrbits {
   Status status = Status::failed;
-  std::vector<PeriodicOrbit> orbits;  ///< the first one is the orbit; admissible ones stand before others
-  std::string origin;                 ///< "settled" or "search"
-  std::string message;                ///< why there is none, and what was found instead
-  std::optional<Settled> settled;
-  std::optional<PeriodicOrbit> settled_on;  ///< what it repeats, if that was not of the period wanted
-  std::string remark;                       ///< what the motion settled on, where a search had to follow
+  std::string message;  ///< why there is none, and what was found instead
+  std::string remark;   ///< what the motion settled on, where a search had to follow
 };
 
 /// Orbits at the parameters of the problem, with finite-difference checks on those returned.
-FoundOrbits find_orbits(const Problem& problem, const OrbitOptions& options, const Console& console);
+OrbitResult find_orbits(const Problem& problem, const OrbitOptions& options, const Console& console);
 
 /// The same, by the global search only.
-FoundOrbits search_for_orbits(const Problem& problem, const OrbitOptions& options, const Console& console);
+OrbitResult search_for_orbits(const Problem& problem, const OrbitOptions& options, const Console& console);
 
 /// What of the search for an orbit goes into every result: origin, and the settled state.
-const Columns<FoundOrbits>& origin_columns();
+const Columns<OrbitResult>& origin_columns();
 
 }  // namespace graze::apps

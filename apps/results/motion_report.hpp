@@ -2,7 +2,7 @@
 // What is said of a motion, as JSON.
 #pragma once
 
-#include <graze/apps/problem/motion.hpp>
+#include <graze/lib/motion/sampled_motion.hpp>
 #include <graze/apps/results/orbit_report.hpp>
 
 namespace graze::apps {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/apps/problem/motion.hpp>
+#include <graze/lib/motion/sampled_motion.hpp>
 
-namespace graze::apps {
+namespace graze {
 
 Motion run_motion(const HybridSystem& system, const Vector& parameters, const Vector& state, const MotionOptions& options) {
   Motion motion;
@@ -45,4 +45,4 @@ Motion run_motion(const HybridSystem& system, const Vector& parameters, const Ve
   return motion;
 }
 
-}  // namespace graze::apps
+}  // namespace graze

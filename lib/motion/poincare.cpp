@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/apps/problem/motion.hpp>
-#include <graze/apps/problem/section.hpp>
+#include <graze/lib/motion/poincare.hpp>
 
 #include <cmath>
 #include <numbers>
 
-namespace graze::apps {
+namespace graze {
 
 namespace {
 
-constexpr int stretch = 50;  // forcing periods that are run at a time
+constexpr int stretch = 50;  // periods that are carried at a time
 
 }  // namespace
 
@@ -27,14 +26,15 @@ const char* section_name(SectionKind kind) {
   return "stroboscopic";
 }
 
-Section collect_section(const Problem& problem, const Vector& start, const SectionOptions& options) {
-  Section section;
+PoincareSection poincare_section(const HybridSystem& system, const Vector& p, const Vector& start,
+                                 const SectionOptions& options) {
+  PoincareSection section;
   section.kind = options.kind;
   const auto wanted = static_cast<std::size_t>(options.points);
-  const bool forced = is_forced(problem.system);
-  const auto frequency = problem.system.forcing_frequency;
-  const double eta = frequency ? problem.parameters[static_cast<Eigen::Index>(*frequency)]
-                     : forced  ? 2.0 * std::numbers::pi / forcing_period(problem.system, problem.parameters)
+  const bool forced = is_forced(system);
+  const auto frequency = system.forcing_frequency;
+  const double eta = frequency ? p[static_cast<Eigen::Index>(*frequency)]
+                     : forced  ? 2.0 * std::numbers::pi / forcing_period(system, p)
                                : 0.0;
   const bool impacts = options.kind == SectionKind::impact, events = options.kind == SectionKind::event;
   Vector state = start;
@@ -42,9 +42,8 @@ Section collect_section(const Problem& problem, const Vector& start, const Secti
   double last_impact = 0.0;  // of an autonomous motion, since the start of the stretch
   bool has_struck = false;
   bool on_section = forced;  // the start of an autonomous motion is not
-  while (section.points.size() < wanted && idle < patience && section.termination == Termination::time) {
-    const Motion motion =
-        run_motion(problem.system, problem.parameters, state, {.periods = stretch, .cancelled = options.cancelled});
+  while (section.points.size() < wanted && idle < options.patience && section.termination == Termination::time) {
+    const Motion motion = run_motion(system, p, state, {.periods = stretch, .cancelled = options.cancelled});
     const std::size_t before = section.points.size();
     // A run of n periods gives n points, the next run begins with the state at its end.
     for (std::size_t k = on_section ? 0 : 1;
@@ -54,7 +53,7 @@ Section collect_section(const Problem& problem, const Vector& start, const Secti
     for (const EventRecord& event : motion.events) {
       if (section.points.size() == wanted) break;
       const double phase = std::fmod(eta * event.t, 2.0 * std::numbers::pi), interval = event.t - last_impact;
-      if (events && problem.system.events[event.event].name == options.event) {
+      if (events && system.events[event.event].name == options.event) {
         section.points.emplace_back(event.x_plus.size() + 1);
         section.points.back() << event.x_plus, phase;
       }
@@ -73,27 +72,4 @@ Section collect_section(const Problem& problem, const Vector& start, const Secti
   return section;
 }
 
-std::vector<std::string> section_columns(const Problem& problem, SectionKind kind) {
-  if (kind != SectionKind::impact) {
-    std::vector<std::string> columns = state_columns(problem);
-    if (kind == SectionKind::event) columns.emplace_back("phase");
-    return columns;
-  }
-  return {is_forced(problem.system) ? "phase" : "interval", "speed"};
-}
-
-const Columns<ListedSection>& listed_section_columns() {
-  using S = ListedSection;
-  static const Columns<S> list = {
-      {"section", "stroboscopic, returns, or impact", [](const S& s) { return std::string(section_name(s.section.kind)); }},
-      {"periods", "of the run", [](const S& s) { return s.section.periods; }},
-      {"columns", "of the points", &S::columns},
-      {"points", "in the order of time", [](const S& s) { return s.section.points; }}};
-  return list;
-}
-
-Json section_json(const Problem& problem, const Section& section) {
-  return json_of(listed_section_columns(), {section, section_columns(problem, section.kind)});
-}
-
-}  // namespace graze::apps
+}  // namespace graze
