@@ -82,13 +82,13 @@ Attractor find_attractor(const HybridSystem& system, const Vector& p, const Vect
 
 namespace {
 
-/// Chaos is averaged over so many motions side by side: what fills the lanes of one thread, if the budget leaves each of them the
-/// longer part of it after parting, and up to what fills those of several where each will be carried for ten times that.
+/// Number of chaotic motions averaged in parallel. It fills the lanes of one thread, provided that most of each motion's budget
+/// remains after parting. It grows up to the lanes of several threads if each motion lasts for at least ten times `parting`.
 constexpr std::int64_t motions_of_a_thread = 16, most_motions = 128;
 constexpr std::int64_t budget_for_many = 4 * motions_of_a_thread * parting;
 
-/// How long an average may take: to its budget, or until its standard error is so small. (Growths per period have a deviation of
-/// about a third, and periods are some 2 pi long.)
+/// Expected length of an average: its budget, or the periods after which the standard error reaches its bound. (The growth per
+/// period has a standard deviation of about 1/3, and a period is about 2 pi long.)
 std::int64_t expected_periods(const LyapunovOptions& averaging) {
   const double per_error = 3.0 * averaging.standard_error * 2.0 * std::numbers::pi;
   return static_cast<std::int64_t>(
@@ -116,8 +116,8 @@ void average_on_orbit(const HybridSystem& system, const Vector& p, Attractor& at
     attractor.time_average = lyapunov_spectrum(system, p, attractor.state, averaging);
 }
 
-/// Where the motions of an average are after so many forcing periods more, in all: those side by side are short, and chaos may be
-/// a transient.
+/// The states of the averaged motions after a further 2000 forcing periods in total. Motions averaged in parallel are short,
+/// and the chaos may be transient.
 std::vector<Vector> later_states(const HybridSystem& system, const Vector& p, const LyapunovSpectrum& average,
                                  const LyapunovOptions& averaging) {
   constexpr int in_all = 2000;
@@ -139,7 +139,7 @@ std::vector<Vector> later_states(const HybridSystem& system, const Vector& p, co
   return states;
 }
 
-/// A time average, and what it says, with a look at where its motions came to.
+/// Takes a time average, looks for an orbit from the final states of its motions, and evaluates it.
 void average(const HybridSystem& system, const Vector& p, Attractor& attractor, const LyapunovOptions& averaging,
              const AttractorOptions& options) {
   LyapunovSpectrum average = lyapunov_spectrum(system, p, attractor.state, averaging);
@@ -149,7 +149,7 @@ void average(const HybridSystem& system, const Vector& p, Attractor& attractor, 
     attractor.time_average = std::move(average);
     return;
   }
-  // Where it was broken off says nothing: the rest may have come to something else.
+  // The state at an interruption means nothing: the remaining periods might have led elsewhere.
   if (average.stop == LyapunovStop::interrupted) return take_average(std::move(average), options, attractor);
   std::vector<Vector> ends = later_states(system, p, average, averaging);
   attractor.time_average = std::move(average);
@@ -163,17 +163,17 @@ void average(const HybridSystem& system, const Vector& p, Attractor& attractor, 
       Propagator propagator(system, p, {}, options.lyapunov.flow);
       orbits[i] = look_for_orbit(propagator, ends[begin + i], most, options);
     });
-    if (cancelled(options)) {  // not all of them were looked at
+    if (cancelled(options)) {  // not all of them were tried
       attractor.time_average.stop = LyapunovStop::interrupted;
       break;
     }
-    for (auto& orbit : orbits)  // one that has settled tells that the chaos was transient
+    for (auto& orbit : orbits)  // one settled motion proves that the chaos was transient
       if (orbit) return settle_on(attractor, std::move(*orbit));
   }
   take_average(std::move(attractor.time_average), options, attractor);
 }
 
-/// Of the motion that was averaged from `begin` on: null where it cannot linger.
+/// Laminar phase of the motion that was averaged from `begin` on. Null if there cannot be one.
 std::optional<LaminarPhase> lingering(const HybridSystem& system, const Vector& p, const Vector& begin, int round,
                                       const Attractor& attractor, const AttractorOptions& options) {
   const double T = period_time(system, p, attractor.time_average);
@@ -192,13 +192,13 @@ std::optional<LaminarPhase> lingering(const HybridSystem& system, const Vector& 
   return watch;
 }
 
-/// Whether the motion that was averaged from `begin` on has to be followed on.
+/// Whether the motion that was averaged from `begin` on must be continued.
 bool goes_on(const HybridSystem& system, const Vector& p, const Vector& begin, int round, const AttractorOptions& options,
              Attractor& attractor) {
   const std::optional<LaminarPhase> watch = lingering(system, p, begin, round, attractor, options);
   LyapunovStop& stop = attractor.time_average.stop;
   const bool open = attractor.type != AttractorType::periodic && stop != LyapunovStop::interrupted;
-  if (open && cancelled(options)) stop = LyapunovStop::interrupted;  // it may go on
+  if (open && cancelled(options)) stop = LyapunovStop::interrupted;  // it may have to be continued
   return watch && goes_on(*watch, system, p, round, attractor);
 }
 

@@ -13,14 +13,14 @@ namespace {
 
 constexpr int most_rounds = 3;
 
-/// Without growth beyond shear for so long, a motion where nothing dissipates is ordered: chaos with an exponent above
-/// ln(1e7) / 1000 = 0.016 a period would have shown.
+/// A conservative motion is ordered if its tangent has not grown beyond shear after this many periods: chaos with an exponent
+/// above ln(1e7) / 1000 = 0.016 a period would have shown.
 constexpr std::int64_t periods_on_island = 1000;
 
-/// By its exponential, what is as small as rounding grows beyond all bounds.
+/// Exponent of e^40: growth that takes a rounding error to order one.
 constexpr double beyond_all_bounds = 40.0;
 
-/// Of a distance, over a forcing period: by its exponential.
+/// Exponent per forcing period: a distance grows by its exponential.
 double growth(const Attractor& attractor, double T) {
   return attractor.type == AttractorType::chaotic ? attractor.exponents[0] * T : 0.0;
 }
@@ -50,7 +50,7 @@ std::optional<PeriodicOrbit> look_for_orbit(Propagator& propagator, const Vector
 }
 
 bool may_linger(const Attractor& attractor, int round, double T) {
-  if (attractor.time_average.conservative()) return false;  // it comes to nothing else
+  if (attractor.time_average.conservative()) return false;  // it approaches nothing else
   return round == 0 || growth(attractor, T) * static_cast<double>(attractor.time_average.periods_each()) <= beyond_all_bounds;
 }
 

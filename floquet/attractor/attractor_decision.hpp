@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Rounds: what is asked of a motion that has been averaged, and what is done with one that has to be followed on, be it one
-// motion (attractor.cpp) or one among many in lanes (attractor_in_lanes.cpp).
+// Decisions after a time average: accept it, repeat it, or continue the motion. Shared by the scalar path (attractor.cpp) and
+// the SIMD path (attractor_in_lanes.cpp).
 #pragma once
 
 #include <graze/floquet/attractor/attractor.hpp>
@@ -10,42 +10,44 @@ namespace graze {
 
 class RefusedOrbits;
 
-/// Moves a state aside, farther each round: the coordinates of a mechanical system, which come first among its states, by
-/// different lengths, and not into a barrier.
+/// Displaces a state, farther in each round. It moves the coordinates of a mechanical system, which are the first half of the
+/// states, each by a different length, and never into a barrier.
 void push_off(const HybridSystem& system, const Vector& p, int round, Vector& state);
 
-/// A motion that lingers is followed on a few times, each with a longer transient.
+/// Transient of the next round: a motion in a laminar phase is continued a few times, each time with a longer transient.
 int longer_transient(int transient);
-/// So is, where averages are short, one that they leave undecided: it may be on a long transient.
+/// Rounds in which the SIMD path also continues a motion left undecided by a short average: it may be on a long transient.
 inline constexpr int rounds_for_undecided = 2;
 
-/// The orbit of up to max_period periods that a motion is settling on, looked for in a transient or at the end of an average;
-/// `refused`: orbits that it was seen to pass by.
+/// The orbit of up to max_period periods on which a motion is settling, sought during a transient or at the end of an average.
+/// `refused`: orbits that the motion was seen to pass.
 std::optional<PeriodicOrbit> look_for_orbit(Propagator& propagator, const Vector& state, int max_period,
                                             const AttractorOptions& options, RefusedOrbits* refused = nullptr);
 
-/// Whether a motion that comes back at the end of its average may linger at an orbit. Where it has been followed on already, and
-/// its average since was so long that what leaves an orbit at its exponent, from a distance as small as rounding, was gone (40
-/// times the time in which that grows e-fold), it is chaos that comes back.
+/// Whether a motion that returns at the end of its average may be in a laminar phase. Not if it has been continued before, and
+/// its average since then lasted at least 40 e-folding times: a motion that leaves an orbit at its exponent, even from a
+/// rounding error away, would have gone by then. Such a motion is chaos that returns.
 bool may_linger(const Attractor& attractor, int round, double T);
 
-/// A watch on the end of an average: whether its motion stays longer than any that leaves an orbit at its exponent would.
+/// Watch on the end of an average: detects whether the motion repeats itself for longer than any motion that leaves an orbit at
+/// its exponent could.
 LaminarPhase watch_end(const Attractor& attractor, int period, double T, const AttractorOptions& options);
 
-/// Whether the motion that was watched has to be followed on, from attractor.state: off an unstable orbit that it is on, farther
-/// each round. Where it lingers after the last of them, and always has, it is undecided.
+/// Whether the watched motion must be continued, from attractor.state. If it is on an unstable orbit, the state is pushed off,
+/// farther in each round. A motion that is still laminar after the last round, and was so throughout, is undecided.
 bool goes_on(const LaminarPhase& watch, const HybridSystem& system, const Vector& p, int round, Attractor& attractor);
 
-/// LyapunovOptions::motions of an average over what may be chaotic: where it is taken by itself, and where others are taken
-/// beside it, which fill the lanes unless it is long.
+/// LyapunovOptions::motions for an average over possibly chaotic motion. motions_in_chaos: for an average computed by itself.
+/// motions_in_company: for one that shares the lanes with others; these fill the lanes, so that one motion is enough unless the
+/// average is long.
 int motions_in_chaos(const LyapunovOptions& averaging);
 int motions_in_company(const LyapunovOptions& averaging);
 
-/// What the time average over a motion that was not known to be periodic says, if it has not settled.
+/// Evaluates the time average of a motion that is not known to be periodic and has not settled.
 void take_average(LyapunovSpectrum average, const AttractorOptions& options, Attractor& attractor);
 
-/// Many looks at an average find it positive by chance, or for a while: where one stopped as soon as it was, another has to say
-/// the same.
+/// Whether a second average must confirm that the motion is chaotic. An average that is tested often is found positive by
+/// chance or for a while; if it stopped as soon as it was positive, a second one must agree.
 bool wants_confirmation(const AttractorOptions& options, const Attractor& attractor);
 
 }  // namespace graze

@@ -10,10 +10,10 @@ namespace graze {
 
 namespace {
 
-/// Where an average takes so many periods, it is looked whether its motion has settled meanwhile, and after twice as many again.
+/// Periods after which a running average is checked for a motion that has settled; the interval then doubles.
 constexpr std::int64_t look_at_average = 2000;
 
-/// Asked before forcing periods are carried.
+/// Cancellation test, called before forcing periods are carried.
 struct Stop {
   const AttractorOptions& options;
   bool operator()() const { return cancelled(options); }
@@ -39,7 +39,7 @@ MotionTask<Attractor> approach(TaskSlot& lane, const HybridSystem& system, const
   co_return std::move(approach).result();
 }
 
-/// Of a motion that is not known to be periodic. Says whether it has to be followed on, from where it is then.
+/// Averages a motion that is not known to be periodic. Returns whether it must be continued from its new state.
 MotionTask<bool> average(TaskSlot& lane, const HybridSystem& system, const Vector& p, int round, const AttractorOptions& options,
                          Attractor& attractor) {
   const Stop stop{options};
@@ -61,7 +61,7 @@ MotionTask<bool> average(TaskSlot& lane, const HybridSystem& system, const Vecto
     take_average(std::move(average).result(), options, attractor);
     if (again || !wants_confirmation(options, attractor)) break;
   }
-  if (stop()) co_return false;  // where averages were broken off says nothing
+  if (stop()) co_return false;  // an interrupted average means nothing
   const int periods = periods_of_look(options, attractor.time_average.periods_each());
   SettlingLook looked = co_await look(lane, system, p, attractor.state, periods, options);
   if (looked.orbit) {
@@ -82,7 +82,7 @@ MotionTask<bool> average(TaskSlot& lane, const HybridSystem& system, const Vecto
   co_return too_short;
 }
 
-/// Whether the lanes know the oscillator, and the options ask for what is done in them.
+/// Whether the lanes support the oscillator and the options.
 bool lanes_do(const HybridSystem& system, const Vector& p, const AttractorOptions& options) {
   return options.recurrence > 0.0 && options.periods_on_orbit == 0 && LaneCarrier::applies(system, p, options.lyapunov.flow);
 }

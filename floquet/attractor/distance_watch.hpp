@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// DistanceWatch: whether a motion comes closer to a stable orbit, by its distance now and then.
+// DistanceWatch: decides from a few samples of the distance whether a motion approaches a stable orbit.
 #pragma once
 
 #include <algorithm>
@@ -7,14 +7,15 @@
 
 namespace graze {
 
-/// Asked for the distance each time that the orbit's slowest multiplier should have halved it. Once less than 3/4 of it are left,
-/// it has come closer; an orbit whose tangent is far from normal takes two such times, or more (after k of them (3/4)^k may be
-/// left). From far off, where a motion may be on its way past the orbit, it is watched to the end.
+/// Takes a sample of the distance each time the orbit's slowest multiplier should have halved it. The motion approaches the
+/// orbit if a sample is below 3/4 of the initial distance. If the tangent is far from normal this may take several samples:
+/// sample k must be below (3/4)^k. A motion that starts far away may only be passing the orbit; it is watched to the last
+/// sample.
 class DistanceWatch {
  public:
-  static constexpr double on_it = 1e-9;  ///< nearer than this there is nothing to see
+  static constexpr double on_it = 1e-9;  ///< closer than this, distances are rounding
 
-  /// `slowest`: modulus of the orbit's first multiplier; `period`: of the orbit, in forcing periods.
+  /// `slowest`: modulus of the orbit's first multiplier; `period`: period of the orbit, in forcing periods.
   DistanceWatch(double distance, double slowest, int period) : before_(distance), closer_(distance < on_it) {
     constexpr double most = 20000.0;
     constexpr int not_long = 256, most_times = 8;
@@ -24,7 +25,7 @@ class DistanceWatch {
   }
 
   bool open() const { return !closer_ && done_ < times_; }
-  int periods() const { return periods_; }  ///< until the distance is asked for
+  int periods() const { return periods_; }  ///< between two samples
   void see(double distance) {
     constexpr double far_off = 1e-3;
     ++done_;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// LaminarPhase: a motion that repeats itself, nearly and for long, without being known as periodic. It leaves a weakly unstable
-// orbit, or comes to a weakly stable one, and has to be followed on: what was averaged may have been a transient. If it has done
-// so all the time while it was averaged, the average is that orbit's, and says nothing of where the motion ends. (Chaos that
-// happens to come back is soon away, but where it is intermittent. Chaos in narrow bands stays: longer than any motion that
-// leaves an orbit at its exponent could.)
+// LaminarPhase: detects a laminar phase, a motion that nearly repeats itself for a long time without being known as periodic.
+// Either it leaves a weakly unstable orbit or it approaches a weakly stable one. The motion must be continued, because its
+// average may be that of a transient. If it was laminar throughout the average, the average is that of the orbit and says
+// nothing about where the motion ends. Chaos that returns by chance soon leaves again, unless it is intermittent. Chaos in
+// narrow bands stays, for longer than any motion that leaves an orbit at its exponent could.
 #pragma once
 
 #include <graze/lib/numerics/vector.hpp>
@@ -18,13 +18,13 @@ namespace graze {
 
 class LaminarPhase {
  public:
-  /// At `state`, with returns after so many periods to within `nearness` (relative to 1 + |x|). `long_for_chaos`: no motion that
-  /// leaves an orbit would take so long; 0: that is not known.
+  /// Starts at `state`, for returns after `period` periods to within `nearness` (relative to 1 + |x|). `long_for_chaos`:
+  /// periods within which any motion that leaves an orbit has gone; 0: unknown.
   LaminarPhase(const Vector& state, int period, double nearness, std::int64_t long_for_chaos = 0)
       : period_(static_cast<std::size_t>(period)), nearness_(nearness), long_for_chaos_(long_for_chaos) {
     begin(state, std::max(long_enough, long_for_chaos));
   }
-  /// The same question to the periods that went before, if the answer was yes.
+  /// Repeats the test over the periods of the average if the motion repeats itself at the end of it.
   void look_back(const Vector& begin_of_average, std::int64_t periods) {
     now_ = lasted_ >= static_cast<std::int64_t>(period_) + long_enough;
     on_an_orbit_ = now_ && drift_ < near_an_orbit;
@@ -45,11 +45,11 @@ class LaminarPhase {
     on_it_ = drift_ < near_an_orbit ? on_it_ + 1 : 0;
   }
 
-  /// Whether it has to be followed on.
+  /// Whether the motion must be continued.
   bool goes_on() const { return now_ && !stays_; }
-  /// Whether it repeated itself when it looked back, too.
+  /// Whether it also repeated itself throughout look_back.
   bool always() const { return now_ && repeats_; }
-  /// Whether it was so near an orbit, before it looked back, that it would not leave it for long.
+  /// Whether, before look_back, it was so close to an orbit that leaving it takes long.
   bool on_an_orbit() const { return on_an_orbit_; }
 
  private:
@@ -65,9 +65,9 @@ class LaminarPhase {
 
   std::size_t period_;
   double nearness_;
-  std::deque<Vector> latest_;  // of one period
+  std::deque<Vector> latest_;  // over one period
   std::int64_t long_for_chaos_, lasted_ = 0, longest_ = 0;
-  std::int64_t on_it_ = 0;  ///< for so long it has been next to an orbit
+  std::int64_t on_it_ = 0;  ///< consecutive periods next to an orbit
   double drift_ = 0.0;
   bool repeats_ = true, now_ = false, stays_ = false, on_an_orbit_ = false;
 };

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Guesses next to a period doubling, for states at forcing phase 0 of a motion that nearly returns after an even number of
-// periods. Before it, Newton's method fails on the doubled orbit, whose equations are nearly singular there, and not on the one
-// that doubles. Behind it, it may come to that one, which is unstable by then, from states around the doubled one.
+// Newton guesses next to a period doubling, from the states at forcing phase 0 of a motion that nearly returns after an even
+// number of periods. Before the doubling, Newton's method fails for the doubled orbit, because its equations are nearly
+// singular there, but not for the simple orbit. Beyond the doubling, it may converge from states around the doubled orbit to
+// the simple one, which is then unstable.
 #pragma once
 
 #include <graze/floquet/orbit/state_distance.hpp>
@@ -18,7 +19,7 @@ inline StatePair weighted(double a, const StatePair& x, double b, const StatePai
   return {a * x[0] + b * y[0], a * x[1] + b * y[1]};
 }
 
-/// The states in the middle of the two halves, if those are near each other (`near`: relative to 1 + |x|); else empty.
+/// The midpoints of corresponding states of the two halves, if these are close (`near`: relative to 1 + |x|); otherwise empty.
 template <class State> std::vector<State> between_halves(const std::vector<State>& states, double near) {
   const std::size_t half = states.size() / 2;
   if (states.size() % 2 != 0) return {};
@@ -30,18 +31,17 @@ template <class State> std::vector<State> between_halves(const std::vector<State
   return out;
 }
 
-/// Whether an orbit that a return after so many periods has led to is half as long, and by its first multiplier unstable since a
-/// period doubling not far off.
+/// Whether the orbit found from a return after `returned_after` periods has half that period and, by its first multiplier, lies
+/// shortly beyond a period doubling.
 inline bool has_doubled(std::size_t period, std::complex<double> mu, std::size_t returned_after) {
   constexpr double far_off = 0.2;
   return 2 * period == returned_after && mu.imag() == 0.0 && mu.real() < -1.0 && mu.real() > -1.0 - far_off;
 }
 
-/// States of the doubled orbit around one that has doubled, of period n, states `single` and first multiplier mu: those of the
-/// motion, their distance a from `single` multiplied by one factor. Next to the doubling a is multiplied in 2 n periods by
-/// mu^2 - c a^2 (its normal form; Kuznetsov, Elements of Applied Bifurcation Theory, 3rd ed., sec. 4.4), which is 1 on the
-/// doubled orbit; what the motion does to its own a says c. `motion`: its states from 0 to 3 n periods. Empty where that is no
-/// guess.
+/// Guess for the doubled orbit around a simple one of period n with states `single` and first multiplier mu. It keeps the shape
+/// of the motion and scales its distance a from `single` by one factor. Next to the doubling, 2 n periods multiply a by mu^2 -
+/// c a^2 (normal form; Kuznetsov, Elements of Applied Bifurcation Theory, 3rd ed., sec. 4.4). This is 1 on the doubled orbit;
+/// the growth of the motion's own a gives c. `motion`: its states after 0 to 3 n periods. Empty if there is no useful guess.
 template <class State>
 std::vector<State> doubled_states(const std::vector<State>& single, double mu, const std::vector<State>& motion) {
   constexpr double most_times = 20.0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// ReturnWatch: whether a motion comes back to where it was.
+// ReturnWatch: detects when a motion returns to an earlier state.
 #pragma once
 
 #include <graze/lib/numerics/vector.hpp>
@@ -8,17 +8,17 @@
 
 namespace graze {
 
-/// Looks, period by period, for returns to a state that moves on in doubling steps (Brent's way to find a cycle): most motions
-/// are near their orbit long before a transient is over.
+/// Compares each state with a reference that is renewed after 4, 8, 16, ... periods (Brent's cycle detection). Most motions are
+/// near their orbit long before the transient ends.
 class ReturnWatch {
  public:
   explicit ReturnWatch(double recurrence) : recurrence_(recurrence) {}
-  /// The next state. The number of periods since the state looked at, if it is back within `recurrence` (relative to 1 + |x|);
-  /// else 0.
+  /// Takes the next state. Returns the number of periods since the reference if the state is within `recurrence` of it
+  /// (relative to 1 + |x|), otherwise 0.
   int see(const Vector& state) {
     ++periods_;
     int back = 0;
-    // (Entry by entry: mostly the first is too far away.)
+    // Entry by entry: usually the first one already differs too much.
     bool near = looked_ >= 0;
     for (Eigen::Index i = 0; near && i < state.size(); ++i) near = std::abs(state[i] - looked_at_[i]) < within_;
     if (near) {

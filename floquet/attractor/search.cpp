@@ -18,18 +18,18 @@ namespace graze {
 
 namespace {
 
-/// What a start is worth before it is given up. Measured on the systems of tests/floquet/search.cpp: of the starts that Newton
-/// with 40 iterations and 12 halvings brings home, these limits lose up to two in five, at a fifth of the cost.
+/// Limits of the quick Newton iteration. Measured on the systems of tests/floquet/search.cpp: of the starts from which Newton
+/// with 40 iterations and 12 halvings converges, these limits lose up to two in five, at a fifth of the cost.
 constexpr int scout_iterations = 20, scout_halvings = 3;
-/// Newton that has not halved its residual in this many iterations is hopeless.
+/// Newton is hopeless if it has not halved its residual within this many iterations.
 constexpr std::size_t scout_window = 4;
-/// Scouting needs no more than to tell orbits apart; what it finds is then found again with the accuracy asked for.
+/// The quick iteration only has to distinguish orbits; shoot() polishes the new ones to the accuracy requested.
 constexpr double scout_tolerance = 1e-8, scout_residual = 1e-7;
-/// A scout this close to a known orbit (relative to 1 + |x|) has found it again. Orbits that lie closer together exist only
-/// within about 1e-12 of a bifurcation.
+/// An iterate this close to a known orbit (relative to 1 + |x|) has found it again. Orbits closer together exist only within
+/// about 1e-12 of a bifurcation.
 constexpr double same_place = 1e-6;
-/// Forcing phases (over 2 pi) of the states that Newton solves for, in turn. Where an orbit is in a stiff contact the map from
-/// there to there bends so sharply that hardly a start comes home; half a period away it flies.
+/// Forcing phases (over 2 pi) of the states in Newton's equations, used in turn. If an orbit is in stiff contact at such a
+/// phase, the return map bends so sharply that hardly any start converges; half a period away the mass is in free flight.
 constexpr std::array section_phases = {0.0, 0.5};
 
 FlowOptions scouting(FlowOptions options, std::size_t max_steps) {
@@ -38,7 +38,7 @@ FlowOptions scouting(FlowOptions options, std::size_t max_steps) {
   return options;
 }
 
-/// The state of one search: what was found, and how long nothing new has come.
+/// State of one search: the orbits found, and the number of starts since the last new one.
 class Search {
  public:
   Search(const HybridSystem& system, const Vector& p, int period, const SearchBox& box, const SearchOptions& options)
@@ -58,11 +58,11 @@ class Search {
   bool exhausted() const { return idle_ >= options_.patience; }
   void forget_patience() { idle_ = 0; }
 
-  /// Newton from a state at phase 0, or at one of the phases in turn.
+  /// Newton from a state at phase 0, or at each of the phases in turn.
   void try_state(const Vector& x) { try_state(sections_.front(), x); }
   void try_state_in_turn(const Vector& x) { try_state(next_section(), x); }
 
-  /// Newton from beside a known orbit: orbits are born in pairs, at folds and at grazings, and stay near each other.
+  /// Newton from beside a known orbit: orbits are born in pairs, at folds and at grazings, and stay close together.
   bool try_near_known(std::mt19937_64& random, double size) {
     Section& section = next_section();
     if (section.known_states.empty()) return false;
@@ -85,7 +85,7 @@ class Search {
     settle_account(section, section.multiple, u);
   }
 
-  /// |P^n(x) - x|^2 with its gradient 2 (M - I)^T (P^n(x) - x), for NLopt; large where the map is not defined.
+  /// |P^n(x) - x|^2 with its gradient 2 (M - I)^T (P^n(x) - x), for NLopt; 1e6 with zero gradient where the map is undefined.
   double mismatch(const Vector& x, double* gradient) {
     constexpr double undefined = 1e6;
     carry(propagator(), 0.0, period_ * T_, x,
@@ -108,7 +108,7 @@ class Search {
  private:
   static constexpr std::size_t most_events = 1000;
 
-  /// States at one forcing phase: the equations for them, and those of the orbits met so far.
+  /// One forcing phase: the shooting equations there, and the states of the orbits found so far.
   struct Section {
     double phase;
     ShootingEquations single, multiple;
@@ -117,7 +117,7 @@ class Search {
 
   Section& next_section() { return sections_[static_cast<std::size_t>(result.starts / 2) % sections_.size()]; }
 
-  /// Newton from one state: single and multiple shooting in turn, for each brings home starts that the other does not.
+  /// Newton from one state: single and multiple shooting in turn, because each converges from starts where the other fails.
   void try_state(Section& section, const Vector& x) {
     ShootingEquations& equations = result.starts % 2 == 0 ? section.multiple : section.single;
     count_start();
@@ -146,7 +146,7 @@ class Search {
     if (options_.progress) options_.progress(result.starts, static_cast<int>(result.orbits.size()));
   }
 
-  /// Newton with few halvings, given up as soon as it is hopeless; true if it has come to an orbit.
+  /// Newton with few halvings that gives up as soon as it is hopeless; true if it converges.
   bool scout(ShootingEquations& equations, Vector& u) {
     const TransitionOptions tangent{.sensitivity = Sensitivity::state, .max_events = most_events};
     const Eigen::Index n = lower_.size();
@@ -181,7 +181,7 @@ class Search {
     return true;
   }
 
-  /// Lets a start run home, and keeps the orbit if it is a new one.
+  /// Polishes a converged start and stores the orbit if it is new.
   void settle_account(Section& section, ShootingEquations& equations, Vector& u) {
     if (!scout(equations, u)) return;
     const Eigen::Index n = lower_.size();
@@ -207,7 +207,7 @@ class Search {
         if (same_orbit(orbit, known)) return;
       idle_ = 0;
     }
-    // Shorter orbits are remembered too: most starts may lead to them.
+    // Shorter orbits are stored too: most starts may lead to them.
     for (Section& other : sections_)
       for (const Vector& state : orbit.states)
         if (const std::optional<Vector> x = carried(state, 0.0, other.phase * T_)) other.known_states.push_back(*x);
@@ -217,7 +217,7 @@ class Search {
   const HybridSystem& system_;
   const Vector& p_;
   int period_;
-  Vector lower_, upper_;  ///< the box with its own size added on each side: Newton that leaves it is given up
+  Vector lower_, upper_;  ///< the box extended by its own size on each side; Newton gives up outside
   SearchOptions options_;
   double T_;
   std::vector<Section> sections_;
@@ -227,14 +227,15 @@ class Search {
   int idle_ = 0;
 };
 
-/// True if no earlier point lies near; then it is remembered.
+/// True if no earlier point is near; then stores the point.
 bool remember_if_new(std::vector<Vector>& earlier, const Vector& point, double near) {
   if (std::any_of(earlier.begin(), earlier.end(), [&](const Vector& x) { return (x - point).norm() < near; })) return false;
   earlier.push_back(point);
   return true;
 }
 
-/// Unstable orbits inside a chaotic attractor are passed closely again and again: near returns of a settled run are good guesses.
+/// A chaotic motion passes the unstable orbits inside its attractor closely again and again: near returns of a settled run are
+/// good guesses.
 void from_recurrences(Search& search, double T, int period, std::mt19937_64& random, const Vector& lower, const Vector& upper) {
   constexpr int transient = 200, samples = 1300, attractors = 3;
   std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -263,7 +264,7 @@ void from_recurrences(Search& search, double T, int period, std::mt19937_64& ran
   }
 }
 
-/// NLopt's multi-level single linkage over the squared mismatch; where its local searches come to rest, Newton starts.
+/// Runs NLopt's multi-level single linkage on the squared mismatch, and Newton from the minima of its local searches.
 void from_nlopt(Search& search, const Vector& lower, const Vector& upper, unsigned seed, const std::function<bool()>& cancelled) {
   const auto n = static_cast<unsigned>(lower.size());
   const double size = (upper - lower).norm();
@@ -299,15 +300,15 @@ void from_nlopt(Search& search, const Vector& lower, const Vector& upper, unsign
     double value = 0.0;
     global.optimize(x, value);
   } catch (const nlopt::forced_stop&) {
-  } catch (const std::runtime_error&) {  // a failed local search (SLSQP at a kink) ends NLopt's run; what it met is kept
+  } catch (const std::runtime_error&) {  // SLSQP fails at a kink, which ends NLopt's run; its candidates are kept
   }
-  // Of points that lie close together the last is the best: a local search came to it.
+  // Of points close together the last one is the best: it is where a local search ended.
   std::vector<Vector> tried;
   for (auto candidate = context.candidates.rbegin(); candidate != context.candidates.rend() && !search.finished(); ++candidate)
     if (remember_if_new(tried, *candidate, 1e-2 * size)) search.try_state(*candidate);
 }
 
-/// Additive recurrence on the n-dimensional golden ratio, shifted by the seed: evenly spread at every length.
+/// Additive recurrence on the n-dimensional golden ratio, shifted by the seed: evenly spread for any number of points.
 class LowDiscrepancy {
  public:
   LowDiscrepancy(Eigen::Index n, std::mt19937_64& random) : step_(n), point_(n) {
@@ -328,7 +329,7 @@ class LowDiscrepancy {
   Vector step_, point_;
 };
 
-/// @throws std::invalid_argument for a box that is none.
+/// @throws std::invalid_argument for an invalid box.
 void check_box(const HybridSystem& system, const Vector& lower, const Vector& upper) {
   const auto n = static_cast<Eigen::Index>(system.states);
   const bool sizes = lower.size() == n && upper.size() == n;
@@ -336,7 +337,7 @@ void check_box(const HybridSystem& system, const Vector& lower, const Vector& up
     throw std::invalid_argument("the search box needs a finite lower and a larger upper bound for each state");
 }
 
-/// How near a motion has to return before Newton's method is tried (relative to 1 + |x|).
+/// Newton's method is tried for returns this close (relative to 1 + |x|).
 constexpr double settling_recurrence = 1e-4;
 
 MotionTask<> settle_to(TaskSlot& lane, const HybridSystem& system, const MotionFrom& start, const AttractorOptions& settling,
@@ -369,7 +370,7 @@ std::vector<PeriodicOrbit> settled_orbits(const HybridSystem& system, const std:
       return other.parameters == orbit->parameters && same_orbit(other, *orbit);
     };
     if (std::any_of(found.begin(), found.end(), same)) continue;
-    // From the lanes it comes without events.
+    // An orbit from the lanes has no events.
     PeriodicOrbit whole =
         orbit->events.empty() ? shoot(system, orbit->parameters, orbit->states, orbit->period, options.shooting) : *orbit;
     if (whole.converged() && whole.admissible == Admissibility::admissible) found.push_back(std::move(whole));

@@ -30,7 +30,7 @@ Settled settle(const HybridSystem& system, const Vector& p, const Vector& start,
   };
   for (; result.periods < options.periods; ++result.periods) {
     if (next_period()) continue;
-    // Ever lower bounces on a pressed stop that gives all energy back: they end in rest, but never.
+    // Ever lower bounces on a pressed stop without energy loss: the rest state is the limit, but is never reached.
     const auto rest = result.termination == Termination::event_limit ? rest_for_ever(propagator, result.state) : std::nullopt;
     if (!rest || !comes_to_rest(propagator, result.state, *rest)) return result;
     result.state = *rest;
@@ -40,7 +40,7 @@ Settled settle(const HybridSystem& system, const Vector& p, const Vector& start,
     result.termination = Termination::resonance;
     return result;
   }
-  // The state is handed on from before the look at its recurrence, so that the transient has just the length asked for.
+  // The result is the state before the test for recurrence, so that the transient has exactly the requested length.
   const Vector settled = result.state;
   result.termination = Termination::time;
   for (int n = 1; n <= options.max_period && result.suspected_period == 0; ++n) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Letting a transient die out, and reading off the period of what it has settled on. Of an autonomous system a period is a
-// return (carry_period in transition.hpp).
+// Runs a transient and determines the period of the motion after it. For an autonomous system a period is a return
+// (carry_period in transition.hpp).
 #pragma once
 
 #include <graze/floquet/orbit/shooting.hpp>
@@ -18,8 +18,8 @@ struct SettleOptions {
 };
 
 struct Settled {
-  Termination termination = Termination::failed;  ///< resonance: it grows, and for longer than the transient was
-  Vector state;                                   ///< at forcing phase 0, or right behind a return
+  Termination termination = Termination::failed;  ///< resonance: the motion grows, and for longer than the transient lasted
+  Vector state;                                   ///< at forcing phase 0, or immediately after a return
   int suspected_period = 0;                       ///< 0: none found up to max_period
   int periods = 0;                                ///< forcing periods carried out
 };

@@ -20,25 +20,27 @@ namespace graze {
 
 namespace {
 
-/// A settled state returns this closely after one period of its orbit, relative to 1 + |x|; Newton decides, not this.
+/// A settled state returns this closely after one period of its orbit, relative to 1 + |x|. This only selects; Newton decides.
 constexpr double worth_trying = 0.03;
 
-/// Halves of a doubled orbit may be so far apart that its period is still worth trying. From between them the tangent grows by
-/// little more than the multiplier of the orbit that doubles.
+/// Distance between the halves of a doubled orbit up to which the midpoints are tried. The tangent along them grows by little
+/// more than the multiplier of the simple orbit.
 constexpr double near_halves = 4.0 * worth_trying, growth_at_doubling = 2.0;
 
-/// Where time matters: a motion that comes to a stable orbit will be looked at again, with a tangent that grows no more.
+/// Fast search: returns whose tangent grows by more are skipped. A motion that approaches a stable orbit will be tested again
+/// later, when its tangent no longer grows.
 constexpr double growth_too_early = 30.0;
 
-/// From near a stable orbit Newton's method takes full steps, or parts of them. (Of 30,000 tries in a map of a damped Hertz
-/// oscillator that came to one, one had a step shorter than 1/64.) Where they become shorter and shorter it creeps to a minimum
-/// of the residual where there is no orbit, as before a fold: twelve halvings of each step took most of the time of all tries.
+/// Near a stable orbit Newton's method takes full steps, or large fractions of them. (Of 30,000 attempts in a map of a damped
+/// Hertz oscillator that converged, one had a step shorter than 1/64.) Ever shorter steps mean that it creeps towards a minimum
+/// of the residual where there is no orbit, as before a fold. Twelve halvings of each step took most of the time of all
+/// attempts.
 constexpr int few_halvings = 6;
 
-/// Returns that orbit_of_close_returns tries.
+/// Number of returns that orbit_of_close_returns tries.
 constexpr std::size_t most_tries = 3;
 
-/// A motion that may come closer to an orbit, to be carried until that is known.
+/// A motion near an orbit, carried until it is known whether it approaches the orbit.
 template <class Orbit> class NearOrbit {
  public:
   NearOrbit(const Orbit& orbit, const Vector& x, double slowest, std::size_t period)
@@ -61,19 +63,19 @@ template <class Orbit> class NearOrbit {
 
 const auto never = [] { return false; };
 
-/// True if the motion from x comes closer to the orbit.
+/// Whether the motion from x approaches the orbit.
 bool approaches(Propagator& propagator, const PeriodicOrbit& orbit, const Vector& x) {
   NearOrbit motion(orbit, x, std::abs(orbit.multipliers.values.front()), static_cast<std::size_t>(orbit.period));
   carry_watched(propagator, motion, never);
   return motion.comes_closer();
 }
 
-/// Where nothing dissipates no motion comes closer to an orbit: it is on it, but for rounding, or it is not.
+/// A motion of a conservative system approaches no orbit: it is on the orbit, up to rounding, or it is not.
 bool is_on(const PeriodicOrbit& orbit, const Vector& x) {
   return nearest_distance(orbit.states, x) < DistanceWatch::on_it * (1.0 + state_size(x));
 }
 
-/// How much the tangent of the motions over one period from each of these states grows in all.
+/// Growth of the tangent along one period from each of these states, multiplied.
 double growth_along(Propagator& propagator, const std::vector<Vector>& states) {
   Matrix growth = Matrix::Identity(states.front().size(), states.front().size());
   Transition transition;
@@ -84,7 +86,7 @@ double growth_along(Propagator& propagator, const std::vector<Vector>& states) {
   return spectral_radius(growth);
 }
 
-/// The stable orbit that these states are near to, of as many periods or a divisor.
+/// The stable orbit near these states, with their number of periods or a divisor of it.
 std::optional<PeriodicOrbit> stable_orbit_of(Propagator& propagator, const std::vector<Vector>& states) {
   ShootingOptions shooting;
   shooting.flow = propagator.options();
@@ -118,7 +120,7 @@ std::optional<PeriodicOrbit> stable_orbit_of(Propagator& propagator, const std::
   return std::nullopt;
 }
 
-/// That, if the motion through them comes closer to it, and was not seen to pass by it.
+/// The same, if the motion through the states approaches the orbit and was not seen to pass it.
 std::optional<PeriodicOrbit> stable_orbit_near(Propagator& propagator, const std::vector<Vector>& states,
                                                RefusedOrbits& refused) {
   auto orbit = stable_orbit_of(propagator, states);
@@ -128,12 +130,12 @@ std::optional<PeriodicOrbit> stable_orbit_near(Propagator& propagator, const std
   return std::nullopt;
 }
 
-/// Longer returns are mostly chance, unless the motion has settled: they have to be so much closer.
+/// Longer returns are mostly chance, unless the motion has settled: they must be closer by this factor.
 constexpr double settled = 0.05;
 
-/// The periods after which states return to the first of them, the closest return first.
+/// The periods after which the states return to the first one, closest return first.
 template <class State> std::vector<int> returns_of(const std::vector<State>& states, double nearness, int max_period) {
-  constexpr double alike = 1e-10;  // returns this close are as good as each other: the shortest comes first
+  constexpr double alike = 1e-10;  // closer returns count as equal: the shortest comes first
   const double scale = 1.0 + state_size(states.front());
   std::vector<std::pair<double, int>> found;
   for (int n = 1; n <= max_period && n < static_cast<int>(states.size()); ++n) {
@@ -146,8 +148,8 @@ template <class State> std::vector<int> returns_of(const std::vector<State>& sta
   return periods;
 }
 
-/// Which returns are tried: the closest, each after those of its divisors that are close, too (so that Newton's method need not
-/// find out that an orbit is shorter).
+/// The returns to try: the closest ones, each after its divisors among the close returns. Newton's method then need not
+/// discover that an orbit is shorter.
 std::vector<int> worth_a_try(const std::vector<int>& periods) {
   std::vector<int> out;
   for (std::size_t i = 0; i < std::min(most_tries, periods.size()); ++i)
@@ -161,7 +163,7 @@ std::vector<int> worth_a_try(const std::vector<int>& periods) {
 }  // namespace
 
 bool may_rest(const HybridSystem& system, const Vector& p, const Vector& state) {
-  constexpr double near_stop = 0.1;  // relative to 1 + |x|: what bounces there many times a period is nearer
+  constexpr double near_stop = 0.1;  // relative to 1 + |x|; bounces many times a period are closer to the stop
   return std::any_of(system.events.begin(), system.events.end(), [&](const Event& event) {
     if (!event.accumulation) return false;
     Vector rest = state;
@@ -203,7 +205,7 @@ std::optional<PeriodicOrbit> orbit_of_close_returns(Propagator& propagator, cons
 
 namespace {
 
-/// What an orbit that was found in lanes says to a motion that may be settling on it.
+/// Whether an orbit found in lanes may be the one on which the motion at `state` is settling.
 enum class Verdict { no, delicate, yes };
 Verdict verdict(const LaneOrbit& orbit, const Vector& state) {
   const double scale = 1.0 + state.lpNorm<Eigen::Infinity>();
@@ -220,7 +222,7 @@ PeriodicOrbit plain_orbit(const HybridSystem& system, const Vector& p, const Lan
   for (const StatePair& state : found.states) orbit.states.push_back(vector_of(state));
   orbit.nodes = orbit.states;
   orbit.state = orbit.states.front();
-  orbit.impacts = orbit.isolated_impacts = found.impacts;  // the lanes leave it to shoot() if it sticks
+  orbit.impacts = orbit.isolated_impacts = found.impacts;  // the lanes leave sticking orbits to shoot()
   orbit.newton.status = NewtonStatus::converged;
   orbit.admissible = Admissibility::admissible;  // its stretches between nodes are free runs
   orbit.multipliers.valid = true;
@@ -244,7 +246,7 @@ MotionTask<std::optional<PeriodicOrbit>> orbit_approached_in_lanes(TaskSlot& lan
 
 namespace {
 
-/// The orbit that Newton's method comes to from the states around a return, or from a guess next to a period doubling.
+/// The orbit to which Newton's method converges from the states around a return, or from a guess next to a period doubling.
 MotionTask<LaneOrbit> shoot_next_to_doubling(TaskSlot& lane, const std::vector<StatePair>& around) {
   const LanePatience patience{growth_too_early, few_halvings};
   LaneOrbit orbit = co_await shoot_in_lanes(lane, around, patience);
@@ -304,8 +306,8 @@ MotionTask<SettlingLook> look_for_orbit_in_lanes(TaskSlot& lane, const HybridSys
 
 namespace {
 
-/// Whether the last of these returns, after 1, 2, ... periods, is closer than those after a divisor of as many: else it would
-/// lead to the orbits that they lead to.
+/// Whether the last of these returns, after 1, 2, ... n periods, is closer than those after the divisors of n. Otherwise it
+/// would lead to the same orbits as they do.
 bool closer_than_divisors(const std::vector<double>& distances) {
   const std::size_t n = distances.size();
   for (std::size_t d = 1; d <= n / 2; ++d)
@@ -328,12 +330,12 @@ std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector
   const FlowOptions& flow = propagator.options();
   const double scale = 1.0 + state.lpNorm<Eigen::Infinity>();
   std::vector<Vector> states{state};
-  std::vector<int> worth;  // periods of returns not looked at yet
-  RefusedOrbits refused;   // more than one return leads to them
+  std::vector<int> worth;  // periods of returns that have not been tried
+  RefusedOrbits refused;   // several returns may lead to the same one
   std::size_t together = 1;
   std::unique_ptr<LaneCarrier> many;
-  // In chaos there are many returns, and most are to unstable orbits. What Newton's method finds out in lanes need not be found
-  // out again.
+  // Chaos has many returns, most of them to unstable orbits. A return that Newton's method has rejected in lanes is not tried
+  // again.
   const auto look = [&]() -> std::optional<PeriodicOrbit> {
     std::vector<LaneOrbit> orbits;
     if (LaneCarrier::applies(system, p, flow)) {
@@ -369,8 +371,7 @@ std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector
   Transition transition;
   Matrix growth = Matrix::Identity(state.size(), state.size());
   std::vector<double> distances;  // of the returns
-  // Whether the tangent has shrunk after one of the returns; the others can wait until it is known that it does not grow for
-  // long.
+  // Whether the tangent has shrunk over one of the returns. Until then the other returns wait for the test of long-term growth.
   bool shrinks = false;
   for (int n = 1; n <= max_period || (!worth.empty() && n <= long_enough); ++n) {
     carry_period(propagator, states.back(), {.sensitivity = Sensitivity::state}, transition);
@@ -417,7 +418,7 @@ std::vector<Vector> that_may_settle(const HybridSystem& system, const Vector& p,
       motion.at = {set, next[-1].x, next[-1].v};
       motion.ended = next[-1].termination != Termination::time;
     }
-    // What has grown by the square of it on the way will not have shrunk at the end.
+    // A tangent that has grown by the square of hopeless_growth by now will not have shrunk enough at the end.
     const double most = carried == long_enough ? hopeless_growth : hopeless_growth * hopeless_growth;
     std::erase_if(motions, [&](const Motion& motion) { return motion.ended || spectral_radius(motion.growth) > most; });
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Transient: a transient on its way to an attractor, with a look for an orbit at its end, and, where AttractorOptions::recurrence
-// asks for it, at its returns.
+// Transient: runs the transient towards an attractor. It searches for an orbit at the end and, if AttractorOptions::recurrence
+// is set, also when the motion returns.
 #pragma once
 
 #include <graze/floquet/attractor/attractor.hpp>
@@ -17,14 +17,14 @@
 
 namespace graze {
 
-/// Where AttractorOptions::recurrence is set: returns that are worth Newton's method, against those that give rise to a look. And
-/// how nearly a motion that lingers repeats itself.
+/// Distance (relative to 1 + |x|) of returns for which Newton's method is tried, larger than the one that triggers a search.
+/// Also the bound on the drift of a laminar phase.
 inline double nearness_of(const AttractorOptions& options) {
   return 20.0 * (options.recurrence > 0.0 ? options.recurrence : 1e-4);
 }
 
-/// Forcing periods of a look for an orbit behind so many others: where time matters, and max_period is long, not many more. (A
-/// motion that has settled on a long orbit is known by its return.)
+/// Longest period in a search for an orbit after `carried` forcing periods: max_period, in fast mode at most 64 or 1/16 of
+/// `carried`. (A motion that has settled on a longer orbit is recognised by its return.)
 inline int periods_of_look(const AttractorOptions& options, std::int64_t carried) {
   constexpr std::int64_t always = short_return, part = 16;
   if (!(options.recurrence > 0.0)) return options.max_period;
@@ -33,7 +33,6 @@ inline int periods_of_look(const AttractorOptions& options, std::int64_t carried
 
 inline bool cancelled(const AttractorOptions& options) { return options.lyapunov.cancelled && options.lyapunov.cancelled(); }
 
-/// A transient on its way.
 class Transient {
  public:
   Transient(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options)
@@ -54,10 +53,10 @@ class Transient {
     asks_ = 0;
   }
 
-  /// What one more period did.
+  /// Takes the result of the next period.
   void see(Termination termination, const Vector& state) {
     ++periods_;
-    if (termination == Termination::event_limit) {  // it may bounce on its stop for ever, ever lower
+    if (termination == Termination::event_limit) {  // maybe endless, ever lower bounces on its stop
       broken_ = true;
       asks_ = 1;
       return;
@@ -70,9 +69,9 @@ class Transient {
     if (periods_ == transient()) asks_ = std::max(asks_, periods_of_look(options_, periods_));
   }
 
-  /// > 0: it goes on when it is told whether it is settling on an orbit of up to so many periods.
+  /// > 0: waits for answer(), whether the motion is settling on an orbit of up to this many periods.
   int asks() const { return asks_; }
-  /// The orbits that it was seen to pass by at its returns; null at its end, where it looks at all of them again.
+  /// The orbits that the motion was seen to pass at its returns. Null at the end of the transient, when all are tried again.
   RefusedOrbits* passed_by() { return at_end() ? nullptr : &passed_by_; }
   void answer(std::optional<PeriodicOrbit> orbit) {
     if (!orbit && broken_) return stop(Termination::event_limit);
@@ -84,7 +83,7 @@ class Transient {
   Attractor result() && { return std::move(out_); }
 
  private:
-  /// An autonomous motion starts anywhere: it has to come to its first return.
+  /// An autonomous motion starts anywhere: it must reach its first return.
   int transient() const { return is_forced(system_) ? options_.transient : std::max(1, options_.transient); }
   bool at_end() const { return periods_ >= transient(); }
 

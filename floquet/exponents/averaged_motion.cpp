@@ -7,7 +7,7 @@
 
 namespace graze {
 
-/// What the directions grew by, until it is handed to the means.
+/// Buffer for the growths before they are added to the means.
 struct AveragedMotion::Growths {
   std::array<std::array<double, 64>, 2> values;
   std::array<std::size_t, 2> count{};
@@ -41,7 +41,7 @@ void AveragedMotion::end_interval(int interval, Growths& growths) {
 }
 
 void AveragedMotion::pass(std::span<const PeriodResult> results) {
-  // Where one ends, the others say the same.
+  // If one period ends early, the later ones have the same termination.
   termination_ = results.back().termination;
   if (termination_ != Termination::time) return;
   at_.x = results.back().x;

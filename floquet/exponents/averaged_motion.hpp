@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// AveragedMotion: one motion with its first tangent vector, and the means of what its two directions grow by.
+// AveragedMotion: one motion with its first tangent vector, and the mean growth of its two directions.
 //
-// The vector is u' = Phi u, made short again only where its length has left [1e-3, 1e3]: a period grows it by ln|u'| - ln|u|, a
-// difference of numbers below 7. What the second direction grows by is ln|det Phi| less that (the same numbers as from QR).
+// The vector is u' = Phi u. It is normalised only when its length has left [1e-3, 1e3]. Its growth over a period is ln|u'| -
+// ln|u|, a difference of numbers below 7. The growth of the second direction is ln|det Phi| minus that of the first (the same
+// numbers as from QR).
 #pragma once
 
 #include <graze/lib/motion/lane_carrier.hpp>
@@ -19,27 +20,27 @@ class AveragedMotion {
  public:
   explicit AveragedMotion(const MotionStart& start) : at_(start) {}
 
-  /// What its next periods did to it. Those that are not `counted` turn the vector alone.
+  /// Adds the results of the next periods. Periods that are not `counted` only turn the vector.
   void add(std::span<const PeriodResult> results, bool counted, int interval);
 
-  /// The same of periods without a tangent, before all others.
+  /// The same for periods without a tangent, which must precede all others.
   void pass(std::span<const PeriodResult> results);
 
-  /// Where it is now.
+  /// Present state of the motion.
   const MotionStart& at() const { return at_; }
-  /// Of the growth of a direction from one orthonormalisation (`interval` periods) to the next; whether it is lost: it fell to
-  /// zero, or is not a number.
+  /// Means of the growth of a direction from one orthonormalisation (`interval` periods) to the next. A direction is lost if
+  /// its growth was not finite (a vector that fell to zero, or NaN).
   const BatchMeans& means(std::size_t direction) const { return means_[direction]; }
   bool lost(std::size_t direction) const { return lost_[direction]; }
-  /// Periods since the last orthonormalisation; counted up to it; impacts in all that were counted.
+  /// Periods since the last orthonormalisation; averaged periods up to it; impacts in all counted periods.
   int periods_open() const { return periods_; }
   std::int64_t averaged() const { return averaged_; }
   std::int64_t impacts() const { return impacts_; }
-  /// Liouville's sum over them.
+  /// Liouville's sum over the averaged periods.
   double log_volume() const { return log_volume_; }
   /// Largest difference per period between ln|det| and Liouville's identity.
   double liouville_residual() const { return liouville_residual_; }
-  /// Other than `time`: it ended so.
+  /// How the motion ended; `time`: it has not.
   Termination termination() const { return termination_; }
 
  private:
@@ -50,8 +51,8 @@ class AveragedMotion {
 
   MotionStart at_;
   double c_ = 1.0, s_ = 0.0;
-  double log_before_ = 0.0;  // ln|u| at the last orthonormalisation, in terms of its present length
-  LogProduct det_;           // since then, and the integral of trace(f_x)
+  double log_before_ = 0.0;  // ln|u| at the last orthonormalisation, rescaled together with u
+  LogProduct det_;           // since then, as is the integral of trace(f_x)
   double liouville_ = 0.0;
   int periods_ = 0;
   std::array<BatchMeans, 2> means_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Exponents: what time averages have come to, direction by direction, while they are taken (lyapunov.cpp along one motion,
-// lyapunov_lanes.cpp along many): whether that is enough, and how they are handed over.
+// Evaluation of running time averages, direction by direction (lyapunov.cpp along one motion, lyapunov_lanes.cpp along many):
+// whether they are precise enough, and how they are written to the result.
 #pragma once
 
 #include <graze/floquet/exponents/lyapunov.hpp>
@@ -12,31 +12,32 @@
 
 namespace graze {
 
-/// Standard errors by which the halves of a series must differ for the difference to be a trend: by chance once in 16000.
+/// Standard errors by which the two halves of a series must differ to count as a trend: by chance once in 16000.
 inline constexpr double trend_significance = 4.0;
 
-/// Standard error of a mean, with the trend of its series: `drift` is that of BatchMeans. Each half has sqrt 2 times the error
-/// of the whole, the difference twice. Batch means take a decaying series (ln N / N in order) for a constant one.
+/// Standard error of a mean, including the trend of its series; `drift` is that of BatchMeans. Each half has sqrt 2 times the
+/// error of the whole series, and their difference twice that error. Batch means alone take a decaying series (of order ln N /
+/// N) for a constant one.
 inline double with_trend(double error, double drift) {
   return std::abs(drift) > 2.0 * trend_significance * error ? std::hypot(error, 0.5 * drift) : error;
 }
 
-/// Whether a tangent has grown as in chaos; `log_growth` and `log_volume` are taken over `periods`. If volumes shrink, the mean
-/// growth decides, and this is true. If they do not, ordered motions have growing tangents, too: shear makes them grow in
+/// Whether a tangent has grown as in chaos; `log_growth` and `log_volume` are sums over `periods`. If volumes shrink, the mean
+/// growth decides, and this returns true. If they do not, tangents of ordered motions grow too: shear makes them grow in
 /// proportion to time.
 inline bool grows_beyond_shear(double log_growth, double log_volume, std::int64_t periods) {
-  constexpr double shrinks = 1.0;        // of ln(volume): below, the contraction does not yet show
-  constexpr double largest_shear = 1e4;  // of a forcing period
+  constexpr double shrinks = 1.0;        // in ln(volume); below, contraction does not show yet
+  constexpr double largest_shear = 1e4;  // per forcing period
   return std::abs(log_volume) > shrinks || log_growth > std::log(largest_shear * static_cast<double>(periods));
 }
 
-/// Whether precise_enough is to be asked: standard errors are what ends the average, and there are others than before. `lost`:
-/// the first direction is; `first`: its means.
+/// Whether precise_enough must be evaluated: the standard errors end the average, and they have changed. `lost`: the first
+/// direction is lost; `first`: its means.
 inline bool has_new_errors(const LyapunovOptions& options, bool lost, const BatchMeans& first) {
   return options.change == 0.0 && options.standard_error > 0.0 && (lost || first.ended_batch());
 }
 
-/// Whether the bounds of LyapunovOptions are met after `periods`; `is_chaos` is the answer of grows_beyond_shear. In a lost
+/// Whether the bounds of LyapunovOptions are met after `periods`; `is_chaos` is the result of grows_beyond_shear. For a lost
 /// direction `exponent(i)` is -infinity and `error(i)` is 0.
 template <class Exponent, class Error>
 bool precise_enough(const LyapunovOptions& options, std::int64_t periods, bool is_chaos, std::size_t directions,
@@ -48,7 +49,7 @@ bool precise_enough(const LyapunovOptions& options, std::int64_t periods, bool i
   return true;
 }
 
-/// Puts exponents, errors and correlation times in order, largest exponent first, and the dimension with them.
+/// Writes exponents, errors and correlation times to `out`, largest exponent first, and the dimension.
 template <class Exponent, class Error, class Correlation>
 void hand_over(std::size_t directions, const Exponent& exponent, const Error& error, const Correlation& correlation,
                LyapunovSpectrum& out) {

@@ -18,17 +18,17 @@ namespace graze {
 
 namespace {
 
-/// Tangent vectors, orthonormalised now and then.
+/// Tangent vectors, orthonormalised periodically.
 class Frame {
  public:
   explicit Frame(Eigen::Index n) : Q_(Matrix::Identity(n, n)), growth_(static_cast<std::size_t>(n)) {}
 
   void advance(const Matrix& Phi) { Q_ = Phi * Q_; }
 
-  /// ln of the lengths that each direction has gained since the last time; -infinity for one that is lost. `log_det`: ln|det| of
-  /// what came in between, factor by factor, or not finite. Of two directions it gives the second, which next to grazing
-  /// (stretched by 1/v) is lost in the rounding of the product. `liouville`: the same from Liouville's identity. It gives the
-  /// last direction where volumes shrink so much at once that rounding has taken it.
+  /// ln of the growth of each direction since the last call; -infinity for a lost one. `log_det`: ln|det| of the matrices since
+  /// then, factor by factor, or not finite. With two directions it gives the second one, which next to grazing (stretched by
+  /// 1/v) is lost to rounding in the product. `liouville`: the same from Liouville's identity. It gives the last direction
+  /// where volumes shrink so much at once that this direction is lost to cancellation.
   const std::vector<double>& orthonormalise(double log_det, double liouville) {
     is_measured_ = true;
     if (Q_.rows() == 2) {
@@ -41,7 +41,7 @@ class Frame {
       orthonormalise_with<Matrix>();
     }
     const double others = std::accumulate(growth_.begin(), growth_.end() - 1, 0.0);
-    constexpr double shrunk = 1e-3;  // relative to the first: the entries' own error (1e-13) would show in what is left
+    constexpr double shrunk = 1e-3;  // relative to the first; below, the entries' own error (1e-13) would be visible
     const bool shrinks = growth_.back() < growth_.front() + std::log(shrunk);
     if (shrinks && growth_.size() > 1 && std::isfinite(liouville) && std::isfinite(others)) {
       growth_.back() = liouville - others;
@@ -50,7 +50,7 @@ class Frame {
     return growth_;
   }
 
-  /// Whether the last sum of growths is that of the matrices, so that Liouville's identity can be held against it.
+  /// Whether the last growths were computed from the matrices, so that their sum can be checked against Liouville's identity.
   bool is_measured() const { return is_measured_; }
 
  private:
@@ -69,20 +69,20 @@ class Frame {
   bool is_measured_ = true;
 };
 
-/// Times of the intervals of an autonomous motion, which differ: a rate is r = <g> / <t>, g the growth of a direction, and its
-/// error that of g - r t over <t>. Batch means give the variance of a mean by a quadratic form V, so that
+/// Intervals of an autonomous motion have different times t. A rate is r = <g> / <t>, with g the growth of a direction; its
+/// error is that of g - r t, over <t>. Batch means give the variance of a mean as a quadratic form V, so that
 ///     V(g - r t) = V(g) + r^2 V(t) - r (V(g + t) - V(g) - V(t)).
 class ReturnTimes {
  public:
   explicit ReturnTimes(std::size_t directions) : sums_(directions) {}
 
   void add(double time) { times_.add(last_ = time); }
-  /// Of a direction, after the time of the same interval.
+  /// Adds the growth in a direction, after the time of the same interval.
   void add_growth(std::size_t direction, double growth) { sums_[direction].add(growth + last_); }
 
   double mean() const { return times_.mean(); }
   double total() const { return times_.total(); }
-  /// Of the mean growth in a direction less its rate times the mean time.
+  /// Standard error of the mean growth in a direction minus its rate times the mean time.
   double error(std::size_t direction, const BatchMeans& growth, double rate) const {
     const double g = square(growth.standard_error()), t = square(times_.standard_error());
     if (!std::isfinite(g)) return g;

@@ -14,16 +14,16 @@ namespace graze {
 
 namespace {
 
-/// An average that may stop early is expected to last when it has gone on for so many periods.
+/// An average that may stop early is expected to be long once it has reached this many periods.
 constexpr std::int64_t lasting = LaneCarrier::periods_for_table / 4;
-/// Forcing periods between two looks at what has been reached: an eighth of what there was, lest much be carried in vain.
+/// Forcing periods between two tests of the stop rule: an eighth of those so far, so that few are carried in vain.
 constexpr std::size_t shortest_stretch = 32, longest_stretch = 256;
-/// What is left of `parting` with a tangent, to turn it: chaos aligns tangent vectors sooner than it parts motions.
+/// Last part of `parting`, with a tangent, to align it: chaos aligns tangent vectors sooner than it separates motions.
 constexpr std::int64_t turning = 60;
-/// Of the motions side by side, that are worth all threads.
+/// Periods per motion from which the use of all threads pays.
 constexpr std::size_t long_for_threads = 64;
 
-/// All motions of one start.
+/// One average over all motions of one start.
 class Average {
  public:
   Average(const AverageStart& start, std::size_t set, const LyapunovOptions& options, double period)
@@ -37,13 +37,13 @@ class Average {
   }
 
   bool open() const { return open_; }
-  /// Where its motions are.
+  /// Writes the present states of the motions.
   void ask(std::vector<MotionStart>& motions) const {
     motions.clear();
     for (const AveragedMotion& motion : motions_) motions.push_back(motion.at());
   }
 
-  /// Tells `many` what is still to come, once that is known.
+  /// Tells `many` how many periods will follow, once that is known.
   void announce(LaneCarrier& many, std::size_t parameters) {
     const bool to_the_end = options_.standard_error == 0.0 && options_.change == 0.0;
     if (announced_ || (!to_the_end && out_.periods < lasting)) return;
@@ -51,13 +51,13 @@ class Average {
     many.expect(parameters, options_.max_periods - out_.periods);
   }
 
-  /// What is to be carried next: whether with tangents, and for how many of `periods` periods.
+  /// The next work: whether with tangents, and how many of `periods` periods.
   bool with_tangents() const { return to_part_ == 0; }
   std::size_t part_of(std::size_t periods) const {
     return with_tangents() ? periods : std::min(periods, static_cast<std::size_t>(to_part_));
   }
 
-  /// What `periods` more did to its motions, one after the other.
+  /// Adds the results of `periods` more periods of each motion, motion by motion.
   void add(const PeriodResult* results, std::size_t periods, std::size_t threads) {
     if (!with_tangents()) return part(results, periods);
     for (std::size_t k = 0; k < periods && open_;) {
@@ -101,7 +101,7 @@ class Average {
   }
 
  private:
-  /// Periods after which something is asked: where the motions begin to count, or have another standard error, or may end.
+  /// Periods until the next test: the motions begin to count, have a new standard error, or may end.
   std::int64_t until_look() const {
     if (uncounted_ > 0) return uncounted_;
     const AveragedMotion& first = motions_.front();
@@ -119,7 +119,7 @@ class Average {
 
   Vector first_state() const { return Vector{{motions_.front().at().x, motions_.front().at().v}}; }
 
-  /// From all motions.
+  /// Collects the sums over all motions.
   void gather() {
     out_.impacts = 0;
     out_.periods = 0;
@@ -136,7 +136,7 @@ class Average {
     }
   }
 
-  /// After an orthonormalisation of all motions: whether that is enough.
+  /// Applies the stop rule after an orthonormalisation of all motions.
   void look() {
     const std::int64_t round = options_.interval * static_cast<std::int64_t>(motions_.size());
     if (options_.change > 0.0) {
@@ -167,9 +167,9 @@ class Average {
     }
     return sum / static_cast<double>(std::max<std::int64_t>(count, 1)) / interval_time_;
   }
-  /// The motions are independent of each other, but for the ends of their series: near an orbit they do not part. Where they do
-  /// not agree as well as each one's own error says (some have settled, or what correlates them in time lasts longer than they),
-  /// their spread counts.
+  /// The motions are independent, except for the ends of their series: near an orbit they do not separate. If they differ by
+  /// more than their own errors explain (some have settled, or their correlation lasts longer than the average), their spread
+  /// gives the error.
   double standard_error(std::size_t i) const {
     if (lost_[i]) return 0.0;
     const auto n = static_cast<double>(motions_.size());

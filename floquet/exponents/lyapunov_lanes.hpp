@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Time averages in SIMD lanes (LaneCarrier), for oscillators that they know: over several motions side by side, whose average is
-// that over the attractor sooner, or over motions that share the lanes with those of other averages.
+// Time averages in SIMD lanes (LaneCarrier), for oscillators that the lanes support: either over several parallel motions,
+// which average over the attractor sooner, or over motions that share the lanes with those of other averages.
 //
-// Of two directions the first is carried along, u' = Phi u / |Phi u| with growth ln|Phi u|; what the second grows by is
-// ln|det Phi| less that (the same numbers as from QR).
+// Of two directions the first is carried along, u' = Phi u / |Phi u| with growth ln|Phi u|. The growth of the second is ln|det
+// Phi| minus that of the first (the same numbers as from QR).
 #pragma once
 
 #include <graze/floquet/exponents/lyapunov.hpp>
@@ -16,13 +16,13 @@ namespace graze {
 class TaskSlot;
 struct MotionStart;
 
-/// Over LyapunovOptions::motions, side by side until they have met the options' rule. Those beyond the first begin next to it
-/// (1e-7 (1 + |x|) further from the barrier each) and are carried for `parting` periods, not counted, in which chaos parts them,
-/// and the last of which turn their tangent vectors. @throws std::invalid_argument as lyapunov_spectrum does, and where
-/// LaneCarrier does not apply.
+/// Average over LyapunovOptions::motions parallel motions until the options' rule is met. Each motion beyond the first starts
+/// 1e-7 (1 + |x|) farther from the barrier than the one before. All are first carried for `parting` uncounted periods, in which
+/// chaos separates them; the last of these periods also align their tangent vectors. @throws std::invalid_argument as
+/// lyapunov_spectrum does, and if LaneCarrier does not apply.
 LyapunovSpectrum lane_spectrum(const HybridSystem& system, const AverageStart& start, const LyapunovOptions& options);
 
-/// The same at a place in a pool, with stops on the way. (Keep the options alive.)
+/// The same at a slot of a pool, with pauses. The caller keeps the options alive.
 class LaneAverage {
  public:
   LaneAverage(const TaskSlot& lane, const HybridSystem& system, const AverageStart& start, const LyapunovOptions& options);
@@ -30,9 +30,9 @@ class LaneAverage {
   LaneAverage& operator=(const LaneAverage&) = delete;
   ~LaneAverage();
 
-  /// Until it ends (false), or has averaged over so many periods (true).
+  /// Carries the average until it ends (false) or has averaged over this many periods (true).
   MotionTask<bool> carry(TaskSlot& lane, std::int64_t periods);
-  /// Where its first motion is.
+  /// State of its first motion.
   const Vector& state() const;
   LyapunovSpectrum result() &&;
 
@@ -42,7 +42,7 @@ class LaneAverage {
 };
 
 inline constexpr std::int64_t parting = 300;
-/// So many motions next to each other, at a parameter set, the first at `state`.
+/// Starts of this many neighbouring motions at a parameter set, the first at `state`.
 std::vector<MotionStart> next_to_each_other(std::size_t parameters, const Vector& state, int motions);
 
 }  // namespace graze
