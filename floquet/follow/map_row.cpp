@@ -7,7 +7,7 @@ namespace graze {
 
 namespace {
 
-/// Points that are not done, with those behind them, beyond which the next is likely to be taken back.
+/// If more points than this are open or follow an open one, the next will probably be rolled back.
 constexpr std::size_t many = 4;
 
 }  // namespace
@@ -47,7 +47,7 @@ std::size_t MapRow::finish(Point& point, MapPoint found) {
   return sure_ - before;
 }
 
-/// Those from that number on.
+/// Rolls back the points from this number on.
 void MapRow::take_back(std::size_t from) {
   for (std::size_t k = from; k < begun_.size(); ++k) {
     begun_[k]->dropped = true;

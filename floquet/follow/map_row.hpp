@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// MapRow: a row of a map while its points are being found, each from where the one before has come to. A point that is not on an
-// orbit when its transient is over hands its motion on then: what it is takes long to find out, and is found out beside those
-// behind it. Should it end on a stable orbit after all, or nowhere, they are taken back. (As in a sweep: SweepStretches.)
+// MapRow: a row of a map during its computation; each point starts from the end state of the one before. A point that is not on
+// an orbit after its transient publishes its state early: classifying it takes long and proceeds in parallel with the points
+// after it. If it ends on a stable orbit after all, or on nothing, the points after it are rolled back. (As in a sweep:
+// SweepStretches.)
 #pragma once
 
 #include <graze/floquet/follow/parameter_map.hpp>
@@ -18,29 +19,29 @@ namespace graze {
 class MapRow {
  public:
   struct Point {
-    std::size_t number;          ///< in the order of the row
-    std::optional<Vector> from;  ///< where the one before has come to; none: it begins anew
+    std::size_t number;          ///< in the order of computation
+    std::optional<Vector> from;  ///< end state of the previous point; none: starts anew
     bool handed_on = false, done = false;
-    std::atomic<bool> dropped = false;  ///< one before it has turned out another
+    std::atomic<bool> dropped = false;  ///< rolled back: an earlier point ended elsewhere
   };
 
-  /// `out`: where its points go, in their order; they are not_run until they are done.
+  /// `out`: receives the points in column order; they are not_run until they are done.
   explicit MapRow(std::span<MapPoint> out, bool backwards = false) : out_(out), backwards_(backwards) {}
   MapRow(MapRow&&) = default;
 
-  /// Where in the row a point is.
+  /// Index of a point in the row.
   std::size_t place(const Point& point) const { return backwards_ ? out_.size() - 1 - point.number : point.number; }
-  /// Whether the next point may begin, and if so, whether that is likely to be in vain: many before it are not done.
+  /// Whether the next point can start, and if so, whether it will probably be rolled back: many points before it are not done.
   enum class Next { none, likely, unlikely };
   Next next() const;
-  /// Begins it.
+  /// Starts the next point.
   std::shared_ptr<Point> begin_next();
-  /// That behind a point may begin, there.
+  /// Publishes the state of a point: the next one can start from there.
   void hand_on(Point& point, const Vector& state);
-  /// What a point is; not_run: it could not be found, and those behind it will not be. Returns how many points more nothing can
-  /// change now.
+  /// Stores the result of a point. not_run: it could not be computed, which ends the row. Returns the number of points that
+  /// this commits.
   std::size_t finish(Point& point, MapPoint found);
-  /// Whether nothing is left to do.
+  /// Whether all points are committed, or the row has ended.
   bool finished() const { return sure_ == begun_.size() && (broken_ || sure_ == out_.size()); }
 
  private:
@@ -50,7 +51,7 @@ class MapRow {
   bool backwards_;
   std::vector<std::shared_ptr<Point>> begun_;
   std::optional<Vector> next_from_;
-  std::size_t sure_ = 0;  ///< points at the beginning that are done
+  std::size_t sure_ = 0;  ///< committed points: they and all before them are done
   bool broken_ = false;
 };
 

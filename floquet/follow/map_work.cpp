@@ -15,10 +15,10 @@ namespace graze {
 
 namespace {
 
-/// So near a return, an orbit is looked for during the transient; Newton's method decides. In chaos a return so close is rare.
+/// Returns this close trigger a search for an orbit during the transient; Newton's method decides. In chaos they are rare.
 constexpr double recurrence = 1e-4;
 constexpr int shortest_average = 200;
-/// So many computations keep the lanes of a thread full. What it takes beyond them, others might have to wait for in the end.
+/// Number of computations that fills the lanes of a thread. Others might finally have to wait for any beyond it.
 constexpr std::size_t enough = 32;
 
 bool is_followed(const MapLayer& layer) { return layer.follow != MapDirection::none; }
@@ -36,7 +36,7 @@ MapWork::MapWork(const HybridSystem& system, const Vector& p, const ParameterGri
   from_start_.transient = options.settle;
   from_start_.max_period = options.max_period;
   from_start_.recurrence = recurrence;
-  from_start_.periods_on_orbit = 0;  // the multipliers say it all
+  from_start_.periods_on_orbit = 0;  // the multipliers contain everything
   from_start_.lyapunov.standard_error = options.standard_error;
   from_start_.lyapunov.max_periods = options.periods;
   from_start_.lyapunov.min_periods = std::min(options.periods, shortest_average);
@@ -95,7 +95,7 @@ void MapWork::work() try {
   throw;
 }
 
-/// What is begun next by a thread that carries so many; it waits for something to do if it has nothing.
+/// The next point for a thread with `carried` computations. Waits if the thread has nothing to do.
 std::optional<MapWork::Begun> MapWork::draw(std::size_t carried) {
   std::unique_lock lock(mutex_);
   if (carried == 0 && !has_some() && !exchange_.has_some()) {
@@ -115,7 +115,7 @@ std::optional<MapWork::Begun> MapWork::draw(std::size_t carried) {
   return begun;
 }
 
-/// What can go on next, `in_vain`: or may.
+/// The next row task to continue; with `in_vain`, also one that will probably be rolled back.
 std::shared_ptr<MapWork::RowTask> MapWork::next(bool in_vain) {
   if (row_tasks_.empty() && (!in_vain || unlikely_.empty())) return nullptr;
   auto& from = row_tasks_.empty() ? unlikely_ : row_tasks_;
@@ -125,7 +125,7 @@ std::shared_ptr<MapWork::RowTask> MapWork::next(bool in_vain) {
   return first;
 }
 
-/// Puts it where it belongs by now.
+/// Moves a row task to the queue that matches its present state.
 void MapWork::queue(const std::shared_ptr<RowTask>& row_task) {
   const MapRow::Next next = row_task->points.next();
   if (next == row_task->queued) return;
@@ -143,7 +143,7 @@ void MapWork::hand_on(const Begun& begun, const Vector& state) {
   queue(begun.row_task);
 }
 
-/// Returns the next point of its row, begun, if nobody else is to begin it.
+/// Stores the result of a point. Returns the next point of its row, started, if no other thread is to start it.
 std::optional<MapWork::Begun> MapWork::end(const Begun& begun, MapPoint found) {
   RowTask& row_task = *begun.row_task;
   std::size_t sure = 0;
@@ -195,8 +195,8 @@ MotionTask<> MapWork::find_point(TaskSlot& lane, const Begun& begun, MapPoint& o
   take(p, found, out);
 }
 
-/// Where a point starts: without a neighbour's state, or where it lies inside the barrier by now, at the layer's start. Null:
-/// it cannot.
+/// Chooses the start of a point: the neighbour's state, or the layer's start if there is none or if it now lies inside the
+/// barrier. Null: the start is inadmissible.
 const AttractorOptions* MapWork::begin(const MapLayer& layer, const Vector& p, const std::optional<Vector>& from, Vector& start,
                                        MapPoint& out) const {
   out.state = Vector::Constant(static_cast<Eigen::Index>(system_.states), std::nan(""));
@@ -210,7 +210,7 @@ const AttractorOptions* MapWork::begin(const MapLayer& layer, const Vector& p, c
 
 void MapWork::take(const Vector& p, const Attractor& attractor, MapPoint& out) const {
   const bool periodic = attractor.type == AttractorType::periodic;
-  // A signal may have cut the average short without leaving a trace in an attractor that looks undecided.
+  // A signal may have cut the average short, which an undecided attractor does not show.
   if (!periodic && cancelled()) return;
   if (attractor.termination != Termination::time || (!periodic && attractor.time_average.stop == LyapunovStop::failed)) {
     out.type = MapType::lost;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// MapWork: rows of a map on their way, on several threads. The threads take points one by one, of rows that are followed as soon
-// as they can begin (MapRow), each as many at a time as keep its lanes full: where rows are given piece by piece, the last points
-// of one piece, which may take long, have those of the next for company.
+// MapWork: computes rows of a map on several threads. The threads draw single points, of followed rows as soon as the next
+// point can start (MapRow), each thread enough to fill its lanes. Rows are given in pieces; the last points of a piece may take
+// long and share the lanes with those of the next piece.
 #pragma once
 
 #include <graze/floquet/follow/map_row.hpp>
@@ -23,44 +23,45 @@ namespace graze {
 
 class MapWork {
  public:
-  /// Takes what was given, and its points, ordered by row, layer, column; by any thread. Those not reached because of
+  /// Receives a piece and its points, ordered by row, layer, column; called by any thread. Points not reached because of
   /// MapOptions::cancelled are not_run.
   using Done = std::function<void(int first, std::vector<MapPoint> points)>;
 
-  /// `threads`: that will work. @throws as check_map.
+  /// `threads`: number of threads that will call work(). @throws as check_map.
   MapWork(const HybridSystem& system, const Vector& p, const ParameterGrid& grid, const std::vector<MapLayer>& layers,
           const MapOptions& options, int threads, Done done);
   MapWork(const MapWork&) = delete;
   MapWork& operator=(const MapWork&) = delete;
 
-  /// `count` rows from row `first` on. @throws std::invalid_argument if the map does not have them.
+  /// Adds `count` rows from row `first` on. @throws std::invalid_argument if the map does not have them.
   void give(int first, int count);
-  /// Whether a thread would find something to do in rows given now. (Of one piece more than there are threads, or as many rows
-  /// that are followed as twice fill its lanes, at the most: what is in work is lost if the program is killed.)
+  /// Whether more rows would give a thread something to do. It limits the open work to one piece more than there are threads,
+  /// or to followed rows that fill the lanes twice, because open work is lost if the program is killed.
   bool wants_more() const;
-  /// No more will be given: threads that find nothing to do need not wait.
+  /// No more rows will follow: idle threads stop waiting.
   void close();
-  /// By each thread: until it is closed and nothing is left to begin. @throws what a computation did, and ends the others.
+  /// Run by each thread: works until it is closed and nothing is left to start. @throws the exception of a computation, and
+  /// ends the other threads.
   void work();
 
  private:
-  using Mutex = oneapi::tbb::mutex;  // held for a few us at a time: whoever finds it taken does not sleep at once
+  using Mutex = oneapi::tbb::mutex;  // held for a few us at a time: spin before sleeping
 
-  /// Rows that were given at once.
+  /// Rows given in one call.
   struct Piece {
     int first;
     std::vector<MapPoint> points;
-    std::size_t left;  ///< row_tasks
+    std::size_t left;  ///< row tasks that are not finished
   };
-  /// A row that is followed, or one point that waits for none.
+  /// A followed row, or one independent point.
   struct RowTask {
     const MapLayer* layer;
-    int row, column;  ///< that of its first point
+    int row, column;  ///< of its first point
     MapRow points;
     std::shared_ptr<Piece> piece;
-    MapRow::Next queued = MapRow::Next::likely;  ///< in row_tasks_, unlikely_, or neither
+    MapRow::Next queued = MapRow::Next::likely;  ///< its queue: row_tasks_, unlikely_, or neither
   };
-  /// A point that was begun.
+  /// A started point.
   struct Begun {
     std::shared_ptr<RowTask> row_task;
     std::shared_ptr<MapRow::Point> point;
@@ -87,11 +88,11 @@ class MapWork {
   const MapOptions options_;
   const std::size_t threads_;
   const Done done_;
-  const bool followed_;  ///< some of the rows are
+  const bool followed_;  ///< some layers are followed
   AttractorOptions from_start_, from_neighbour_;
   Eigen::Index column_ = 0, row_ = 0;
 
-  mutable Mutex mutex_;  ///< of all below
+  mutable Mutex mutex_;  ///< guards all members below
   std::condition_variable_any given_;
   WorkSharing exchange_{[this] {
     const std::lock_guard lock(mutex_);
@@ -99,9 +100,9 @@ class MapWork {
   }};
   std::deque<std::shared_ptr<RowTask>> row_tasks_;  ///< ready to run
   std::deque<std::shared_ptr<RowTask>> unlikely_;   ///< ready, but their results will probably be rolled back
-  std::size_t begun_ = 0;                           ///< points that are not ended
-  std::size_t open_ = 0;                            ///< row_tasks that are not finished,
-  std::size_t pieces_ = 0;                          ///< and pieces
+  std::size_t begun_ = 0;                           ///< points in progress
+  std::size_t open_ = 0;                            ///< row tasks that are not finished
+  std::size_t pieces_ = 0;                          ///< pieces that are not finished
   bool closed_ = false;
   std::atomic<bool> failed_ = false;
 };

@@ -53,7 +53,7 @@ void check_map(const HybridSystem& system, const Vector& p, const ParameterGrid&
   const std::size_t row = parameter_index(system.parameters, grid.rows.parameter);
   if (column == row)
     throw std::invalid_argument(fmt::format("both parameters of the map are {}; it needs two", grid.columns.parameter));
-  for (const double x : {grid.columns.from, grid.columns.to})  // ranges are intervals: the corners speak for all
+  for (const double x : {grid.columns.from, grid.columns.to})  // ranges are intervals: checking the corners suffices
     for (const double y : {grid.rows.from, grid.rows.to}) {
       Vector corner = p;
       corner[static_cast<Eigen::Index>(column)] = x;

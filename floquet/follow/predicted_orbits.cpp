@@ -15,7 +15,7 @@ namespace {
 
 using States = std::vector<Vector>;
 
-/// The same orbit, from that of its states on from which it is closest to another.
+/// The same orbit, rotated so that its states are closest to those of another.
 States turned_to(const States& other, const States& states) {
   const std::size_t n = states.size();
   States best;
@@ -31,11 +31,11 @@ States turned_to(const States& other, const States& states) {
   return best;
 }
 
-/// The polynomial through orbits at equidistant values, by its backward differences at the last of them.
+/// The polynomial through orbits at equidistant values, by backward differences at the last of them.
 class Extrapolation {
  public:
   explicit Extrapolation(const std::vector<States>& before) {
-    std::vector<States> row;  // the last first
+    std::vector<States> row;  // latest first
     for (auto orbit = before.rbegin(); orbit != before.rend() && row.size() < most_orbits_before; ++orbit)
       row.push_back(row.empty() ? *orbit : turned_to(row.back(), *orbit));
     while (!row.empty()) {
@@ -45,7 +45,7 @@ class Extrapolation {
       row.pop_back();
     }
   }
-  /// So many values behind the last.
+  /// States at this many values beyond the last.
   States at(std::size_t steps) const {
     States states = differences_.front();
     double weight = 1.0;  // binomial(steps + j - 1, j)
@@ -60,7 +60,7 @@ class Extrapolation {
   std::vector<States> differences_;
 };
 
-/// What is not near is left to the motion.
+/// Guesses that are not close are abandoned; direct simulation handles those values.
 constexpr LanePatience patience{.max_halvings = 2};
 
 LaneGuess guess_of(std::size_t parameters, const States& guess) {
@@ -69,7 +69,7 @@ LaneGuess guess_of(std::size_t parameters, const States& guess) {
   return out;
 }
 
-/// Puts down the orbit, if the motion from there comes to it.
+/// Stores the orbit if the motion from `from` approaches it.
 MotionTask<> approach(TaskSlot& lane, const HybridSystem& system, std::size_t parameters, const Vector& p, const LaneOrbit& orbit,
                       Vector from, OrbitAhead& reached) {
   lane.take_parameters(parameters);

@@ -13,13 +13,13 @@ namespace {
 using States = std::vector<Vector>;
 
 constexpr double as_near = 1e-8;
-/// Of two samples of one chaotic attractor: how much farther the states of one may be from those of the other than from each
-/// other, on average.
+/// Bound for two samples of one chaotic attractor: mean distance from the states of one to those of the other, relative to the
+/// mean distance within a sample.
 constexpr double much_farther = 2.0;
 constexpr std::size_t fewest_states = 32;
 constexpr double standard_errors = 5.0;
 
-/// How far it is to the nearest of the states, but for the one at `except`.
+/// Distance to the nearest of the states, except the one with index `except`.
 double distance(const Vector& x, const States& states, std::size_t except) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < states.size(); ++k)

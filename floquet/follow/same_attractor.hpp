@@ -6,8 +6,9 @@
 
 namespace graze {
 
-/// Orbits: n, p and their states agree to within 1e-8 of 1 + |x|. Chaos: their exponents agree to within five standard errors,
-/// and their states are as near to those of the other as to each other. What is undecided is on no attractor that is known.
+/// Orbits: n and p are equal, and the states agree to within 1e-8 of 1 + |x|. Chaos: the exponents agree to within five
+/// standard errors, and the states of each row are, on average, less than twice as far from those of the other as from their
+/// own neighbours. Chaotic rows with fewer than 32 states and undecided rows are never on the same attractor.
 bool on_same_attractor(const SweepRow& a, const SweepRow& b);
 
 }  // namespace graze

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sweep: the attractor followed from one value of a parameter to the next, up, down or both ways: what a laboratory sees, with
-// its hysteresis. Each value starts from the orbit on which the one before ended, or from where its motion was after the
-// transient, and, if the one before that had not settled either, already after 64 forcing periods of it: chaos is on its
-// attractor by then.
+// Sweep: the attractor followed from one value of a parameter to the next, up, down or both ways, as in a laboratory experiment
+// with its hysteresis. Each value starts from the orbit found at the previous value or, if there is none, from the state there
+// after the transient. If the value before that had not settled either, the state after 64 forcing periods is used: chaos is on
+// its attractor by then.
 //
-// What has not settled is left behind: the rest of its transient, its samples and its time average, which take long, are carried
-// out side by side, for many rows (SweepWork). On smooth branches the orbits of the values ahead are computed side by side, too
-// (SweepChain). And the values are divided into stretches that begin at the same time, each behind a guess of what those before
-// it come to (SweepStretches).
+// Rows that have not settled are completed later: the rest of the transient, the samples and the time average take long and run
+// in parallel for many rows (SweepWork). On smooth branches the orbits of the next values are also computed together
+// (SweepChain). The values are divided into stretches that start at the same time, each from a guess of the state at the end of
+// the stretch before it (SweepStretches).
 #pragma once
 
 #include <graze/floquet/attractor/attractor.hpp>
@@ -26,10 +26,10 @@ std::string_view sweep_direction_name(SweepDirection direction);
 struct SweepRow {
   double value = 0.0;
   SweepDirection direction = SweepDirection::up;
-  Attractor attractor;                ///< without the orbit in full
-  Vector end;                         ///< state at phase 0 from which the next value starts (behind it, a transient may go on)
+  Attractor attractor;                ///< without the complete orbit
+  Vector end;                         ///< state at phase 0 from which the next value starts (its transient may have continued)
   std::vector<Vector> states;         ///< at forcing phase 0: those of the orbit, or SweepOptions::samples of them
-  std::vector<double> impact_speeds;  ///< of the impacts (entries) on the way through them
+  std::vector<double> impact_speeds;  ///< of the impacts (entries into contact) in the periods of `states`
 };
 
 struct SweepOptions {
@@ -37,22 +37,23 @@ struct SweepOptions {
   double from = 0.0, to = 0.0, step = 0.0;  ///< values from, from + step, ... up to `to` (from < to, step > 0)
   std::vector<SweepDirection> directions = {SweepDirection::up};
   int first_transient = 1000;  ///< forcing periods at the first value; AttractorOptions::transient at the others
-  int samples = 200;           ///< stroboscopic states (and impacts) kept of an attractor that is not periodic
+  int samples = 200;           ///< stroboscopic states (and impacts) kept of a nonperiodic attractor
   AttractorOptions attractor = {};
   int threads = 1;  ///< the result does not depend on it
   std::function<bool()> cancelled = {};
-  std::function<void(std::size_t rows, double value)> progress = {};  ///< by one thread at a time
-  /// Told after each row that is done, by one thread at a time: what sweep() would return now. The others may wait for it.
+  std::function<void(std::size_t rows, double value)> progress = {};  ///< called by one thread at a time
+  /// Called after each finished row, by one thread at a time; `so_far` returns what sweep() would return now. Other threads may
+  /// have to wait meanwhile.
   std::function<void(const std::function<std::vector<SweepRow>()>& so_far)> keep = {};
 };
 
-/// Rows in the order in which they are reached, direction by direction. `so_far`: rows of an earlier run, which are kept; the
-/// sweep goes on behind them.
-/// @throws std::invalid_argument for an unknown parameter, or a range or step that is not one.
+/// Rows in the order of computation, direction by direction. `so_far`: rows of an earlier run; they are kept, and the sweep
+/// continues after them.
+/// @throws std::invalid_argument for an unknown parameter, or an invalid range or step.
 std::vector<SweepRow> sweep(const HybridSystem& system, const Vector& p, const Vector& start, const SweepOptions& options,
                             const std::vector<SweepRow>& so_far = {});
 
-/// The values of a sweep, ascending.
+/// The values of a sweep, in ascending order.
 std::vector<double> sweep_values(double from, double to, double step);
 
 }  // namespace graze

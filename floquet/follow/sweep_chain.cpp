@@ -15,8 +15,8 @@ namespace graze {
 
 namespace {
 
-/// Forcing periods of a transient after which the motion is handed on to the next value, where the row before has not settled:
-/// it is on its attractor by then, if that is chaotic.
+/// Forcing periods of a transient after which the state is published for the next value if the row before has not settled: a
+/// chaotic motion is on its attractor by then.
 constexpr int handed_on_early = 64;
 
 void add_speeds(const std::vector<EventRecord>& events, std::vector<double>& speeds) {
@@ -73,7 +73,7 @@ std::optional<SweepRow> SweepChain::known(Block& ahead, std::size_t number) cons
   return out;
 }
 
-/// Where a motion that may be chaotic is after so many forcing periods; empty where it cannot be carried so far.
+/// The state of a possibly chaotic motion after this many forcing periods; empty if it cannot be carried so far.
 MotionTask<std::optional<Vector>> SweepChain::carry_on(TaskSlot& lane, const Vector& p, const Vector& state, int periods) const {
   initial_mode(system_, 0.0, state, p);
   const auto count = static_cast<std::size_t>(periods);
@@ -81,7 +81,7 @@ MotionTask<std::optional<Vector>> SweepChain::carry_on(TaskSlot& lane, const Vec
     lane.take_parameters(p);
     const std::span<const PeriodResult> results = co_await lane.carry(state, count);
     if (results.empty()) co_return state;
-    // (Behind where a motion ends, the results say the same.)
+    // After the end of a motion, all results have the same termination.
     if (results.back().termination != Termination::time) co_return std::nullopt;
     Vector end{{results.back().x, results.back().v}};
     co_return end;
@@ -92,8 +92,8 @@ MotionTask<std::optional<Vector>> SweepChain::carry_on(TaskSlot& lane, const Vec
   co_return states.back();
 }
 
-/// The state from which the next row begins: at a forcing phase it is `state`; a return lies on a guard, which may not be
-/// where it was at the next value.
+/// The state from which the next row starts. In a forced system it is `state`. A return lies on a guard, which may have moved
+/// at the next value; the state between two returns is used instead.
 Vector SweepChain::off_guards(const Vector& p, const Vector& state) const {
   if (is_forced(system_)) return state;
   Propagator propagator(system_, p, {}, options_.attractor.lyapunov.flow);
@@ -101,7 +101,8 @@ Vector SweepChain::off_guards(const Vector& p, const Vector& state) const {
   return between ? between->state : state;
 }
 
-/// What the row before has left; a mass that rests there on its stop goes with it where it comes nearer.
+/// The start of a row, from the state left by the row before. A mass that rested on its stop moves with it if the stop now
+/// comes closer.
 Vector SweepChain::with_its_stop(const Begin& begin, const Vector& p) const {
   if (mode_at(system_, 0.0, begin.state, p)) return begin.state;
   const FlowOptions& flow = options_.attractor.lyapunov.flow;
@@ -121,7 +122,7 @@ MotionTask<SweepRow> SweepChain::find(TaskSlot& lane, Begin begin, AttractorOpti
   out.end = begin.state;
   if (!begin.settled) {
     const int early = std::min(handed_on_early, finding.transient);
-    // One that cannot be carried so far may have come to rest on its stop before: it is not handed on until that is known.
+    // A motion that cannot be carried so far may have come to rest on its stop: it is published only when that is known.
     if (std::optional<Vector> end = co_await carry_on(lane, p, begin.state, early)) {
       out.end = off_guards(p, *end);
       finding.transient -= early;
@@ -137,7 +138,7 @@ MotionTask<SweepRow> SweepChain::find(TaskSlot& lane, Begin begin, AttractorOpti
   }
   lane.hurry(false);
   co_await average_on_attractor_in_lanes(lane, system_, p, out.attractor, finding);
-  if (out.attractor.termination == Termination::no_return) {  // pushed, as noise does: rest may be unstable at the next value
+  if (out.attractor.termination == Termination::no_return) {  // perturbed like noise: rest may be unstable at the next value
     out.end = out.attractor.state;
     push_off(system_, p, 0, out.end);
   }
@@ -145,7 +146,7 @@ MotionTask<SweepRow> SweepChain::find(TaskSlot& lane, Begin begin, AttractorOpti
   co_return out;
 }
 
-/// Puts down what there is to be seen of its motion.
+/// Records the states and impact speeds of a row.
 MotionTask<> SweepChain::sample(TaskSlot& lane, const Vector& p, SweepRow& row) const {
   const bool periodic = row.attractor.type == AttractorType::periodic;
   const int wanted = periodic ? row.attractor.period : options_.samples;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// SweepChain: the rows of one direction of a sweep, each from those before it: the motion is followed from where it was at the
-// value before. Behind a row that is not known to be periodic it is handed on early: what that row is takes long to find out, and
-// is found out beside those behind it (SweepWork).
+// SweepChain: the rows of one direction of a sweep, each computed from those before it: the motion continues from its state at
+// the previous value. If a row has not been recognised as periodic, its state is published early; classifying it takes long and
+// proceeds in parallel with the following rows (SweepWork).
 //
-// On a smooth branch the orbits of a block of values are found ahead (orbits_ahead.hpp). Blocks begin at every 16th value, and
-// what is found in one depends on the rows before it alone: a sweep that was interrupted comes to the same rows.
+// On a smooth branch the orbits of a block of values are predicted (predicted_orbits.hpp). Blocks begin at every 16th value,
+// and their predictions depend only on the rows before them: an interrupted sweep gives the same rows when it is resumed.
 #pragma once
 
 #include <graze/floquet/follow/predicted_orbits.hpp>
@@ -32,39 +32,40 @@ class SweepChain {
   Vector parameters(double value) const;
   const Vector& start() const { return start_; }
 
-  /// Where row k begins.
+  /// Start of row k.
   struct Begin {
     std::size_t number = 0;  ///< k
-    Vector state;            ///< where the row before ended, or was when it was handed on; the start of the sweep
-    bool settled = true;     ///< whether that is periodic
-    bool at_start = false;   ///< it is the start of the sweep
+    Vector state;            ///< final or published state of the row before; at_start: the start of the sweep
+    bool settled = true;     ///< the row before is periodic
+    bool at_start = false;   ///< `state` is the start of the sweep
   };
-  /// Values of a block.
+  /// Number of values in a block.
   static constexpr std::size_t block = 16;
-  /// The first row of its block, before which orbits are looked for.
+  /// First row of a row's block; orbits are predicted there.
   static std::size_t block_of(std::size_t number) { return number / block * block; }
-  /// Whether two rows, one behind the other, are periodic in the same way.
+  /// Whether two consecutive rows are periodic with the same n and p.
   static bool alike(const SweepRow& before, const SweepRow& row);
 
   SweepRow row(std::size_t number) const;
-  /// The orbits of a block of rows that were found ahead.
+  /// The predicted orbits of a block of rows.
   struct Block {
     static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
     std::size_t begin = none;        ///< its first row
-    std::vector<OrbitAhead> orbits;  ///< from there on
+    std::vector<OrbitAhead> orbits;  ///< of the rows from `begin` on
   };
-  /// Whether the orbits of the block of row k are still to be looked for.
+  /// Whether the orbits of row k's block have yet to be predicted. Never with a time average on orbits, which a prediction
+  /// lacks.
   bool looks_ahead(const Block& ahead, std::size_t number) const {
-    return options_.attractor.periods_on_orbit == 0 && block_of(number) != ahead.begin;  // (an average belongs to an orbit)
+    return options_.attractor.periods_on_orbit == 0 && block_of(number) != ahead.begin;
   }
-  /// Does so. `before`: the orbits of the rows before the block that are alike, the last one last.
+  /// Predicts them. `before`: the orbits of the rows before the block, as long as they are alike, the last one last.
   Block look_ahead(std::size_t number, const std::vector<std::vector<Vector>>& before) const;
-  /// Row k, if its orbit was found.
+  /// Row k, if its orbit was predicted.
   std::optional<SweepRow> known(Block& ahead, std::size_t number) const;
 
-  /// What else row k is, in lanes if they know the oscillator. `hand_on` is told where the next row begins as soon as that is
-  /// known, if this one is not known to be periodic by then. Where the motion could not be carried, or `finding` broke it off, no
-  /// average has come to its end.
+  /// Computes row k from the motion, in lanes if these support the oscillator. `hand_on` receives the start of the next row as
+  /// soon as it is known, if this row is not yet known to be periodic. If the motion failed or `finding` cancelled it, the
+  /// average of the result is incomplete.
   MotionTask<SweepRow> find(TaskSlot& lane, Begin begin, AttractorOptions finding,
                             std::function<void(const Vector& state)> hand_on) const;
 

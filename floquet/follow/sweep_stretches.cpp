@@ -11,7 +11,7 @@ namespace graze {
 
 namespace {
 
-/// As many as there are stretches, in whole blocks.
+/// About the number of stretches, rounded to whole blocks.
 std::size_t length_of_stretches(std::size_t rows) {
   return SweepChain::block_of(static_cast<std::size_t>(std::sqrt(rows)) + SweepChain::block);
 }
@@ -25,7 +25,7 @@ SweepStretches::SweepStretches(SweepChain chain, const std::vector<SweepRow>& so
   std::copy_if(so_far.begin(), so_far.end(), std::back_inserter(rows_), is_own);
   done_ = kept_ = rows_.size();
   if (finished()) return;
-  // The stretch that was in work: with nothing behind its last row, that is not compared yet.
+  // The stretch in progress. With no row after it, its last row has not been compared with a guess yet.
   kept_ = kept_ == 0 ? 0 : (kept_ - 1) / length_ * length_;
   Stretch& stretch = add_stretch(kept_);
   for (std::size_t k = kept_; k < done_; ++k)
@@ -119,9 +119,9 @@ void SweepStretches::finish(Entry& entry, SweepRow row, bool broken) {
   join();
 }
 
-/// Its rows from that one on, counted from its first.
+/// Rolls back the rows of a stretch from this one on, counted from its first.
 void SweepStretches::take_back(Stretch& stretch, std::size_t from) {
-  if (stretch.done())  // its last row is another now
+  if (stretch.done())  // its last row will change
     for (const auto& next : stretches_)
       if (next->begin == stretch.end) next->joined = false;
   stretch.ended = false;
@@ -136,7 +136,8 @@ void SweepStretches::take_back(Stretch& stretch, std::size_t from) {
   stretch.entries.resize(from);
 }
 
-/// A stretch begins anew where the one before ended: behind its guess, if that is on the attractor of the last row there.
+/// Links a stretch to the end of the one before. It keeps its guess if that is on the attractor of the last row there;
+/// otherwise it starts again after that row.
 void SweepStretches::follow(const SweepRow& last, Stretch& behind) {
   behind.joined = true;
   guesses_well_ = behind.guess && on_same_attractor(last, *behind.guess->row);
@@ -177,7 +178,7 @@ void SweepStretches::keep_first() {
   stretches_.pop_front();
 }
 
-/// Rows up to the first that is not done.
+/// Number of rows up to the first that is not finished.
 std::size_t SweepStretches::known() const {
   if (stretches_.empty()) return kept_;
   const auto& entries = stretches_.front()->entries;

@@ -10,15 +10,15 @@ namespace graze {
 
 namespace {
 
-/// So near a return, an orbit is looked for on the way; Newton's method decides.
+/// Returns this close trigger a search for an orbit; Newton's method decides.
 constexpr double repeats = 1e-4;
-/// Chaos that an average of so few forcing periods found has to be confirmed by a second one.
+/// Chaos found by an average over fewer forcing periods must be confirmed by a second one.
 constexpr std::int64_t short_average = 500;
-/// Forcing periods in which the tangent of a motion is turned, before its growth counts.
+/// Forcing periods that align the tangent of a motion before its growth counts.
 constexpr std::int64_t turning = 60;
-/// So many motions fill the lanes of a thread. One that carries less than half of them begins what may be in vain, too.
+/// Number of motions that fills the lanes of a thread. A thread with less than half a batch also starts speculative rows.
 constexpr std::size_t enough = 32;
-/// Stretches of a direction that may go on behind a guess, besides one for each thread.
+/// Stretches of a direction that may run after an unconfirmed guess, in addition to one per thread.
 constexpr std::size_t guesses = 8;
 
 SweepOptions with_looks(SweepOptions options) {
@@ -35,7 +35,7 @@ void append(std::vector<SweepRow> rows, std::vector<SweepRow>& all) {
   all.insert(all.end(), std::make_move_iterator(rows.begin()), std::make_move_iterator(rows.end()));
 }
 
-/// Whether an average was broken off.
+/// Whether an average is incomplete.
 bool broken_off(LyapunovStop stop) {
   return stop == LyapunovStop::interrupted || stop == LyapunovStop::failed || stop == LyapunovStop::not_run;
 }
@@ -68,7 +68,7 @@ void SweepWork::work() try {
   throw;
 }
 
-/// What is begun next by a thread that carries so many rows. It waits if it has nothing to do.
+/// The next row for a thread with `carried` rows. Waits if the thread has nothing to do.
 std::shared_ptr<SweepWork::Entry> SweepWork::draw(std::size_t carried) {
   Lock lock(mutex_);
   for (;;) {
@@ -93,7 +93,7 @@ std::shared_ptr<SweepWork::Entry> SweepWork::draw(std::size_t carried) {
   }
 }
 
-/// A row that was begun; null: it is known already; none: nothing can be begun.
+/// A started row; null: a predicted row was added, so try again; nullopt: nothing can be started.
 std::optional<std::shared_ptr<SweepWork::Entry>> SweepWork::go_on(std::size_t carried, Lock& lock) {
   for (SweepStretches& direction : directions_)
     if (const auto stretch = direction.next(2 * carried < rows_of_a_thread_)) return next_row(direction, *stretch, lock);
@@ -105,13 +105,13 @@ std::optional<std::shared_ptr<SweepWork::Entry>> SweepWork::go_on(std::size_t ca
   return std::nullopt;
 }
 
-/// For the orbits of the next rows. False: rows were taken back meanwhile.
+/// Predicts the orbits of the next block without holding the lock. False: rows were rolled back meanwhile.
 bool SweepWork::look_ahead(SweepStretches& direction, Stretch& stretch, Lock& lock) {
   const std::size_t number = stretch.next(), taken_back = stretch.taken_back;
   const std::vector<std::vector<Vector>> before = direction.orbits_before(stretch);
   stretch.looks_ahead = true;
   lock.unlock();
-  SweepChain::Block ahead = direction.chain().look_ahead(number, before);  // should it throw, nothing goes on (work())
+  SweepChain::Block ahead = direction.chain().look_ahead(number, before);  // if this throws, work() ends all
   lock.lock();
   stretch.looks_ahead = false;
   tell_news();
@@ -120,7 +120,7 @@ bool SweepWork::look_ahead(SweepStretches& direction, Stretch& stretch, Lock& lo
   return true;
 }
 
-/// The next row, to be found; null: it is known already.
+/// The next row, to be computed; null: it is known from a prediction, or rows were rolled back.
 std::shared_ptr<SweepWork::Entry> SweepWork::next_row(SweepStretches& direction, Stretch& stretch, Lock& lock) {
   const std::size_t number = stretch.next();
   std::optional<SweepRow> known;
@@ -145,17 +145,17 @@ MotionTask<> SweepWork::find(TaskSlot& lane, std::shared_ptr<Entry> entry) {
   try {
     row = co_await entry->direction->chain().find(lane, entry->begin, finding,
                                                   [this, &entry](const Vector& state) { hand_on(*entry, state); });
-  } catch (const std::invalid_argument&) {  // it would begin inside the barrier
+  } catch (const std::invalid_argument&) {  // the start lies inside the barrier
   }
   finish(*entry, std::move(row));
 }
 
-/// There may be something to do for who waits.
+/// Wakes waiting threads: there may be something to do.
 void SweepWork::tell_news() {
   if (idle_ > 0) news_.notify_all();
 }
 
-/// Of a row that was begun: the next one may be.
+/// Publishes the state of a started row: the next one can start.
 void SweepWork::hand_on(Entry& entry, const Vector& state) {
   const std::lock_guard lock(mutex_);
   if (cancelled()) return;
@@ -167,9 +167,9 @@ void SweepWork::finish(Entry& entry, SweepRow row) {
   const std::lock_guard lock(mutex_);
   --begun_;
   tell_news();
-  // (What cut it short need not have left a trace.)
+  // A cancelled row need not show it.
   const Attractor& attractor = row.attractor;
-  const bool rests = attractor.termination == Termination::no_return;  // a result, too
+  const bool rests = attractor.termination == Termination::no_return;  // also a valid result
   const bool broken =
       attractor.type != AttractorType::periodic && !rests && (broken_off(attractor.time_average.stop) || cancelled());
   const double value = row.value;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// SweepWork: a sweep on its way, on several threads. Each carries some of its rows in SIMD lanes, and begins another one as soon
-// as it can be begun: behind one that has handed its motion on, behind a guess (SweepStretches), or, on a smooth branch, when its
-// orbit is found ahead. The result is the same on any number of threads.
+// SweepWork: computes a sweep on several threads. Each thread carries several rows in SIMD lanes and starts another as soon as
+// possible: after a row that has published its state, after a guess (SweepStretches), or, on a smooth branch, once its orbit is
+// predicted. The result does not depend on the number of threads.
 #pragma once
 
 #include <graze/floquet/follow/sweep_stretches.hpp>
@@ -21,19 +21,19 @@ namespace graze {
 
 class SweepWork {
  public:
-  /// `so_far`: rows of an earlier run, which are kept. Keep the system alive. @throws as sweep().
+  /// `so_far`: rows of an earlier run, which are kept. The caller keeps the system alive. @throws as sweep().
   SweepWork(const HybridSystem& system, const Vector& p, const Vector& start, const SweepOptions& options,
             const std::vector<SweepRow>& so_far);
   SweepWork(const SweepWork&) = delete;
   SweepWork& operator=(const SweepWork&) = delete;
 
-  /// By each thread, until nothing is left to do. @throws what a computation did, and ends the others.
+  /// Run by each thread until nothing is left to do. @throws the exception of a computation, and ends the other threads.
   void work();
-  /// Direction by direction, up to the first that was not finished.
+  /// The rows, direction by direction, up to the first that is not finished.
   std::vector<SweepRow> rows() &&;
 
  private:
-  using Mutex = oneapi::tbb::mutex;  // held for a few us at a time: whoever finds it taken does not sleep at once
+  using Mutex = oneapi::tbb::mutex;  // held for a few us at a time: spin before sleeping
   using Lock = std::unique_lock<Mutex>;
   using Entry = SweepStretches::Entry;
   using Stretch = SweepStretches::Stretch;
@@ -51,17 +51,17 @@ class SweepWork {
 
   const HybridSystem& system_;
   const SweepOptions options_;
-  const std::size_t rows_of_a_thread_;  ///< fill its lanes
+  const std::size_t rows_of_a_thread_;  ///< number that fills its lanes
 
-  Mutex mutex_;  ///< of all below, but for the chains of the directions
+  Mutex mutex_;  ///< guards all members below, except the chains of the directions
   std::deque<SweepStretches> directions_;
   std::condition_variable_any news_;
   WorkSharing exchange_{[this] {
     const std::lock_guard lock(mutex_);
     tell_news();
   }};
-  std::size_t idle_ = 0;                 ///< threads that have nothing to do
-  std::size_t threads_ = 0, begun_ = 0;  ///< and rows that they are at
+  std::size_t idle_ = 0;                 ///< waiting threads
+  std::size_t threads_ = 0, begun_ = 0;  ///< working threads, and rows in progress
   std::atomic<bool> failed_ = false;
 };
 
