@@ -8,8 +8,8 @@ namespace graze {
 
 namespace {
 
-constexpr double around = 0.06;      // so far from an orbit a motion may be settling on it, relative to 1 + |x|
-constexpr double same_state = 1e-6;  // two orbits found by Newton to 1e-12 are one if they come so close, relative to 1 + |x|
+constexpr double around = 0.06;      // farthest distance of a motion that may be settling on an orbit, relative to 1 + |x|
+constexpr double same_state = 1e-6;  // orbits found by Newton to 1e-12 are the same if this close, relative to 1 + |x|
 
 }  // namespace
 
@@ -58,7 +58,7 @@ std::optional<Nearing> AttractorClassifier::nearing(const Vector& state, int per
 }
 
 bool AttractorClassifier::has_come_closer(const Nearing& nearing, const Vector& state) const {
-  constexpr double closer = 0.75, on_it = 1e-9;  // as for an orbit that Newton's method finds (settling_orbit.cpp)
+  constexpr double closer = 0.75, on_it = 1e-9;  // as for a new orbit (settling_orbit.cpp)
   return list_[nearing.attractor].orbit.distance(state) < std::max(std::pow(closer, nearing.times) * nearing.distance, on_it);
 }
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Which shares of the starts the basins have, by their outcomes.
+// Sizes of the basins, computed from the outcomes of the starts.
 #pragma once
 
 #include <graze/floquet/basins/basins.hpp>
 
 namespace graze {
 
-/// Counts, fractions and their errors, with the largest basin first (equal ones in the order of their states).
+/// Fills in counts, fractions and their errors; sorts by decreasing basin (equal ones by their states).
 Basins with_shares(Basins basins);
 
 }  // namespace graze

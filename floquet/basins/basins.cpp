@@ -25,13 +25,13 @@ namespace graze {
 
 namespace {
 
-constexpr std::size_t most_attractors = 200;                     // more are a parameter at which nothing can be told apart
-constexpr double return_distance = 1e-3;                         // relative to 1 + |x|: so near a return, an orbit is looked for
-constexpr double patience = 128.0;                               // periods: Newton's method costs more than these
-constexpr int first_look = 64;                                   // periods
+constexpr std::size_t most_attractors = 200;  // more mean that nothing can be distinguished at this parameter
+constexpr double return_distance = 1e-3;      // relative to 1 + |x|: returns this close trigger a search for an orbit
+constexpr double patience = 128.0;            // periods: a search with Newton's method costs more than these
+constexpr int first_look = 64;                // periods
 constexpr std::size_t least_together = 8, most_together = 1024;  // motions of a group: whole registers
 
-/// Of so many motions: as many groups for each thread, of much the same size.
+/// Size of a group of motions: the threads get equally many groups of similar size.
 std::size_t motions_of_a_group(std::size_t motions, std::size_t threads) {
   const std::size_t turns = divided_up(motions, most_together * threads);
   return divided_up(divided_up(motions, turns * threads), least_together) * least_together;
@@ -41,10 +41,10 @@ struct Run {
   enum class End { cancelled, reached, new_orbit, unrecognised, inadmissible, lost };
   End end = End::cancelled;
   std::size_t attractor = 0;
-  Vector state;                          ///< none: not looked at yet
-  std::unique_ptr<PeriodicOrbit> orbit;  ///< apart: most runs have none
+  Vector state;                          ///< empty: not carried yet
+  std::unique_ptr<PeriodicOrbit> orbit;  ///< by pointer: most runs have none
   std::int64_t periods = 0;
-  bool analysed = false;  ///< it had its turn, and others waited
+  bool analysed = false;  ///< it has been analysed, while others waited
 };
 
 class Search {
@@ -55,7 +55,7 @@ class Search {
     for (CoexistingAttractor& found : out_.attractors) {
       std::vector<Vector> before = found.states;
       known_.add(describe(found));
-      if (cancelled()) found.states = std::move(before);  // perhaps not all were computed; nothing else will be
+      if (cancelled()) found.states = std::move(before);  // perhaps incomplete; no others will be computed
     }
     told_ = static_cast<std::size_t>(std::count_if(out_.outcomes.begin(), out_.outcomes.end(),
                                                    [](const StartOutcome& outcome) { return outcome.fate != Fate::not_run; }));
@@ -80,8 +80,8 @@ class Search {
   bool cancelled() const { return options_.cancelled && options_.cancelled(); }
   static std::size_t round_size(std::size_t round) { return std::size_t{16} << (2 * std::min<std::size_t>(round, 5)); }
 
-  /// False: interrupted. Of the round, only what attractors known before have to say is kept, and not of runs that were analysed
-  /// (that they were the first decides which is the next): the rest comes out the same later.
+  /// False: interrupted. Then the round keeps only starts that reached attractors known before it. Analysed starts are redone,
+  /// because their order determines the next one; the others give the same result later.
   bool do_round(const std::vector<std::size_t>& todo) {
     const std::size_t attractors = out_.attractors.size();
     std::vector<Run> runs(todo.size());
@@ -92,7 +92,7 @@ class Search {
       const std::size_t groups = divided_up(open.size(), together);
       in_parallel(groups, [&](std::size_t group) {
         const std::span its(open.data() + group * together, std::min(together, open.size() - group * together));
-        if (first)  // (they lie far apart, and are fetched several at once)
+        if (first)  // (they lie far apart in memory: fetch several at once)
           for (const std::size_t k : its) __builtin_prefetch(&starts_(0, static_cast<Eigen::Index>(todo[k])));
         std::vector<Watch> watches;
         watches.reserve(its.size());
@@ -104,7 +104,7 @@ class Search {
       for (const std::size_t k : open) {
         Run& run = runs[k];
         if (run.end == Run::End::new_orbit) enter_orbit(run);
-        // One at a time: what the first of them turns out to be on, the others may be on too.
+        // Analyse one at a time: the other motions may be on the same attractor.
         if (run.end == Run::End::unrecognised && !analysed) {
           analyse(run);
           analysed = true;
@@ -127,7 +127,7 @@ class Search {
     return true;
   }
 
-  /// The outcomes of those runs that came to an end, as far as their attractors are known.
+  /// Stores the outcomes of the finished runs whose attractors are known.
   void take(const std::vector<std::size_t>& todo, const std::vector<Run>& runs) {
     for (std::size_t k = 0; k < todo.size(); ++k) {
       StartOutcome& outcome = out_.outcomes[todo[k]];
@@ -141,13 +141,13 @@ class Search {
     }
   }
 
-  /// A motion that is watched until it is recognised, or for the transient.
+  /// A motion under observation until it is recognised, or until the end of the transient.
   class Watch {
    public:
     Watch(Search& search, Run& run, std::size_t start, bool first)
         : search_(search), run_(run), start_(search.starts_.col(static_cast<Eigen::Index>(start)).data()), first_(first),
           residences_(search.known_.residences()),
-          // Again, for as long as it takes to be recognised among cells.
+          // In later rounds, at least as long as recognition by cells takes.
           budget_(first ? search.options_.transient : std::max(search.options_.transient, 4 * VisitedCells::window)) {
       run.end = Run::End::cancelled;
     }
@@ -157,16 +157,16 @@ class Search {
       return {run_.state.size() > 0 ? run_.state.data() : start_, search_.starts_.rows()};
     }
 
-    /// So many periods it need not see, where they do not end in an ellipse of AttractorClassifier,
+    /// Number of next periods that it need not see unless they end in an ellipse of AttractorClassifier.
     int quiet_periods() const {
       return residences_.empty() && looked_ < 0 && !nearing_ ? std::max(0, std::min(look_, budget_ - 1) - k_) : 0;
     }
-    /// and so many were left out.
+    /// Counts periods that were left out.
     void leave_out(int periods) {
       k_ += periods;
       run_.periods += periods;
     }
-    /// What one more period did.
+    /// Takes the result of the next period.
     void see(Termination termination, const Vector& state) {
       if (termination == Termination::event_limit && search_.look_for_rest(run_, this->state())) return close(run_.end);
       if (termination != Termination::time) {
@@ -224,7 +224,7 @@ class Search {
         const int n = k_ - looked_;
         const double scale = 1.0 + looked_at_.lpNorm<Eigen::Infinity>();
         const bool returned = (run_.state - looked_at_).lpNorm<Eigen::Infinity>() < return_distance * scale;
-        // Near a known orbit its region is soon reached, for less than Newton's method costs.
+        // Near a known orbit its region is soon reached, at less cost than Newton's method.
         if (returned && !search_.near_orbit(run_.state, true) && !waits_for_known(n) && search_.look_for_orbit(run_, n))
           return true;
         if (returned || n >= search_.options_.max_period) looked_ = -1;
@@ -246,7 +246,7 @@ class Search {
     std::optional<Nearing> nearing_ = std::nullopt;
   };
 
-  /// Carries the motions until none is open, or it is cancelled: in lanes where they know the oscillator.
+  /// Carries the motions until none is open or the run is cancelled, in lanes if these support the oscillator.
   void carry_on(std::vector<Watch>& watches) const {
     if (!in_lanes_) {
       Propagator propagator(system_, p_, {}, options_.flow);
@@ -260,7 +260,7 @@ class Search {
     carry_side_by_side(many, set, watches, [this] { return cancelled(); });
   }
 
-  /// Whether a known orbit is so near that it may be the one.
+  /// Whether a known orbit is so near that it may be the one sought.
   bool near_orbit(const Vector& x, bool with_region) const {
     return known_.orbit_near(x, return_distance * (1.0 + x.lpNorm<Eigen::Infinity>()), with_region);
   }
@@ -271,7 +271,7 @@ class Search {
 
   bool look_for_rest(Run& run, const Vector& state) const {
     Propagator propagator(system_, p_, {}, options_.flow);
-    // (The state is that of the last period that it was told of.)
+    // The state may be older than the last period, because periods are left out.
     const auto all = static_cast<std::size_t>(options_.transient) + 1;
     return take_orbit(run, resting_orbit(propagator, stroboscopic_states(propagator, state, all).back()));
   }
@@ -294,14 +294,14 @@ class Search {
     enter(run, std::move(attractor));
   }
 
-  /// Where nothing dissipates orbits may fill a region: they are told apart by what they are.
+  /// Conservative orbits may fill a region; those of one family count as one attractor.
   static bool one_of_a_family(const Attractor& attractor) {
     return attractor.motion == ConservativeMotion::neutral && !attractor.rests &&
            std::all_of(attractor.multipliers.begin(), attractor.multipliers.end(),
                        [](const std::complex<double>& mu) { return std::abs(mu - 1.0) < 1e-6; });
   }
 
-  /// The attractor of a run, which may be known by now.
+  /// Assigns an attractor to a run; adds it unless it is known by now.
   void enter(Run& run, Attractor attractor) {
     run.end = Run::End::reached;
     if (attractor.type == AttractorType::periodic) {
@@ -321,14 +321,14 @@ class Search {
     found.attractor = std::move(attractor);
     std::vector<Vector> states;
     KnownAttractor known = describe(found, &states);
-    if (cancelled()) {  // perhaps not all of its states
+    if (cancelled()) {  // perhaps incomplete
       run.end = Run::End::cancelled;
       return;
     }
     if (found.attractor.type != AttractorType::periodic)
       for (std::size_t i = 0; i < known_.size(); ++i) {
         constexpr double alike = 0.9;
-        // Where nothing dissipates each motion is its own: they are told apart by what they are.
+        // Each conservative motion has its own cells: such motions are compared by their kind.
         const Attractor &other = out_.attractors[i].attractor, &its = found.attractor;
         const bool alike_in_kind = its.conservative && other.conservative && its.motion == other.motion && its.type == other.type;
         const bool alike_in_cells = known_[i].type != AttractorType::periodic && known_[i].cells.share(states) > alike &&
@@ -347,14 +347,14 @@ class Search {
     known_.add(std::move(known));
   }
 
-  /// A motion that was not recognised in the transient: its exponents, and what it is by them.
+  /// Analyses a motion that was not recognised during the transient: classifies it by its exponents.
   void analyse(Run& run) {
     run.analysed = true;
     AttractorOptions finding;
     finding.transient = 0;
     finding.max_period = options_.max_period;
     finding.periods_on_orbit = 0;
-    finding.lyapunov.standard_error = 0.0;  // all periods: it may settle yet
+    finding.lyapunov.standard_error = 0.0;  // always all periods: it may still settle
     finding.lyapunov.max_periods = options_.periods;
     finding.lyapunov.flow = options_.flow;
     finding.lyapunov.all_threads = true;
@@ -371,8 +371,8 @@ class Search {
     enter(run, std::move(attractor));
   }
 
-  /// What recognises an attractor, from its type, state and period alone (so that it is the same after a resumption). Fills in
-  /// `states`.
+  /// Recognition data of an attractor, from its type, state and period alone, so that it is the same when a run is resumed.
+  /// Also fills in `states`.
   KnownAttractor describe(CoexistingAttractor& found, std::vector<Vector>* all = nullptr) const {
     const Attractor& attractor = found.attractor;
     KnownAttractor known;
@@ -394,9 +394,9 @@ class Search {
 
   void tell() {
     if (!options_.progress) return;
-    constexpr std::size_t together = 64;  // in lanes they come thick and fast
+    constexpr std::size_t together = 64;  // in lanes many starts finish at once
     if (++told_ % (in_lanes_ ? together : 1) != 0) return;
-    // Who finds another thread telling leaves it at that: the next start will tell of this one, too.
+    // If another thread is reporting, skip: its next report will include this start.
     if (const std::unique_lock lock(telling_, std::try_to_lock); lock) options_.progress(told_, out_.attractors.size());
   }
 

@@ -12,7 +12,7 @@ namespace graze {
 
 namespace {
 
-/// After how many of these periods the motion is seen to come back, nearly; all, where it does not, or ends.
+/// The period in which the motion first nearly returns; all of them if it does not return, or if it ends.
 std::size_t periods_to_settle(std::span<const PeriodResult> periods) {
   constexpr double nearly = 1e-3;  // relative to 1 + |x|
   ReturnWatch watch(nearly);
@@ -21,7 +21,7 @@ std::size_t periods_to_settle(std::span<const PeriodResult> periods) {
   return periods.size();
 }
 
-/// Where the motions are after `stretch` periods, of those that can be carried on.
+/// The states of the motions after `stretch` periods, without the motions that ended.
 std::vector<MotionStart> ends_of(const std::vector<PeriodResult>& results, std::size_t stretch) {
   std::vector<MotionStart> ends;
   for (std::size_t end = stretch; end <= results.size(); end += stretch)
@@ -39,7 +39,7 @@ ContactTableProbe::ContactTableProbe(const HybridSystem& system, const Vector& p
   many_->add_parameters(p);
   constexpr std::size_t first = 64, stretch = LaneCarrier::periods_between_looks, most_stretches = 4;
   const auto count = static_cast<std::size_t>(starts.cols());
-  constexpr std::size_t longest = VisitedCells::window;  // until one in chaos is recognised
+  constexpr std::size_t longest = VisitedCells::window;  // until a chaotic motion is recognised
   if (!ContactTable::applies(system, p) || longest * count < LaneCarrier::periods_for_table) return;
   std::vector<MotionStart> motions;
   const SpreadOrder order(count);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// ContactTableProbe: goes ahead of many motions of one oscillator and one set of parameters: finds out how soon the first of them
-// settle and how fast they meet the barrier, and keeps a table of contacts of those speeds for all, where one pays.
+// ContactTableProbe: carries the first of many motions of one oscillator with one set of parameters. It measures how soon they
+// settle and how fast they hit the barrier, and builds a table of contacts at those speeds for all motions if that pays.
 #pragma once
 
 #include <graze/floquet/attractor/attractor.hpp>
@@ -13,17 +13,17 @@ namespace graze {
 
 class ContactTableProbe {
  public:
-  /// `starts`: of all motions, at forcing phase 0, a column each. The table, and whether there is one, depends on nothing else.
+  /// `starts`: of all motions, at forcing phase 0, one per column. The table and its existence depend on nothing else.
   ContactTableProbe(const HybridSystem& system, const Vector& p, const Matrix& starts, const FlowOptions& flow = {});
 
-  /// Null: the lanes do not know the oscillator, or it does not pay.
+  /// Null: the lanes do not support the oscillator, or a table does not pay.
   const ContactTable* table() const { return table_; }
-  /// The states at forcing phase 0 of a motion, from its start on; fewer than `count` where it cannot be carried on. By
-  /// one thread at a time.
+  /// The states of a motion at forcing phase 0, from `start` on; fewer than `count` if it cannot be continued. Called by one
+  /// thread at a time.
   std::vector<Vector> states(const Vector& start, std::size_t count) const;
-  /// What covers an attractor that is not periodic: the states of a motion on it, or, if it is chaotic and the lanes know the
-  /// oscillator, of several that chaos has parted, one after the other, of each a multiple of VisitedCells::window: `count` or a
-  /// few more in all.
+  /// States that cover a nonperiodic attractor, `count` or a few more in all: those of one motion on it. If it is chaotic and
+  /// the lanes support the oscillator, they come from several motions separated by chaos, one after the other, each with a
+  /// multiple of VisitedCells::window states.
   std::vector<Vector> states(const Attractor& attractor, std::size_t count) const;
 
  private:

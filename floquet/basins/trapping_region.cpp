@@ -17,7 +17,7 @@ namespace {
 /// Contraction rate of one period in the adapted metric, for an orbit whose own is `rate`.
 double chosen_rate(double rate) { return std::sqrt(std::max(rate, 0.01)); }
 
-/// H_k of the head comment, by going round the orbit backwards until they stay as they are; empty: they do not.
+/// H_k of the head comment, by backward iteration around the orbit until they no longer change; empty if this does not happen.
 std::vector<Matrix> adapted_metrics(const std::vector<Matrix>& Phi, double q) {
   const auto n = Phi.front().rows();
   const Matrix one = Matrix::Identity(n, n);
@@ -37,7 +37,7 @@ std::vector<Matrix> adapted_metrics(const std::vector<Matrix>& Phi, double q) {
   return {};
 }
 
-/// Unit vectors all round.
+/// Unit vectors in all directions.
 std::vector<Vector> directions(Eigen::Index n) {
   std::vector<Vector> list;
   if (n == 2) {
@@ -55,13 +55,13 @@ std::vector<Vector> directions(Eigen::Index n) {
   return list;
 }
 
-/// Events across which state or field jumps; the others leave the motion differentiable, whether they are met or not.
+/// Events across which state or field jumps. The motion is differentiable at the others, whether it meets them or not.
 std::vector<std::size_t> jumps(const HybridSystem& system, std::vector<std::size_t> events) {
   std::erase_if(events, [&](std::size_t event) { return system.events[event].continuous; });
   return events;
 }
 
-/// That of a mass at rest on its stop: bounces so small that they end there, or die out.
+/// The region of a mass at rest on its stop: bounces so small that they end there, or die out.
 TrappingRegion around_rest(Propagator& propagator, TrappingRegion region, const Matrix& Phi) {
   const double rate = std::abs(product_eigenvalues({Phi}).front());
   if (!(rate < 1.0)) return region;
@@ -83,7 +83,7 @@ bool TrappingRegion::holds(const Vector& x) const {
   const Eigen::Index n = x.size();
   for (std::size_t k = 0; k < centres.size(); ++k) {
     const Vector& c = centres[k];
-    bool near = true;  // entry by entry: mostly the first is too far away
+    bool near = true;  // entry by entry: usually the first one already differs too much
     for (Eigen::Index i = 0; near && i < n; ++i) near = std::abs(x[i] - c[i]) <= size;
     if (!near) continue;
     double V = 0.0;
@@ -95,9 +95,9 @@ bool TrappingRegion::holds(const Vector& x) const {
 }
 
 std::vector<StateEllipse> TrappingRegion::ellipses() const {
-  constexpr double larger = 1.001;  // than what rounding leaves open
+  constexpr double larger = 1.001;  // than the effect of rounding
   std::vector<StateEllipse> list;
-  constexpr double nothing_else = 1e300;  // of all numbers, times the square of a distance
+  constexpr double nothing_else = 1e300;  // any number times the square of a distance
   if (!(size > 0.0)) {
     if (!(rate < 1.0)) return list;
     for (const Vector& c : centres) list.push_back({c[0], c[1], nothing_else, 0.0, nothing_else});
@@ -143,14 +143,14 @@ TrappingRegion trapping_region(const HybridSystem& system, const Vector& p, cons
   const double q = chosen_rate(rate), enough = 0.5 * (1.0 + q);
   std::vector<Matrix> H = adapted_metrics(Phi, q);
   if (H.empty()) return region;
-  std::vector<Matrix> unit_ball;  // maps it onto V_k <= 1
+  std::vector<Matrix> unit_ball;  // each maps the unit ball onto V_k <= 1
   for (const Matrix& metric : H) {
     const Eigen::LLT<Matrix> root(metric);
     const Matrix upper = root.matrixU();
     unit_ball.push_back(upper.triangularView<Eigen::Upper>().solve(Matrix::Identity(upper.rows(), upper.cols())));
   }
   const std::vector<Vector> round = directions(state.size());
-  // On the unit ball of V_k; of an autonomous system within the surface that its returns lie on.
+  // Maps the unit ball onto that of V_k; for an autonomous system within the surface of the returns.
   const auto on_ball = [&](std::size_t k, const Vector& u) {
     if (is_forced(system)) return Vector(unit_ball[k] * u);
     const Vector along = Phi[(k + Phi.size() - 1) % Phi.size()] * u;
@@ -168,7 +168,7 @@ TrappingRegion trapping_region(const HybridSystem& system, const Vector& p, cons
     }
     return true;
   };
-  // Smaller than this the rounding of a period's motion would show.
+  // Below this size the rounding in the motion over a period would be visible.
   const double smallest = 1e-8 * scale;
   for (double size = 0.5 * scale; size > smallest; size *= 0.5) {
     if (!contracts(2.0 * size) || !contracts(size) || !contracts(0.5 * size)) continue;

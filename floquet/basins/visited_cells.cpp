@@ -68,7 +68,7 @@ void VisitedCells::choose(const std::vector<Vector>& states, int across) {
     low_ = low_.cwiseMin(x);
     high = high.cwiseMax(x);
   }
-  // A coordinate that does not change has one cell, a little larger than rounding.
+  // A coordinate that does not change gets one cell, slightly larger than rounding.
   per_size_ = across * (high - low_).cwiseMax(1e-9 * (1.0 + high.lpNorm<Eigen::Infinity>())).cwiseInverse();
 }
 
@@ -76,7 +76,7 @@ std::uint64_t VisitedCells::cell(const Vector& x) const {
   std::uint64_t number = 1;
   for (Eigen::Index i = 0; i < x.size(); ++i) {
     const double place = std::clamp((x[i] - low_[i]) * per_size_[i] + 2.0, 0.0, 1002.0);
-    number = number * 1009 + static_cast<std::uint64_t>(static_cast<std::int64_t>(place));  // no sign: a short conversion
+    number = number * 1009 + static_cast<std::uint64_t>(static_cast<std::int64_t>(place));  // via signed: fast conversion
   }
   return number;
 }

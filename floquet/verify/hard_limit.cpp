@@ -20,9 +20,9 @@ constexpr std::size_t k_H = law, b_H = law + 1;  // of Hertz
 constexpr std::size_t limit_b_H = law;
 constexpr double not_known = std::numeric_limits<double>::quiet_NaN();
 constexpr double epsilon_power = -0.4;
-constexpr std::size_t least_steps = 5;  // four decades: an order, how it changes, and two columns of the extrapolation
+constexpr std::size_t least_steps = 5;  // four decades: an order, its change, and two columns of the extrapolation
 
-/// (ln(1 + w) - w) / -w^2 = 1/2 - w/3 + w^2/4 - ..., without the cancellation; w > -1.
+/// (ln(1 + w) - w) / -w^2 = 1/2 - w/3 + w^2/4 - ..., without cancellation; w > -1.
 double loss_function(double w) {
   if (std::abs(w) > 0.1) return (w - std::log1p(w)) / (w * w);
   double sum = 0.0, power = 1.0;
@@ -30,7 +30,7 @@ double loss_function(double w) {
   return sum;
 }
 
-/// Puts the reset of the limit in the place of Newton's.
+/// Replaces Newton's reset by that of the limit.
 void restitute(Event& impact) {
   impact.reset = {};
   impact.reset.map = [](double, const Vector& x, const Vector& p, Vector& out) {
@@ -48,12 +48,12 @@ void restitute(Event& impact) {
     const double e = limit_restitution(w), slope = limit_restitution_slope(w);
     J(1, limit_b_H) = w > 0.0 ? -v * (slope - e) / p[limit_b_H] : 2.0 / 3.0 * v * v;
   };
-  // Restitution tends to 1 with the speed: no series of impacts ever completes.
+  // Restitution tends to 1 as the speed tends to 0: no sequence of impacts ever completes.
   impact.accumulation.reset();
   impact.log_volume_change = {};
 }
 
-/// Orbits of one system at one p after the other, all of the same kind.
+/// Orbits of one kind, computed one after the other.
 struct Family {
   int period = 0;
   std::optional<int> impacts = {};
@@ -64,13 +64,13 @@ struct Family {
       const bool same = orbit.converged() && orbit.period == period && impacts.value_or(orbit.impacts) == orbit.impacts &&
                         orbit.admissible == Admissibility::admissible && orbit.multipliers.valid;
       if (same) return orbit;
-    } catch (const std::invalid_argument&) {  // a guess inside the barrier
+    } catch (const std::invalid_argument&) {  // the guess is inside the barrier
     }
     return std::nullopt;
   }
 };
 
-/// States at epsilon from those at two others, on a straight line.
+/// States at epsilon, extrapolated linearly from those at two other values.
 std::vector<Vector> predicted(const PeriodicOrbit& before, double eps_before, const PeriodicOrbit& last, double eps_last,
                               double eps) {
   std::vector<Vector> guess = last.states;
@@ -124,7 +124,7 @@ class Comparison {
     return p;
   }
 
-  /// From the problem's own stiffness up to the stiffest, to the limit, and down by decades.
+  /// Follows the orbit from the problem's own stiffness up to the stiffest, to the limit, and down by decades.
   HardLimitStop follow(const PeriodicOrbit& given) {
     const bool hard = given.parameters.size() == limit_p_.size();
     std::vector<Vector> guess = given.states;
@@ -146,7 +146,7 @@ class Comparison {
       stiffness = next;
       factor = std::min(10.0, factor * factor);
     }
-    // A soft contact may be grazed on the way up, where z changes and the orbit goes on; from here on nothing changes.
+    // On the way up a soft contact may graze, which changes z while the orbit continues; from here on z is fixed.
     family_.impacts = last.impacts;
     if (!hard) guess = predicted(before, eps_before, last, eps_last, 0.0);
     auto limit = family_.at(limit_, limit_p_, guess);
@@ -179,10 +179,10 @@ class Comparison {
       states.push_back(step.orbit.state);
       matrices.push_back(invariants(step.orbit));
     }
-    if (limit.impacts > 0) {  // else there is nothing to converge
+    if (limit.impacts > 0) {  // otherwise nothing converges
       const double last = out_.steps.back().order, before = out_.steps[out_.steps.size() - 2].order;
-      // The order's own error falls like epsilon, by 2.5 a decade: what is left is less than its last change (2/3 of it). A floor
-      // for where two terms of the expansion cancel in that change: it is met by every orbit whose order is 2/5 at all.
+      // The order's own error falls like epsilon, by 2.5 a decade: the remaining error is less than its last change (2/3 of
+      // it). The floor is for cases where two terms of the expansion cancel in that change; every orbit of order 2/5 meets it.
       const double left = std::max(order_bound, std::abs(last - before));
       out_.checks.push_back({"hard limit: order", std::abs(last + epsilon_power), left});
     }
@@ -197,7 +197,7 @@ class Comparison {
     out_.checks.push_back({name, relative(there.value - limit, limit), extrapolation_safety * there.error / scale + rounding()});
   }
 
-  /// The same orbit by Newton's law, with k_r that of its impacts.
+  /// Compares with the same orbit under Newton's law, with k_r that of its impacts.
   void compare_newton() {
     out_.newton_restitution = p_[b_H] == 0.0 ? 1.0 : not_known;
     std::vector<double> all;
@@ -219,8 +219,8 @@ class Comparison {
 
   void add_restitution();
 
-  /// Newton's method leaves 1e-13 of an orbit, over the distance of its multipliers from 1; the extrapolation's weights (up to
-  /// 1 + 2 / 3 + ... a column) and the derivatives make a thousand of it.
+  /// Newton's error is about 1e-13, divided by the distance of the multipliers from 1. Extrapolation weights (up to 1 + 2 / 3 +
+  /// ... a column) and derivatives amplify it by about 1000.
   double rounding() const {
     double nearest = 1.0;
     for (const auto& mu : out_.limit.multipliers.values) nearest = std::min(nearest, std::abs(1.0 - mu));
@@ -228,7 +228,7 @@ class Comparison {
   }
 
   static constexpr double order_bound = 1e-3;          // see check_orbit
-  static constexpr double extrapolation_safety = 4.0;  // of an estimate, not of a bound
+  static constexpr double extrapolation_safety = 4.0;  // the error is an estimate, not a bound
 
   HybridSystem hertz_, limit_;
   OscillatorKind kind_;
@@ -256,7 +256,7 @@ void Comparison::add_restitution() {
     std::vector<Vector> values;
     for (const StiffnessStep& step : out_.steps) {
       const double e = contact_restitution(hertz_, stiff(step.k_H), out_.entry_time, point.speed);
-      if (std::isnan(e)) values.clear();  // too soft to throw the mass back; only those beyond it count
+      if (std::isnan(e)) values.clear();  // too soft to throw the mass back: use only stiffer contacts
       if (!std::isnan(e)) values.push_back(Vector{{e}});
     }
     point.stiff = values.empty() ? not_known : values.back()[0];
@@ -298,9 +298,9 @@ double limit_restitution(double w) {
   if (!(w >= 0.0) || !std::isfinite(w))
     throw std::invalid_argument(fmt::format("b_H times the speed of impact is {}; allowed is a finite number >= 0", w));
   if (w == 0.0) return 1.0;
-  // e^2 L(-e w) = L(w), L the loss function; Newton in e from below: the left side grows and is convex.
+  // Solves e^2 L(-e w) = L(w), L the loss function, by Newton in e from below: the left side is increasing and convex.
   const double target = loss_function(w);
-  // Large w: u = e w tends to 1 and is lost in rounding against it; the distance 1 - u = exp(-(w - ln(1 + w)) - u) says it.
+  // Large w: u = e w tends to 1, and 1 - u is lost to cancellation. It satisfies 1 - u = exp(-(w - ln(1 + w)) - u).
   if (w > 20.0) {
     double u = 1.0;
     for (int i = 0; i < 4; ++i) u = 1.0 - std::exp(-target * w * w - u);
@@ -362,7 +362,7 @@ Extrapolated extrapolate(const std::vector<Vector>& values, double ratio) {
     above = row;
   }
   Extrapolated out{row.back(), 0.0};
-  // What the last column changed, and what the last row did.
+  // Changes by the last column and by the last row.
   if (row.size() > 1) out.error = std::max((row.back() - row[row.size() - 2]).lpNorm<Eigen::Infinity>(), last_change);
   return out;
 }

@@ -16,7 +16,7 @@ namespace graze {
 
 namespace {
 
-/// The orbit's own nodes carried once more, every mode by the general integrator.
+/// The orbit's own nodes, carried by the general integrator in every mode.
 PeriodicOrbit carried_by_general(const HybridSystem& system, const PeriodicOrbit& orbit) {
   ShootingEquations equations(system, orbit.parameters, orbit.period, static_cast<int>(orbit.nodes.size()), std::nullopt,
                               {.kind = FlowKind::general}, orbit.section_phase);
@@ -33,10 +33,10 @@ PeriodicOrbit carried_by_general(const HybridSystem& system, const PeriodicOrbit
   return describe_orbit(equations, u, orbit.newton);
 }
 
-/// First-order effect on the product of relative errors of its factors: S of the header.
+/// First-order effect of relative errors of the factors on their product: S of the header.
 double error_growth(const std::vector<Matrix>& factors) {
   const std::size_t count = factors.size();
-  std::vector<double> after(count, 1.0);  // norms of what stands left of each factor
+  std::vector<double> after(count, 1.0);  // norms of the products to the left of each factor
   Matrix left = Matrix::Identity(factors.front().rows(), factors.front().rows()), right = left;
   for (std::size_t k = count; k-- > 0;) {
     after[k] = left.norm();
@@ -50,7 +50,7 @@ double error_growth(const std::vector<Matrix>& factors) {
   return sum;
 }
 
-/// The multipliers of `other`, from factors of relative error `factor_error`, against those of the orbit.
+/// Compares the multipliers of `other`, from factors of relative error `factor_error`, with those of the orbit.
 OrbitCheck compare_multipliers(const std::string& name, const VerifiedOrbit& verified, const FloquetMultipliers& other,
                                const std::vector<Matrix>& factors, double factor_error) {
   OrbitCheck check{name, -1.0, factor_error};
@@ -60,7 +60,7 @@ OrbitCheck compare_multipliers(const std::string& name, const VerifiedOrbit& ver
   const double power = 1.0 / static_cast<double>(ours.values.size()), scale = 1.0 + std::abs(ours.values.front());
   const double always = std::pow(2.0 * norm + error, 1.0 - power) * std::pow(error, power);
   check.limit = std::min(verified.eigenvector_condition * error, always) / scale;
-  // Where two moduli are nearly equal their order is a matter of rounding: each one against the nearest that is left.
+  // The order of nearly equal moduli depends on rounding: compare each with the nearest one left.
   std::vector<std::complex<double>> left = other.values;
   check.disagreement = 0.0;
   for (const std::complex<double>& mu : ours.values) {
@@ -91,7 +91,7 @@ OrbitCheck compare_exponents(const HybridSystem& system, VerifiedOrbit& verified
   const double time = static_cast<double>(averaging.max_periods) * forcing_period(system, orbit.parameters);
   const auto n = static_cast<double>(exponents.size());
   check.limit += 2.0 * std::max(0.0, 2.0 * n - 3.0) * std::log(verified.eigenvector_condition) / time;
-  // A run that was cut short proves nothing.
+  // An interrupted run proves nothing.
   check.disagreement = verified.average.stop == LyapunovStop::budget ? 0.0 : std::numeric_limits<double>::quiet_NaN();
   for (std::size_t i = 0; i < exponents.size() && check.disagreement >= 0.0; ++i) {
     const double difference = std::abs(verified.average.exponents[i] - exponents[i]);

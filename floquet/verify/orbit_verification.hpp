@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// VerifiedOrbit: the multipliers and exponents of an orbit obtained in ways that are independent of each other, and how far these
-// disagree. All numbers are dimensionless.
+// VerifiedOrbit: the multipliers and exponents of an orbit computed in independent ways, and their disagreement. All numbers
+// are dimensionless.
 //
 //     residual                mismatch of the shooting stretches / (1 + |x|)
 //     Liouville               |ln|det M| - Liouville's identity|
@@ -11,15 +11,15 @@
 //     multipliers: differences, multipliers: GSL      max|mu - mu'| / (1 + |mu_1|), pairwise by modulus
 //     exponents               max|lambda_i - ln|mu_i| / (n T)|, lambda by time average along the motion
 //
-// Multipliers: factors known to a relative b give M to E with |E| <= b S, S = sum over k of |F_N ... F_(k+1)| (1 + |F_k|)
-// |F_(k-1) ... F_1|. Its eigenvalues then move by at most kappa |E| (Bauer & Fike, Numer. Math. 2 (1960) 137; kappa: condition
+// Multipliers: factors with relative error b give M to E with |E| <= b S, S = sum over k of |F_N ... F_(k+1)| (1 + |F_k|)
+// |F_(k-1) ... F_1|. The eigenvalues then move by at most kappa |E| (Bauer & Fike, Numer. Math. 2 (1960) 137; kappa: condition
 // number of the eigenvectors V of M) and by at most (2 |M| + |E|)^(1 - 1/n) |E|^(1/n) (Elsner, Linear Algebra Appl. 71 (1985)
-// 77), whichever is less.
+// 77); the smaller bound is used.
 //
-// Exponents: M^k = V D^k V^-1, so the length of an aligned vector after k turns is within a factor kappa^2 of |mu|^k, that of an
-// i-dimensional volume within kappa^(2 i). After the time N T the averages are within 2 (2 n - 3) ln kappa / (N T) of the
-// exponents (n = 2: 2 ln kappa / (N T)), and rounding, 1e-10. Not applicable to unstable orbits (rounding makes the motion leave
-// them), zero multipliers, a defective M and autonomous systems.
+// Exponents: M^k = V D^k V^-1. After k turns the length of an aligned vector is therefore within a factor kappa^2 of |mu|^k,
+// and that of an i-dimensional volume within kappa^(2 i). After the time N T the averages are within 2 (2 n - 3) ln kappa / (N
+// T) of the exponents (n = 2: 2 ln kappa / (N T)), plus rounding, 1e-10. The check does not apply to unstable orbits (rounding
+// makes the motion leave them), zero multipliers, a defective M and autonomous systems.
 #pragma once
 
 #include <graze/floquet/exponents/lyapunov.hpp>
@@ -33,14 +33,14 @@ namespace graze {
 namespace bound {
 inline constexpr double residual = 1e-12;          ///< relative to 1 + |x|
 inline constexpr double liouville = 1e-10;         ///< of ln|det M|
-inline constexpr double finite_difference = 1e-8;  ///< relative to 1 + |M|; or their own error estimate, if that is larger
+inline constexpr double finite_difference = 1e-8;  ///< relative to 1 + |M|; or its own error estimate if that is larger
 inline constexpr double flow = 1e-11;              ///< two integrators that each keep 1e-13 a step, over a forcing period
 inline constexpr double exponent = 1e-10;          ///< rounding of a time average
 }  // namespace bound
 
 double finite_difference_bound(const FiniteDifferenceCheck& check);
 
-/// One comparison, and the bound it is held against.
+/// One comparison and its bound.
 struct OrbitCheck {
   std::string name;
   double disagreement = -1.0;  ///< negative: not applicable
@@ -61,13 +61,13 @@ struct VerifiedOrbit {
   PeriodicOrbit orbit;
   PeriodicOrbit general = {};           ///< the same nodes carried by the general integrator
   FloquetMultipliers differences = {};  ///< of the monodromy matrix by finite differences
-  LyapunovSpectrum average = {};        ///< not_run where the check of the exponents does not apply
+  LyapunovSpectrum average = {};        ///< not_run if the check of the exponents does not apply
   double eigenvector_condition = 0.0;   ///< kappa, infinite for a defective M
   std::vector<OrbitCheck> checks = {};
   bool agrees() const;
 };
 
-/// The checks that apply to `orbit`, whose multipliers and monodromy matrix are taken as they stand there.
+/// The checks that apply to `orbit`. Its multipliers and monodromy matrix are taken as given.
 /// @throws std::invalid_argument for an orbit without nodes, or negative counts in the options.
 VerifiedOrbit verify_orbit(const HybridSystem& system, const PeriodicOrbit& orbit, const VerificationOptions& options = {});
 
