@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // AveragedMotion: one motion with its first tangent vector, and the mean growth of its two directions.
 //
-// The vector is u' = Phi u. It is normalised only when its length has left [1e-3, 1e3]. Its growth over a period is ln|u'| -
-// ln|u|, a difference of numbers below 7. The growth of the second direction is ln|det Phi| minus that of the first (the same
-// numbers as from QR).
+// The vector is u' = Phi u. It is normalised only when its length has left [1e-3, 1e3]. Its growth over a period is
+// ln|u'| - ln|u|, a difference of numbers below 7. The growth of the second direction is ln|det Phi| minus that of the first
+// (the same numbers as from QR).
 #pragma once
 
 #include <graze/lib/motion/lane_carrier.hpp>

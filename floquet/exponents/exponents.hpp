@@ -16,8 +16,8 @@ namespace graze {
 inline constexpr double trend_significance = 4.0;
 
 /// Standard error of a mean, including the trend of its series; `drift` is that of BatchMeans. Each half has sqrt 2 times the
-/// error of the whole series, and their difference twice that error. Batch means alone take a decaying series (of order ln N /
-/// N) for a constant one.
+/// error of the whole series, and their difference twice that error. Batch means alone take a decaying series (of order
+/// ln N / N) for a constant one.
 inline double with_trend(double error, double drift) {
   return std::abs(drift) > 2.0 * trend_significance * error ? std::hypot(error, 0.5 * drift) : error;
 }

@@ -25,7 +25,7 @@ Square product(const Square& A, const Square& B) {
   return {A[0] * B[0] + A[1] * B[2], A[0] * B[1] + A[1] * B[3], A[2] * B[0] + A[3] * B[2], A[2] * B[1] + A[3] * B[3]};
 }
 
-/// The larger modulus of the eigenvalues of what these periods do to the tangent.
+/// Spectral radius of the tangent map over these periods.
 double growth(const PeriodResult* periods, std::size_t n) {
   Square M = {1.0, 0.0, 0.0, 1.0};
   for (std::size_t k = 0; k < n; ++k) M = product(periods[k].Phi, M);
@@ -33,13 +33,13 @@ double growth(const PeriodResult* periods, std::size_t n) {
   return discriminant < 0.0 ? std::sqrt(det) : std::abs(half) + std::sqrt(discriminant);
 }
 
-/// The equations of a step, one guess after the other.
+/// Work space for the equations of a step, shared by all steps of one guess.
 struct StepEquations {
   CyclicBlocks blocks;
   std::vector<Square> Phi;
 };
 
-/// One guess on its way: newton() of shooting.cpp, with the evaluations done by others.
+/// Newton iteration for one guess: newton() of shooting.cpp, with evaluations done by the caller.
 class Iteration {
  public:
   Iteration(std::size_t parameters, std::vector<Pair> guess, const LanePatience& patience)
@@ -51,7 +51,7 @@ class Iteration {
     for (const Pair& node : trial_) motions.push_back({parameters_, node[0], node[1]});
   }
 
-  /// What one period did to the nodes asked for.
+  /// Takes the results of one period from the requested nodes.
   void take(const PeriodResult* results, StepEquations& equations) {
     const std::size_t n = nodes();
     const bool carried = std::all_of(results, results + n, [](const auto& one) { return one.termination == Termination::time; });
@@ -125,7 +125,7 @@ class Iteration {
     now_ = residual;
   }
 
-  /// The next step of Newton's method.
+  /// Computes the next Newton step.
   void step(StepEquations& equations) {
     equations.Phi.clear();
     for (const PeriodResult& period : carried_) equations.Phi.push_back(period.Phi);
@@ -191,7 +191,7 @@ std::vector<std::size_t> shorter_periods(const LaneOrbit& orbit) {
   return out;
 }
 
-/// Whether Newton's method came to the same orbit with the shorter period; see shoot().
+/// Whether Newton's method found the same orbit with the shorter period; see shoot().
 bool same(const LaneOrbit& shorter, const LaneOrbit& orbit) {
   if (!shorter.converged) return false;
   const auto times = static_cast<double>(orbit.states.size() / shorter.states.size());

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// LaneOrbit: Newton's method for many periodic orbits side by side: the nodes of all of them, one per forcing period, are motions
-// of one period each, carried in SIMD lanes (LaneCarrier). Equations, steps and ends are those of shoot() with its default
-// options (but for LanePatience), so that both come to the same orbit, within the acceptance of Newton's method. What an orbit is
-// wanted for here is whether it is stable: its multipliers come from trace and determinant of its monodromy matrix, the
+// LaneOrbit: Newton's method for many periodic orbits in parallel. The nodes of all orbits, one per forcing period, are motions
+// of one period each, carried in SIMD lanes (LaneCarrier). Equations, steps and stop rules are those of shoot() with its
+// default options (except for LanePatience), so that both find the same orbit, within the acceptance of Newton's method. The
+// orbits are only tested for stability: the multipliers follow from trace and determinant of the monodromy matrix, the
 // determinant factor by factor.
 #pragma once
 
@@ -20,33 +20,33 @@ class TaskSlot;
 class LaneCarrier;
 
 struct LaneGuess {
-  std::size_t parameters = 0;                 ///< as LaneCarrier knows them
-  std::vector<std::array<double, 2>> states;  ///< at forcing phase 0 of as many periods as the orbit has
+  std::size_t parameters = 0;                 ///< index in LaneCarrier
+  std::vector<std::array<double, 2>> states;  ///< at forcing phase 0, one per period of the orbit
 };
 
 struct LaneOrbit {
   bool converged = false;
-  bool given_up = false;  ///< at once: LanePatience::most_growth
-  /// Wants shoot() to decide: a node that the lanes left to the Propagator, or a monodromy matrix that does not tell the
-  /// multipliers to 1e-10, or whether they are inside the unit circle.
+  bool given_up = false;  ///< at once, because of LanePatience::most_growth
+  /// shoot() must decide: the lanes left a node to the Propagator, or the monodromy matrix does not determine the multipliers
+  /// to 1e-10, or whether they lie inside the unit circle.
   bool delicate = false;
-  std::vector<std::array<double, 2>> states = {};        ///< at forcing phase 0; as many as its least period
+  std::vector<std::array<double, 2>> states = {};        ///< at forcing phase 0, one per period of its least period
   std::array<std::complex<double>, 2> multipliers = {};  ///< by decreasing modulus
   int impacts = 0;
   bool stable() const { return std::abs(multipliers[0]) < 1.0; }
 };
 
-/// When a guess is given up: at once where the tangent of the motions from its states has an eigenvalue larger than most_growth
-/// over its period, and where a step does not reduce the residual however often it is halved.
+/// When to give up a guess: at once if the tangent along its states has an eigenvalue larger than most_growth over its period,
+/// and later if max_halvings halvings of a step do not reduce the residual.
 struct LanePatience {
   double most_growth = std::numeric_limits<double>::infinity();
   int max_halvings = ShootingOptions{}.max_halvings;
 };
 
-/// The orbit that Newton's method comes to from these states, at the parameters of the place.
+/// The orbit to which Newton's method converges from these states, at the parameters of the slot.
 MotionTask<LaneOrbit> shoot_in_lanes(TaskSlot& lane, std::vector<std::array<double, 2>> states, LanePatience patience = {});
 
-/// The same of many guesses side by side.
+/// The same for many guesses in parallel.
 std::vector<LaneOrbit> shoot_side_by_side(LaneCarrier& many, const std::vector<LaneGuess>& guesses, LanePatience patience = {});
 
 }  // namespace graze

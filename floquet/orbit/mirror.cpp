@@ -25,7 +25,7 @@ std::vector<Vector> mirror_image(const HybridSystem& system, const Vector& p, co
     if (!mirrored || !mode_at(system, 0.0, *mirrored, p)) return {};
     image.push_back(*mirrored);
   }
-  // Known no better than by what tangents make of the error of a state.
+  // The error of a state, amplified by the tangent, limits the accuracy.
   constexpr double error = 1e-9;
   for (std::size_t k = 0; k < image.size(); ++k) {
     carry(propagator, 0.0, T, image[k], {.sensitivity = Sensitivity::state}, transition);

@@ -13,13 +13,13 @@ namespace graze {
 namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
-/// Of two multipliers that differ by a factor of 20 or more, 12 sweeps leave a coupling below 1e-15. Where they have not parted,
-/// a 2 x 2 block loses nothing (its determinant is known factor by factor); for larger blocks the sweeps go on, down to a factor
+/// If two multipliers differ by a factor of 20 or more, 12 sweeps leave a coupling below 1e-15. If they have not separated, a 2
+/// x 2 block loses nothing (its determinant is known factor by factor); larger blocks get further sweeps, enough for a factor
 /// of 2.
 constexpr int sweeps = 12, sweeps_of_large_blocks = 60;
 
-/// Determinant; exactly zero for a matrix of deficient rank (k_r = 0, sticking, a plastic collision). Rank does not depend on the
-/// scales of rows and columns: near grazing a saltation matrix has an entry like 1/speed, and is not singular for that.
+/// Determinant; exactly zero for a matrix of deficient rank (k_r = 0, sticking, a plastic collision). The rank does not depend
+/// on the scales of rows and columns: near grazing a saltation matrix has an entry like 1/speed without being singular.
 double determinant(const Matrix& A) {
   const Eigen::Index n = A.rows();
   const double small = 8.0 * epsilon * static_cast<double>(n);
@@ -51,7 +51,7 @@ std::vector<double> determinants(const std::vector<Matrix>& factors, const std::
   return list;
 }
 
-/// Of as many rows and columns as those of a square matrix, at the most.
+/// Matrix with at most the rows and columns of a square matrix.
 template <class Square>
 using Part = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, Square::MaxRowsAtCompileTime,
                            Square::MaxColsAtCompileTime>;
@@ -69,8 +69,8 @@ template <class Square> struct TriangularForm {
   Square E;
 };
 
-/// What rounding has blurred in R: its smallest pivot comes out of the largest entries by cancellation, but the determinant knows
-/// it to relative accuracy; a factor of deficient rank has exact zeros.
+/// Restores the part of R that is lost to cancellation: its smallest pivot is a difference of large entries, but follows from
+/// the determinant with relative accuracy. A factor of deficient rank gets exact zeros.
 template <class Square> void sharpen(Square& R, double det, double size) {
   const Eigen::Index n = R.rows();
   const double blur = 8.0 * epsilon * static_cast<double>(n) * size;
@@ -86,7 +86,7 @@ template <class Square> void sharpen(Square& R, double det, double size) {
     if (R.row(i).template lpNorm<Eigen::Infinity>() <= blur) R.row(i).setZero();
 }
 
-/// A = Q R; in the plane by a rotation.
+/// A = Q R; for 2 x 2 matrices by a rotation.
 template <class Square> void triangularise(const Square& A, Square& Q, Square& R) {
   if constexpr (Square::RowsAtCompileTime == 2) {
     Eigen::JacobiRotation<double> rotation;
@@ -136,11 +136,11 @@ template <class Square> struct DiagonalBlock {
     if (E.determinant() < 0.0) det = -det;
   }
 
-  /// Of two rows: the square of half the difference of the eigenvalues.
+  /// For two rows: the square of half the difference of the eigenvalues.
   double discriminant() const { return 0.25 * product.trace() * product.trace() - det; }
 };
 
-/// Whether a planar product is sure to have conjugate eigenvalues: no sweep parts these.
+/// Whether a 2 x 2 product surely has conjugate eigenvalues, which no sweep separates.
 template <class Square> bool conjugate(const TriangularForm<Square>& form) {
   constexpr double beyond_rounding = 1e-10;
   const DiagonalBlock whole(form, 0, 2);
@@ -197,7 +197,7 @@ std::vector<std::complex<double>> eigenvalues(const std::vector<Matrix>& factors
   std::vector<std::complex<double>> values;
   for (Eigen::Index first = 0; first < n;) {
     Eigen::Index size = 1;
-    // A block ends where nothing below its rows couples back into its columns.
+    // A block ends where no entry below its rows couples back into its columns.
     while (first + size < n && form.E.block(first + size, first, n - first - size, size).cwiseAbs().maxCoeff() >
                                    8.0 * epsilon * static_cast<double>(n))
       ++size;
@@ -237,8 +237,8 @@ FloquetMultipliers multipliers(const MonodromyMatrix& monodromy, double duration
   if (monodromy.section == Section::stroboscopic) {
     result.values = product_eigenvalues(monodromy.factors, monodromy.log_dets);
   } else {
-    // The direction of the field is carried into itself: taken as first basis vector it splits off the trivial multiplier, and
-    // what is left of the factors is their lower right block.
+    // M carries the direction of the field into itself. As first basis vector it splits off the trivial multiplier; the lower
+    // right blocks of the factors remain.
     const Eigen::Index n = monodromy.trivial_direction.size();
     Matrix Q = Eigen::HouseholderQR<Matrix>(monodromy.trivial_direction).householderQ() * Matrix::Identity(n, n);
     TriangularForm<Matrix> form;

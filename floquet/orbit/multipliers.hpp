@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // MonodromyMatrix and FloquetMultipliers of a periodic orbit.
 //
-// Convention. A forced orbit is taken on the stroboscopic section (fixed forcing phase): its n x n monodromy matrix has no
-// trivial multiplier. An autonomous orbit is taken with full saltation at a fixed time: it has one trivial multiplier +1. Which
-// holds is declared with the matrix and never inferred from numbers.
+// Convention. A forced orbit is described on the stroboscopic section (fixed forcing phase): its n x n monodromy matrix has no
+// trivial multiplier. An autonomous orbit is described with full saltation at a fixed time: it has one trivial multiplier +1.
+// The convention is declared with the matrix and never inferred from numbers.
 //
 // The multipliers are eigenvalues of a product of many factors. They are computed from the factors (orthogonal sweeps: Q R of
-// factor times Q, round and round, until the diagonal blocks have parted), so that a small multiplier beside a large one keeps
-// its relative accuracy. A factor of deficient rank (k_r = 0, sticking) gives multipliers that are exactly zero.
+// factor times Q, repeated until the diagonal blocks have separated), so that a small multiplier beside a large one keeps its
+// relative accuracy. A factor of deficient rank (k_r = 0, sticking) gives multipliers that are exactly zero.
 #pragma once
 
 #include <graze/lib/numerics/vector.hpp>
@@ -23,15 +23,15 @@ struct MonodromyMatrix {
   Section section = Section::stroboscopic;
   std::vector<Matrix> factors;    ///< M = factors.back() ... factors.front()
   Vector trivial_direction = {};  ///< autonomous: the field at the start, which M carries into itself
-  /// ln|det| of each factor as Liouville's identity has it, NaN where it says nothing; may be empty. Used where the determinant
-  /// is lost in the rounding of a factor's entries (strong damping), so that a small multiplier is not taken for zero.
+  /// ln|det| of each factor by Liouville's identity, NaN where this gives nothing; may be empty. Used if the determinant is
+  /// lost to rounding in a factor's entries (strong damping), so that a small multiplier is not taken for zero.
   std::vector<double> log_dets = {};
   Matrix product() const;
 };
 
 struct FloquetMultipliers {
   Section section = Section::stroboscopic;
-  int trivial = 0;                           ///< how many of `values` are the trivial +1; they come last
+  int trivial = 0;                           ///< number of trivial multipliers (+1) in `values`; they come last
   std::vector<std::complex<double>> values;  ///< by decreasing modulus; conjugates adjacent, positive imaginary part first
   std::vector<double> exponents;             ///< ln|mu| / duration, -infinity for a zero multiplier
   bool valid = false;                        ///< false: not computed, or not finite (grazing)
@@ -44,7 +44,8 @@ struct FloquetMultipliers {
 /// Multipliers of an orbit of the given duration (dimensionless time).
 FloquetMultipliers multipliers(const MonodromyMatrix& monodromy, double duration);
 
-/// Eigenvalues of a product of square matrices, from its factors, by decreasing modulus; `log_dets` as in MonodromyMatrix.
+/// Eigenvalues of a product of square matrices, computed from its factors, by decreasing modulus; `log_dets` as in
+/// MonodromyMatrix.
 std::vector<std::complex<double>> product_eigenvalues(const std::vector<Matrix>& factors,
                                                       const std::vector<double>& log_dets = {});
 

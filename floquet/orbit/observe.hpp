@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Motions that are watched: carried one by one, or in lanes some forcing periods at a time, in a pool or all together, each until
-// its watch is closed; an autonomous motion from return to return. A Watch has open(), state() (at forcing phase 0) and
-// see(termination, state), which is told of every period while it is open; one that is carried side by side has quiet_periods(),
-// too, how many periods it need not be told of next if they do not end in one of the ellipses that the LaneCarrier knows, and
-// leave_out(periods), which tells it how many were left out.
+// Carries motions until their observers (watches) close: one by one, or in lanes several forcing periods at a time, in a pool
+// or all together; autonomous motions from return to return. A Watch has open(), state() (at forcing phase 0) and
+// see(termination, state), called after every period while it is open. A watch for carry_side_by_side also has quiet_periods():
+// the number of next periods that it need not see unless they end in one of the ellipses known to the LaneCarrier; and
+// leave_out(periods), which receives the number left out.
 #pragma once
 
 #include <graze/lib/tasks/task_pool.hpp>
@@ -14,7 +14,8 @@
 
 namespace graze {
 
-/// Period by period; `cancelled` is asked before each. Ends when the watch is closed (true) or `cancelled` says so (false).
+/// Carries a motion period by period. `cancelled` is called before each. Ends when the watch closes (true) or on cancellation
+/// (false).
 template <class Watch, class Cancelled> bool carry_watched(Propagator& propagator, Watch& watch, const Cancelled& cancelled) {
   Transition transition;
   Vector state;
@@ -27,14 +28,14 @@ template <class Watch, class Cancelled> bool carry_watched(Propagator& propagato
   return true;
 }
 
-/// Forcing periods that are carried at a time, with so many behind. What is carried in vain where a watch is closed is half of
-/// them on average: many are for those that last.
+/// Number of forcing periods to carry next, after `carried` of them. On average half of them are wasted when the watch closes:
+/// long batches are for motions that last.
 inline std::size_t next_stretch(std::size_t carried) {
   constexpr std::size_t shortest = 4;
   return std::clamp(carried / (4 * shortest) * shortest, shortest, 8 * shortest);
 }
 
-/// The same in a pool.
+/// The same for a motion in a pool.
 template <class Watch, class Cancelled> MotionTask<bool> carry_watched(TaskSlot& lane, Watch& watch, const Cancelled& cancelled) {
   std::size_t carried = 0;
   Vector state(2);
@@ -52,7 +53,7 @@ template <class Watch, class Cancelled> MotionTask<bool> carry_watched(TaskSlot&
   co_return true;
 }
 
-/// All together, at a parameter set of `many`. Ends when none is open (true) or `cancelled` says so (false).
+/// Carries all motions together, at a parameter set of `many`. Ends when no watch is open (true) or on cancellation (false).
 template <class Watch, class Cancelled>
 bool carry_side_by_side(LaneCarrier& many, std::size_t set, std::vector<Watch>& watches, const Cancelled& cancelled) {
   struct Common {

@@ -11,7 +11,7 @@ namespace graze {
 
 namespace {
 
-/// `events` with their times from phase 0; `unit`: the length of a period.
+/// Shape from `events` with times since phase 0; `unit`: length of a period.
 OrbitShape from_events(const HybridSystem& system, const std::vector<EventRecord>& events, const std::vector<Vector>& states,
                        int period, double unit) {
   OrbitShape shape;
@@ -25,7 +25,7 @@ OrbitShape from_events(const HybridSystem& system, const std::vector<EventRecord
     const bool node = shape.sticks ? event.kind == EventKind::release : !system.events[event.event].continuous;
     if (node) shape.nodes.push_back({event.event, event.t / unit, event.x_minus});
   }
-  // An autonomous orbit begins anywhere: where no event makes it jump, it is known by those that do not.
+  // An autonomous orbit has no natural start: without discontinuous events, its continuous events are the nodes.
   if (shape.nodes.empty() && shape.autonomous)
     for (const EventRecord& event : events) shape.nodes.push_back({event.event, event.t / unit, event.x_minus});
   if (!shape.nodes.empty()) return shape;
@@ -34,7 +34,7 @@ OrbitShape from_events(const HybridSystem& system, const std::vector<EventRecord
   return shape;
 }
 
-/// `b` from its node `first` on; empty where the events are others than those of `a`.
+/// `b` from its node `first` on; empty if its events differ from those of `a`.
 std::optional<AlignedShape> from_node(const OrbitShape& b, std::size_t first, const OrbitShape& a) {
   const std::size_t count = a.nodes.size();
   AlignedShape out{b, 0.0};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// PeriodicOrbit: one orbit with everything that is known of it.
+// PeriodicOrbit: one orbit with all computed properties.
 #pragma once
 
 #include <graze/floquet/orbit/multipliers.hpp>
@@ -15,7 +15,7 @@ namespace graze {
 
 enum class Admissibility { not_checked, admissible, inadmissible };
 
-/// A finite-difference monodromy matrix beside the variational one; not applicable where a step of useful size leaves the
+/// A monodromy matrix by finite differences, compared with the variational one. Not applicable if every useful step leaves the
 /// signature (at a grazing).
 struct FiniteDifferenceCheck {
   bool applicable = false;
@@ -24,19 +24,19 @@ struct FiniteDifferenceCheck {
   MonodromyMatrix monodromy;    ///< its factors by differences, one per stretch between nodes; empty if not applicable
 };
 
-/// Proofs that come with an orbit; every number is a relative error.
+/// Checks stored with an orbit; every number is a relative error.
 struct OrbitChecks {
   double residual = -1.0;   ///< largest mismatch of the shooting stretches / (1 + |x|)
   double liouville = -1.0;  ///< |sum of ln|det| - Liouville's identity|; -1: not applicable (a factor of deficient rank)
   std::optional<FiniteDifferenceCheck> finite_difference;  ///< on request
 };
 
-/// Rounding moves two multipliers that meet on the unit circle by its square root.
+/// Two multipliers that meet on the unit circle move by the square root of the rounding error.
 inline constexpr double on_unit_circle = 1e-7;
 
 struct PeriodicOrbit {
   Vector parameters;
-  int period = 0;              ///< n forcing periods; of an autonomous orbit 1, or n returns (seen_at_returns)
+  int period = 0;              ///< n forcing periods; autonomous: 1, or n returns (seen_at_returns)
   double duration = 0.0;       ///< n T, dimensionless time
   Vector state;                ///< at forcing phase 0
   std::vector<Vector> states;  ///< at forcing phase 0 after 0 ... n - 1 periods; states[0] = state
@@ -44,19 +44,19 @@ struct PeriodicOrbit {
   double section_phase = 0.0;  ///< of nodes[0], forcing phase over 2 pi; also that of the monodromy matrix
   Signature signature;
   int impacts = 0;            ///< p of z = p/n
-  int isolated_impacts = 0;   ///< of them, those that are not part of a complete chatter (whose number is a matter of definition)
+  int isolated_impacts = 0;   ///< without those of complete chatters, whose number depends on the definition
   bool rests = false;         ///< the mass is held at its stop all the time (lib/rest.hpp)
   bool conservative = false;  ///< Liouville's sum is exactly zero along it
   NewtonReport newton;
   Admissibility admissible = Admissibility::not_checked;
-  std::vector<EventRecord> events;  ///< along the orbit; times run on from phase 0 to `duration`
+  std::vector<EventRecord> events;  ///< along the orbit, with times from phase 0 to `duration`
   MonodromyMatrix monodromy;        ///< factors of M over the orbit
   FloquetMultipliers multipliers;
   OrbitChecks checks;
 
   bool converged() const { return newton.converged(); }
   bool stable() const { return multipliers.stable(); }
-  /// Elliptic (or at rest, or at the border to that) where nothing dissipates: it attracts nothing, and repels nothing.
+  /// Elliptic, at rest, or on the border of these, and conservative: it attracts nothing, and repels nothing.
   bool neutral() const {
     return conservative && multipliers.valid &&
            std::all_of(multipliers.values.begin(), multipliers.values.end(),

@@ -9,7 +9,7 @@ namespace graze {
 
 namespace {
 
-/// States right behind the returns of an orbit.
+/// States immediately after the returns of an orbit.
 std::vector<Vector> states_at_returns(const HybridSystem& system, const PeriodicOrbit& orbit) {
   const std::vector<std::size_t> returns = returns_of(system);
   std::vector<Vector> states;
@@ -55,7 +55,7 @@ PeriodicOrbit shoot_returns(Propagator& propagator, const std::vector<Vector>& s
   PeriodicOrbit orbit = shoot(system, p, std::vector<Vector>{begin->state}, 1, options, begin->duration);
   if (!orbit.converged()) return orbit;
   const std::vector<Vector> found = states_at_returns(system, orbit);
-  constexpr double least = 1e-3;  // shorter: Newton's method has fallen onto a single state, which is an orbit of no duration
+  constexpr double least = 1e-3;  // shorter: Newton's method has converged to a single state, an orbit of no duration
   if (found.empty() || orbit.duration < least * begin->duration) return {};
   for (std::size_t d = 1; options.reduce_period && d <= found.size() / 2; ++d) {
     constexpr double may_close = 1e-5, same_duration = 1e-6;

@@ -8,11 +8,10 @@ namespace graze {
 
 namespace {
 
-/// Steps that a stretch may always have, and evaluations of the motions' longest stretch for each step (a step of a series of
-/// order 16 counts as 16: this is 32 times their steps).
+/// Steps that a stretch is always allowed, and steps allowed per evaluation in the longest stretch of the motions (a step of a
+/// series of order 16 counts as 16 evaluations: this is 32 times their steps).
 constexpr std::size_t least_steps = 2000, steps_of_evaluations = 2;
-/// Motions that fail in their first period, one after the other, before no other is tried: each may take as many steps as there
-/// may be.
+/// Consecutive failures in the first period after which no other motion is tried: each may use the maximum number of steps.
 constexpr int most_failures = 3;
 
 }  // namespace
@@ -30,7 +29,7 @@ SearchBox search_box(const HybridSystem& system, const Vector& p, const FlowOpti
     for (int k = 0; k < periods; ++k) {
       carry(propagator, 0.0, T, x, {.sensitivity = Sensitivity::none}, transition);
       if (transition.termination != Termination::time) {
-        // Beyond a barrier, and beside motions that escape, there may be others.
+        // Beyond a barrier, and besides motions that escape, other motions may be bounded.
         const bool others =
             transition.termination == Termination::inadmissible_start || transition.termination == Termination::escape;
         if (!carried && !others) {
@@ -52,8 +51,8 @@ SearchBox search_box(const HybridSystem& system, const Vector& p, const FlowOpti
     run_from(Vector::Constant(n, -start), 0);
     run_from(Vector::Constant(n, start), 0);
   }
-  // Motions from rest may never meet the barrier where others do: the box reaches to it, and as far as what motions settle on
-  // that start far enough away from it to hit it.
+  // Motions from rest may never meet a barrier that others hit. The box reaches to the barrier, and covers the long-term states
+  // of motions that start far enough from it to hit it.
   for (const Event& event : system.events) {
     if (!event.guard.level || event.from != 0) continue;
     const LevelGuard& guard = *event.guard.level;
@@ -66,7 +65,7 @@ SearchBox search_box(const HybridSystem& system, const Vector& p, const FlowOpti
     }
     size = std::max(size, std::abs(level));
   }
-  // Stroboscopic states show one phase only; a motion passes through the others, so every coordinate gets the largest size.
+  // Stroboscopic states show only one phase; a motion passes through all others, so every coordinate gets the largest size.
   const double reach = 1.5 * size + 1e-3;
   box.lower = Vector::Constant(n, -reach);
   box.upper = Vector::Constant(n, reach);

@@ -19,8 +19,8 @@ double relative(const Vector& residual, const Vector& u) {
   return residual.lpNorm<Eigen::Infinity>() / (1.0 + u.lpNorm<Eigen::Infinity>());
 }
 
-/// Newton with the step halved until the residual falls; goes on below `tolerance` as long as it still gains. (What was evaluated
-/// last need not be u itself.)
+/// Newton with the step halved until the residual decreases; continues below `tolerance` as long as it improves. (The last
+/// evaluation need not be at u.)
 NewtonReport newton(ShootingEquations& equations, Vector& u, const ShootingOptions& options) {
   NewtonReport report;
   if (!equations.evaluate(u, with_tangent)) {
@@ -38,7 +38,7 @@ NewtonReport newton(ShootingEquations& equations, Vector& u, const ShootingOptio
       report.status = report.residual() <= options.acceptance ? NewtonStatus::converged : NewtonStatus::singular;
       return report;
     }
-    // A step far beyond the size of the motion comes from a nearly singular Jacobian and leads nowhere; its direction is kept.
+    // A step much longer than the motion comes from a nearly singular Jacobian and is useless; only its direction is kept.
     const double longest = options.max_step * (1.0 + u.lpNorm<Eigen::Infinity>()), length = step.lpNorm<Eigen::Infinity>();
     if (length > longest) step *= longest / length;
     const double before = relative(residual, u);
@@ -54,7 +54,7 @@ NewtonReport newton(ShootingEquations& equations, Vector& u, const ShootingOptio
       equations.residual(trial, trial_residual);
       const double after = relative(trial_residual, trial);
       if (!(after < before)) {
-        if (before <= options.acceptance) break;  // at rounding level: nothing to be gained by halving
+        if (before <= options.acceptance) break;  // at rounding level: halving gains nothing
         continue;
       }
       u = trial;
@@ -77,7 +77,7 @@ NewtonReport newton(ShootingEquations& equations, Vector& u, const ShootingOptio
   return report;
 }
 
-/// The guess as nodes: as given if their number fits, else carried on from the first.
+/// The guess as nodes: used directly if their number fits, otherwise carried on from the first state.
 Vector nodes_from(ShootingEquations& equations, const std::vector<Vector>& guess, double duration) {
   const int n = equations.states(), count = equations.nodes();
   Vector u(equations.unknowns());
@@ -104,20 +104,20 @@ Admissibility resimulate(ShootingEquations& equations, const Vector& u, const st
   carry(equations.propagator(), start, start + equations.duration(u), equations.node(u, 0), {.sensitivity = Sensitivity::none},
         whole);
   if (whole.termination == Termination::time && whole.event_sequence == sequence) return Admissibility::admissible;
-  // An orbit so unstable that rounding grows to the size of the motion cannot be run through in one piece; its stretches, each of
-  // them a free run, have shown the same already.
+  // If an orbit is so unstable that rounding grows to the size of the motion, it cannot be simulated in one piece. Its
+  // stretches, each a free run, have already shown the same.
   const bool beyond_reach = growth * 1e-15 > 1e-6;
   return beyond_reach ? Admissibility::admissible : Admissibility::inadmissible;
 }
 
-/// Impacts and entries that do not belong to a complete chatter, the series before its stick event; the events of an orbit are
-/// cyclic. Where friction makes a body stick, no impacts accumulate.
+/// Impacts and entries that are not part of a complete chatter, the series before its stick event; the events of an orbit are
+/// cyclic. Sticking by friction involves no accumulation of impacts.
 int isolated_impacts(const HybridSystem& system, const std::vector<EventRecord>& events) {
   const auto is_stick = [&](const EventRecord& event) {
     return event.kind == EventKind::stick && system.events[event.event].accumulation;
   };
   const auto last_stick = std::find_if(events.rbegin(), events.rend(), is_stick);
-  const auto first = static_cast<std::size_t>(events.rend() - last_stick);  // just after it; 0 if there is none
+  const auto first = static_cast<std::size_t>(events.rend() - last_stick);  // just after it; 0: none
   int total = 0, series = 0;
   for (std::size_t k = 0; k < events.size(); ++k) {
     const EventRecord& event = events[(first + k) % events.size()];
@@ -133,13 +133,13 @@ int isolated_impacts(const HybridSystem& system, const std::vector<EventRecord>&
   return total + series;
 }
 
-/// States at forcing phase 0 of the periods 0 ... n - 1, each carried on from the node before it; also the mode at the first.
+/// States at forcing phase 0 of the periods 0 ... n - 1, each carried from the node before it; also the mode at the first.
 void add_stroboscopic_states(ShootingEquations& equations, const Vector& u, PeriodicOrbit& orbit) {
   const int n = orbit.period, count = equations.nodes();
   const double T = orbit.duration / n;
   Transition transition;
   for (int k = 0; k < n; ++k) {
-    // Nodes lie at (s + j n / N) T; before the first of them stands the last one, a whole orbit earlier.
+    // Nodes lie at (s + j n / N) T; the one before the first is the last, a whole orbit earlier.
     const double place = (k - equations.section_phase()) * count / n + 1e-12;
     const bool before_first = place < 0.0;
     const int j = static_cast<int>(std::floor(before_first ? place + count : place));
@@ -147,7 +147,7 @@ void add_stroboscopic_states(ShootingEquations& equations, const Vector& u, Peri
     Vector state = equations.node(u, j);
     std::size_t mode = equations.stretch(j).mode0;
     if (ahead > 1e-12 * T) {
-      // A contact that is left out would push by a speed of rounding's square root.
+      // A contact that is left out would change the speed by the square root of rounding.
       const TransitionOptions options = equations.on_stretch(j, {.sensitivity = Sensitivity::none});
       carry(equations.propagator(), start, start + ahead, state, options, transition);
       if (transition.termination == Termination::time) state = transition.x1;
@@ -234,12 +234,12 @@ PeriodicOrbit shoot(const HybridSystem& system, const Vector& p, const std::vect
       if (period % divisor != 0) continue;
       const double scale = 1.0 + orbit.state.lpNorm<Eigen::Infinity>();
       const Vector& later = orbit.states[static_cast<std::size_t>(divisor)];
-      // Near a period doubling the doubled orbit passes its own start closely without closing there: only Newton decides.
+      // Near a period doubling the doubled orbit passes close to its own start without closing there: only Newton decides.
       if ((later - orbit.state).lpNorm<Eigen::Infinity>() > 1e-5 * scale) continue;
       ShootingOptions shorter = options;
       if (options.nodes % divisor != 0) shorter.nodes = 0;
       PeriodicOrbit candidate = shoot(system, p, Vector(0.5 * (later + orbit.state)), divisor, shorter);
-      // Newton leaves an error of its rounding over the distance of the multipliers from 1: near a bifurcation that is not small.
+      // Newton's error is rounding divided by the distance of the multipliers from 1: near a bifurcation it is not small.
       double nearest = 1.0;
       for (const auto& mu : candidate.multipliers.values)
         nearest = std::min(nearest, std::abs(1.0 - std::pow(mu, period / divisor)));
@@ -254,7 +254,7 @@ PeriodicOrbit shoot(const HybridSystem& system, const Vector& p, const std::vect
 
 namespace {
 
-/// Romberg's table of central differences for one column of a stretch's transition matrix.
+/// Best Romberg extrapolation of central differences for one column of a stretch's transition matrix.
 struct Column {
   Vector value;
   double error = std::numeric_limits<double>::infinity();
@@ -299,7 +299,8 @@ FiniteDifferenceCheck finite_difference_check(const HybridSystem& system, const 
         }
         return (ends[0] - ends[1]) / (places[0] - places[1]);
       };
-      // From large steps to small: each next one halves, three levels are extrapolated, and the best estimate of its error wins.
+      // The step is halved from large to small, three levels are extrapolated, and the value with the smallest error estimate
+      // is kept.
       Column best;
       std::optional<Vector> coarse, middle;
       for (double h = 0.02 * unit; h > 1e-7 * unit; h *= 0.5) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Finding one periodic orbit by Newton's method on the shooting equations.
+// Computation of one periodic orbit by Newton's method on the shooting equations.
 #pragma once
 
 #include <graze/floquet/orbit/orbit_shape.hpp>
@@ -10,7 +10,7 @@ namespace graze {
 
 struct ShootingOptions {
   int nodes = 0;              ///< shooting nodes; 0: one per forcing period
-  double tolerance = 1e-13;   ///< of the residual, relative to 1 + |x|; Newton goes on while it still gains
+  double tolerance = 1e-13;   ///< of the residual, relative to 1 + |x|; below it Newton continues while it improves
   double acceptance = 1e-12;  ///< a residual that stalls below this counts as converged
   int max_iterations = 40;
   int max_halvings = 12;            ///< of a Newton step that does not reduce the residual
@@ -20,16 +20,16 @@ struct ShootingOptions {
   FlowOptions flow = {};
 };
 
-/// Whether Newton's step is so long against the residual (both relative to 1 + |x|) that the Jacobian is singular but for
-/// rounding: the orbit is one of a family, and the step leads along it.
+/// Whether Newton's step is so long compared with the residual (both relative to 1 + |x|) that the Jacobian is singular up to
+/// rounding. The orbit is then one of a family, and the step leads along it.
 inline bool on_a_family(double residual, double step) {
   constexpr double rounding = 1e-13;  // of the Jacobian's smallest singular value
   return residual < rounding * step;
 }
 
 /// Newton from `guess` (state at phase 0, or several states at equally spaced times for multiple shooting). An autonomous
-/// system needs `duration_guess`. The result is always returned; converged() says whether it is an orbit.
-/// @throws std::invalid_argument for parameters out of range or a guess that is not admissible.
+/// system needs `duration_guess`. The result is always returned; converged() tells whether it is an orbit.
+/// @throws std::invalid_argument for parameters out of range or an inadmissible guess.
 PeriodicOrbit shoot(const HybridSystem& system, const Vector& p, const std::vector<Vector>& guess, int period,
                     const ShootingOptions& options = {}, double duration_guess = 0.0);
 inline PeriodicOrbit shoot(const HybridSystem& system, const Vector& p, const Vector& guess, int period,
@@ -37,11 +37,12 @@ inline PeriodicOrbit shoot(const HybridSystem& system, const Vector& p, const Ve
   return shoot(system, p, std::vector<Vector>{guess}, period, options);
 }
 
-/// Everything of an orbit whose nodes are known: events, monodromy, multipliers, checks, admissibility by free re-simulation.
-/// `report` is how the nodes were found.
+/// All properties of an orbit with known nodes: events, monodromy, multipliers, checks, and admissibility by free
+/// re-simulation. `report` describes the computation of the nodes.
 PeriodicOrbit describe_orbit(ShootingEquations& equations, const Vector& u, NewtonReport report);
 
-/// The finite-difference monodromy matrix against the variational one (Richardson, step kept inside the signature's domain).
+/// Compares the finite-difference monodromy matrix with the variational one (Richardson, step kept inside the signature's
+/// domain).
 FiniteDifferenceCheck finite_difference_check(const HybridSystem& system, const PeriodicOrbit& orbit,
                                               const FlowOptions& options = {});
 

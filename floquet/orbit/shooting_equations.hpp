@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// ShootingEquations: an orbit as a root. The orbit's duration is cut into N equal stretches with nodes x_0 ... x_{N-1};
+// ShootingEquations: an orbit as the root of a system of equations. Its duration is divided into N equal stretches with nodes
+// x_0 ... x_{N-1}:
 //     forced:      phi(x_j; t_j, t_{j+1}) - x_{j+1} = 0, j = 0 ... N-1, x_N = x_0, t_j = (s + j n / N) T   (N n equations),
 //     autonomous:  the same with the unknown duration D, t_j = j D / N, and the phase condition f(x_ref) . (x_0 - x_ref) = 0.
-// Unknowns u = (x_0, ..., x_{N-1} [, D]). N = n periods is multiple shooting at forcing phase 0; N = 1 is single shooting.
-// The Jacobian holds the derivative in one parameter as a last column if one is active; that of the period, f dT/dp, is included.
+// Unknowns u = (x_0, ..., x_{N-1} [, D]). N = n periods is multiple shooting at forcing phase 0; N = 1 is single shooting. If a
+// parameter is active, the derivative in it is the last column of the Jacobian; it includes that of the period, f dT/dp.
 #pragma once
 
 #include <graze/lib/motion/transition.hpp>
@@ -14,9 +15,9 @@ namespace graze {
 
 class ShootingEquations {
  public:
-  /// `period`: n forcing periods; of an autonomous orbit n turns, such as two after a period doubling, which share its duration.
-  /// `nodes`: N, a multiple or divisor of n (0: N = n). `active`: the continuation parameter, or none. `section_phase`: s in [0,
-  /// 1), forcing phase of the first node over 2 pi. Nodes must keep clear of hard impacts, across which the state at a fixed
+  /// `period`: n forcing periods. For an autonomous orbit n turns that share its duration, such as two after a period doubling.
+  /// `nodes`: N, a multiple or divisor of n (0: N = n). `active`: the continuation parameter, or none. `section_phase`: s in
+  /// [0, 1), forcing phase of the first node over 2 pi. No node may lie at a hard impact, across which the state at a fixed
   /// phase jumps.
   ShootingEquations(const HybridSystem& system, const Vector& p, int period, int nodes = 0,
                     std::optional<std::size_t> active = std::nullopt, const FlowOptions& options = {},
@@ -35,45 +36,46 @@ class ShootingEquations {
   Propagator& propagator() { return propagator_; }
 
   void set_parameters(const Vector& p) { propagator_.set_parameters(p); }
-  /// Phase condition of an autonomous orbit: through x_ref, normal to the field there.
+  /// Phase condition of an autonomous orbit: the plane through x_ref, normal to the field there.
   void set_phase_reference(const Vector& x_ref);
   bool has_phase_reference() const { return phase_reference_.size() > 0; }
 
-  /// Leaves a contact of stretch j out (see LeftOutContact), one on each at most; j = -1: none is left out any more.
+  /// Leaves out a contact of stretch j (see LeftOutContact), at most one per stretch; j = -1: all contacts are kept again.
   void leave_out(int j, const LeftOutContact& contact = {}) {
     if (j < 0) return left_out_.clear();
     left_out_[j] = contact;
   }
 
-  /// The options with what is left out on stretch j.
+  /// The options with the contact left out on stretch j.
   TransitionOptions on_stretch(int j, TransitionOptions options) const {
     if (const auto contact = left_out_.find(j); contact != left_out_.end()) options.left_out = contact->second;
     return options;
   }
 
   double duration(const Vector& u) const;
-  /// Start of stretch j: forced systems, its time with whole forcing periods left out.
+  /// Start of stretch j; for forced systems modulo the forcing period.
   double node_time(const Vector& u, int j) const;
-  /// The same without leaving them out: time since phase 0 of the orbit.
+  /// The same without the modulus: time since phase 0 of the orbit.
   double orbit_time(const Vector& u, int j) const;
   Vector node(const Vector& u, int j) const { return u.segment(j * n_, n_); }
 
-  /// Evaluates all stretches at u. False where one of them fails (then `failure()` says why).
+  /// Evaluates all stretches at u. False if one of them fails; `failure()` then gives the reason.
   bool evaluate(const Vector& u, const TransitionOptions& options);
   Termination failure() const { return failure_; }
 
-  /// After evaluate: residual (unknowns()), Jacobian (unknowns() x unknowns() [+ 1]), stretch j's map, and its derivative in the
-  /// active parameter including that of its times.
+  /// After evaluate: residual (unknowns()), Jacobian (unknowns() x unknowns() [+ 1]), map of stretch j, and its derivative in
+  /// the active parameter, including that of its start and end times.
   void residual(const Vector& u, Vector& out) const;
   void jacobian(Matrix& out) const;
   const Transition& stretch(int j) const { return stretches_[static_cast<std::size_t>(j)]; }
   Vector stretch_dp(int j) const;
-  /// Derivative in the active parameter of a state on stretch j at a fixed time: Psi with the stretch's moving start.
+  /// Derivative in the active parameter of a state on stretch j at a fixed time: Psi, corrected for the moving start of the
+  /// stretch.
   Vector fixed_time_dp(int j, const Matrix& Phi, const Matrix& Psi) const;
   /// f at the start of stretch j, and at its end.
   const Vector& start_field(int j) const { return start_fields_[static_cast<std::size_t>(j)]; }
   const Vector& end_field(int j) const { return end_fields_[static_cast<std::size_t>(j)]; }
-  /// Dimensionless time carried so far: the measure of cost.
+  /// Dimensionless time carried so far, as a measure of cost.
   double time_carried() const { return propagator_.time_carried(); }
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Signature: what an orbit meets on its way, in order: the starting mode and the sequence of events. Prints as z = p/n.
+// Signature: the starting mode of an orbit and its sequence of events, in order. Prints as z = p/n.
 #pragma once
 
 #include <graze/lib/system/hybrid_system.hpp>
@@ -20,8 +20,8 @@ int impacts(const HybridSystem& system, const Signature& signature);
 
 /// "p/n".
 std::string label(int impacts, int period);
-/// The same of an orbit that sticks, "4+∞/1": its impacts but for those of complete chatters (whose number is a matter of
-/// definition), of which there are infinitely many. `isolated`: PeriodicOrbit::isolated_impacts.
+/// The same for an orbit that sticks, "4+∞/1": its impacts without those of complete chatters, of which there are infinitely
+/// many (their computed number depends on the definition). `isolated`: PeriodicOrbit::isolated_impacts.
 std::string label(int impacts, int isolated, int period);
 
 }  // namespace graze

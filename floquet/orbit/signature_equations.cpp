@@ -109,8 +109,9 @@ Vector SignatureEquations::speed_gradient(const Vector& u, int k) {
   return out;
 }
 
-/// The flight after event k meets the guard of the next event while it comes up to it. Before a weak impact it does so early, for
-/// it is within the tolerance of the guard long before: it rises all the way from there, unless it rises, falls and rises again.
+/// Whether the event met on the flight after event k is the next event itself, approached from inside. A weak impact is met
+/// early, because the motion is within the guard's tolerance long before. It then rises all the way to the event, since the
+/// remaining time is too short for a fall and another rise.
 bool SignatureEquations::is_next_event(const Vector& u, int k, const EventRecord& met) {
   constexpr double too_short_to_fall = 1e-3;  // of a forcing period
   const int next = (k + 1) % events();
@@ -125,8 +126,8 @@ std::optional<SignatureEquations::Violation> SignatureEquations::violation(const
   for (int k = 0; k < events(); ++k)
     if (!(speed(u, k) > 0.0)) return Violation{k, true};
   for (int k = 0; k < events(); ++k) {
-    // The last instant before the next event is left out: there the motion is on the guard already, up to guard_tolerance, and an
-    // arc beyond it is no deeper than 1e-11.
+    // The last moment before the next event is left out: the motion is already on the guard there, up to guard_tolerance, and
+    // an arc beyond it is no deeper than 1e-11.
     const double end = end_time(u, k), length = end - time(u, k), watched = end - std::min(1e-5, 0.01 * length);
     HybridState moving = after(u, k);
     const StepEnd met = propagator_.step(moving, watched);
@@ -170,7 +171,7 @@ MonodromyMatrix SignatureEquations::monodromy(const Vector& u, double* liouville
 }
 
 int SignatureEquations::flight_at(const Vector& u, double t, double& shift) const {
-  // Before the first event stands the last one, a whole orbit earlier.
+  // The flight before the first event is the last one, a whole orbit earlier.
   shift = 0.0;
   while (t + shift < time(u, 0)) shift += duration();
   while (t + shift >= time(u, 0) + duration()) shift -= duration();

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// SignatureEquations: an orbit with a fixed signature as a root, with nodes at its events. Unknowns are the instants and the
-// states just before the m events, u = (t_1, x_1, ..., t_m, x_m); with guard h_k, reset g_k and the flow phi_k between events,
+// SignatureEquations: an orbit with a fixed signature as the root of a system of equations, with nodes at its events. The
+// unknowns are the times of the m events and the states just before them, u = (t_1, x_1, ..., t_m, x_m); with guard h_k, reset
+// g_k and the flow phi_k between events,
 //
 //     phi_k(g_k(t_k, x_k); t_k, t_{k+1}) - x_{k+1} = 0,    h_k(t_k, x_k) = 0,    t_{m+1} = t_1 + n T, x_{m+1} = x_1.
 //
-// The flows go through the guards, so that the equations are smooth through zero speed at an event: a branch of hard impacts can
-// be followed onto its grazing (di Bernardo, Budd, Champneys & Kowalczyk 2008, section 7.2), where the state at a fixed phase is
-// a square root. Beyond it, or where a flight passes through a guard, solutions are no motions: see admissible(). For forced
-// systems.
+// The flows ignore the guards, so the equations are smooth through zero speed at an event. A branch of hard impacts can
+// therefore be followed to its grazing (di Bernardo, Budd, Champneys & Kowalczyk 2008, section 7.2), where the state at a fixed
+// phase varies like a square root. Beyond the grazing, or if a flight passes through a guard, solutions are not motions: see
+// violation(). For forced systems.
 #pragma once
 
 #include <graze/floquet/orbit/multipliers.hpp>
@@ -17,8 +18,8 @@ namespace graze {
 
 class SignatureEquations {
  public:
-  /// `events`: indices in HybridSystem::events, in order; each starts in the mode to which the one before it leads.
-  /// `active`: the continuation parameter. @throws std::invalid_argument for events that do not fit together.
+  /// `events`: indices in HybridSystem::events, in order; each starts in the mode to which the one before it leads. `active`:
+  /// the continuation parameter. @throws std::invalid_argument for events that do not fit together.
   SignatureEquations(const HybridSystem& system, const Vector& p, int period, std::vector<std::size_t> events, std::size_t active,
                      const FlowOptions& options = {});
 
@@ -32,13 +33,13 @@ class SignatureEquations {
   void set_parameters(const Vector& p) { propagator_.set_parameters(p); }
   double duration() const { return period_ * forcing_period(system(), parameters()); }
 
-  /// Dimensionless time carried so far: the measure of cost.
+  /// Dimensionless time carried so far, as a measure of cost.
   double time_carried() const { return propagator_.time_carried(); }
 
   double time(const Vector& u, int k) const { return u[k * (n_ + 1)]; }
   Vector state(const Vector& u, int k) const { return u.segment(k * (n_ + 1) + 1, n_); }
 
-  /// The equations of event k and of the flight that follows it: rows of the residual, and of the Jacobian by columns.
+  /// The equations of event k and of the flight after it: rows of the residual, and of the Jacobian by columns.
   struct Block {
     Vector mismatch;     ///< phi_k(g_k(t_k, x_k)) - x_{k+1}
     double gap = 0.0;    ///< h_k(t_k, x_k)
@@ -47,29 +48,29 @@ class SignatureEquations {
     Vector mismatch_dp;  ///< by the parameter
     double gap_dp = 0.0;
   };
-  /// False where the flow cannot be carried out, or where the next event would come before this one.
+  /// False if the flow cannot be carried out, or if the next event would precede this one.
   bool evaluate(const Vector& u, int k, bool derivatives, Block& block);
 
-  /// Residual (unknowns()) and, unless null, Jacobian (unknowns() x unknowns() + 1, the parameter last). False where a flow
-  /// cannot be carried out.
+  /// Residual (unknowns()) and, unless null, Jacobian (unknowns() x unknowns() + 1, the parameter last). False if a flow cannot
+  /// be carried out.
   bool evaluate(const Vector& u, Vector& residual, Matrix* jacobian);
 
   /// dh_k/dt just before event k: its normal speed, negative beyond grazing; and its gradient in u.
   double speed(const Vector& u, int k);
   Vector speed_gradient(const Vector& u, int k);
 
-  /// The event at which, or after which, u is no motion: its speed is not positive, or a guard is met on the flight after it.
+  /// An event at which u is not a motion: its speed is not positive, or a guard is met on the flight after it.
   struct Violation {
     int event = 0;
-    bool lost = false;                    ///< by its speed; otherwise on the flight that follows
-    std::optional<EventRecord> met = {};  ///< on that flight; empty where it could not be carried out
+    bool lost = false;                    ///< the speed is not positive; otherwise the flight after it fails
+    std::optional<EventRecord> met = {};  ///< on that flight; empty if it could not be carried out
   };
   std::optional<Violation> violation(const Vector& u);
 
-  /// Saltation and transition matrices in order, from just before event 1 round to there; and the Liouville check of their sum.
+  /// Saltation and transition matrices in order, once around from just before event 1, and the Liouville check of their sum.
   MonodromyMatrix monodromy(const Vector& u, double* liouville_error = nullptr);
 
-  /// The states at increasing times, through the flights.
+  /// The states at increasing times, along the flights.
   std::vector<Vector> states_at(const Vector& u, const std::vector<double>& times);
   /// Mode at time t.
   std::size_t mode_at(const Vector& u, double t) const;

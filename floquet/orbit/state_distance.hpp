@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sizes and distances of states in the maximum norm: of vectors, and of the pairs of numbers that the lanes carry.
+// Norms and distances of states in the maximum norm, for vectors and for the number pairs in the lanes.
 #pragma once
 
 #include <graze/lib/numerics/vector.hpp>
@@ -23,7 +23,7 @@ inline double state_distance(const Vector& a, const Vector& b) { return (a - b).
 inline double state_distance(const StatePair& a, const StatePair& b) { return state_size(StatePair{a[0] - b[0], a[1] - b[1]}); }
 inline double state_distance(const StatePair& a, const Vector& b) { return state_distance(a, pair_of(b)); }
 
-/// To the nearest of several; infinite where there is none.
+/// Distance to the nearest of several states; infinite if there are none.
 template <class States, class State> double nearest_distance(const States& states, const State& x) {
   double least = std::numeric_limits<double>::infinity();
   for (const auto& state : states) least = std::min(least, state_distance(state, x));

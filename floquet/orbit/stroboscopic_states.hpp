@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The states of a motion at forcing phase 0, one forcing period after the other; of an autonomous system at its returns.
+// The states of a motion at forcing phase 0 in consecutive periods; for an autonomous system at its returns.
 #pragma once
 
 #include <graze/lib/motion/transition.hpp>
@@ -8,7 +8,7 @@
 
 namespace graze {
 
-/// `count` of them from `start` on, or fewer where the motion cannot be carried on.
+/// `count` states from `start` on; fewer if the motion cannot be continued.
 inline std::vector<Vector> stroboscopic_states(Propagator& propagator, const Vector& start, std::size_t count) {
   Transition transition;
   std::vector<Vector> states{start};

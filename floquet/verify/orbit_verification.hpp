@@ -17,9 +17,9 @@
 // 77); the smaller bound is used.
 //
 // Exponents: M^k = V D^k V^-1. After k turns the length of an aligned vector is therefore within a factor kappa^2 of |mu|^k,
-// and that of an i-dimensional volume within kappa^(2 i). After the time N T the averages are within 2 (2 n - 3) ln kappa / (N
-// T) of the exponents (n = 2: 2 ln kappa / (N T)), plus rounding, 1e-10. The check does not apply to unstable orbits (rounding
-// makes the motion leave them), zero multipliers, a defective M and autonomous systems.
+// and that of an i-dimensional volume within kappa^(2 i). After the time N T the averages are within
+// 2 (2 n - 3) ln kappa / (N T) of the exponents (n = 2: 2 ln kappa / (N T)), plus rounding, 1e-10. The check does not apply to
+// unstable orbits (rounding makes the motion leave them), zero multipliers, a defective M and autonomous systems.
 #pragma once
 
 #include <graze/floquet/exponents/lyapunov.hpp>
