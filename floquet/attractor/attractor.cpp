@@ -206,7 +206,7 @@ bool goes_on(const HybridSystem& system, const Vector& p, const Vector& begin, i
 
 void average_on_attractor(const HybridSystem& system, const Vector& p, Attractor& attractor, const AttractorOptions& options) {
   LyapunovOptions averaging = options.lyapunov;
-  averaging.significance = options.significance;  // long enough to tell chaos, too
+  averaging.significance = options.significance;  // also long enough to establish chaos
   averaging.motions = std::max(averaging.motions, motions_in_chaos(averaging));
   AttractorOptions longer = options;
   for (int round = 0; attractor.termination == Termination::time && attractor.type != AttractorType::periodic; ++round) {

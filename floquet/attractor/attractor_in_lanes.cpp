@@ -24,7 +24,7 @@ MotionTask<SettlingLook> look(TaskSlot& lane, const HybridSystem& system, const 
   return look_for_orbit_in_lanes(lane, system, p, state, most, nearness_of(options), options.lyapunov.flow, refused);
 }
 
-/// approach_attractor.
+/// approach_attractor in the lanes.
 MotionTask<Attractor> approach(TaskSlot& lane, const HybridSystem& system, const Vector& p, const Vector& start,
                                const AttractorOptions& options) {
   const Stop stop{options};

@@ -8,8 +8,8 @@
 
 namespace graze {
 
-/// Compares each state with a reference that is renewed after 4, 8, 16, ... periods (Brent's cycle detection). Most motions are
-/// near their orbit long before the transient ends.
+/// Compares each state with a reference that is renewed at doubling intervals, first after 4 periods (Brent's cycle detection).
+/// Most motions are near their orbit long before the transient ends.
 class ReturnWatch {
  public:
   explicit ReturnWatch(double recurrence) : recurrence_(recurrence) {}

@@ -11,9 +11,9 @@ namespace graze {
 
 struct SettleOptions {
   int periods = 1000;        ///< forcing periods of transient
-  int max_period = 64;       ///< largest period looked for among the states that follow
+  int max_period = 64;       ///< largest period tested on the states after it
   double recurrence = 1e-6;  ///< |x_{k+n} - x_k| / (1 + |x_k|) below which period n is suspected (proved by Newton, not by this)
-  std::function<bool()> cancelled = {};  ///< asked once per period; may be empty
+  std::function<bool()> cancelled = {};  ///< called once per period; may be empty
   FlowOptions flow = {};
 };
 

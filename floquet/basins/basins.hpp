@@ -31,14 +31,14 @@ struct BasinOptions {
   int threads = 1;
   FlowOptions flow = {};
   std::function<bool()> cancelled = {};                                           ///< called every few periods, by all threads
-  std::function<void(std::size_t starts, std::size_t attractors)> progress = {};  ///< by one thread at a time
+  std::function<void(std::size_t starts, std::size_t attractors)> progress = {};  ///< called by one thread at a time
 };
 
 /// Outcome of a start.
 enum class Fate : std::uint8_t {
   not_run,       ///< not run before the interruption
   reached,       ///< an attractor
-  inadmissible,  ///< it lies beyond a barrier
+  inadmissible,  ///< the start lies beyond a barrier
   lost           ///< the motion could not be continued, or there were too many attractors
 };
 

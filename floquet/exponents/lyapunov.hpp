@@ -28,7 +28,7 @@ enum class LyapunovStop {
   change,          ///< the source's rule: all exponents changed by less than LyapunovOptions::change
   budget,          ///< max_periods were carried out
   interrupted,
-  failed  ///< the motion could not be carried on; see LyapunovSpectrum::termination
+  failed  ///< the motion could not be continued; see LyapunovSpectrum::termination
 };
 
 std::string_view lyapunov_stop_text(LyapunovStop reason);
@@ -55,7 +55,7 @@ struct LyapunovOptions {
   /// parameters; the result changes by the errors of the table.
   bool all_threads = false;
   const ContactTable* table = nullptr;
-  std::function<bool()> cancelled = {};  ///< called once per interval
+  std::function<bool()> cancelled = {};  ///< called once per interval; in lanes every 32 to 256 periods
   std::function<void(std::int64_t periods)> progress = {};
 };
 

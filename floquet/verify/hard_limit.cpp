@@ -92,7 +92,7 @@ double relative(const Vector& difference, const Vector& x) {
   return difference.lpNorm<Eigen::Infinity>() / (1.0 + x.lpNorm<Eigen::Infinity>());
 }
 
-/// Trace and determinant of M: smooth where multipliers meet.
+/// Trace and determinant of M: they stay smooth where multipliers meet.
 Vector invariants(const PeriodicOrbit& orbit) {
   const Matrix M = orbit.monodromy.product();
   return Vector{{M.trace(), M.determinant()}};

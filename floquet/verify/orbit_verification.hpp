@@ -47,14 +47,14 @@ struct OrbitCheck {
   double limit = 0.0;
   bool applicable() const { return !(disagreement < 0.0); }
   bool passes() const { return disagreement <= limit || !applicable(); }
-  /// Disagreement in units of its bound; 0 where not applicable.
+  /// Disagreement in units of its bound; 0 if not applicable.
   double ratio() const { return applicable() ? disagreement / limit : 0.0; }
 };
 
 struct VerificationOptions {
   std::int64_t average_periods = 2000;   ///< of the time average, rounded up to whole turns; 0: none
   std::int64_t aligning = 200;           ///< forcing periods before it, for the tangent vectors to align
-  std::function<bool()> cancelled = {};  ///< asked once per forcing period of the average
+  std::function<bool()> cancelled = {};  ///< called once per forcing period of the average
 };
 
 struct VerifiedOrbit {
