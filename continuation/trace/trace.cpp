@@ -26,12 +26,12 @@ std::string reason(const ZeroProblem& problem, NewtonStatus status) {
   return text;
 }
 
-/// True if the step of this length from `last` to `next` passes through `first` the way the curve went on from there, and `next`
-/// then becomes that point. Being near it is not enough: another turn of the curve may be.
+/// True if the step from `last` to `next`, of this length, passes through `first` in the direction of its tangent; `next` then
+/// becomes `first`. Closeness alone does not decide: another turn of the curve may pass nearby.
 bool returns_to(const CurvePoint& first, const ZeroProblem& problem, const Vector& weights, const CurvePoint& last,
                 CurvePoint& next, double length, const TraceOptions& options) {
-  // Near it is no further than two steps in any unknown. Most points of a long curve are further away in the last one, and most
-  // images of an orbit in one of the first.
+  // Near means within two step lengths in each unknown. The parameter (last) and the first unknowns are tested first: they rule
+  // out most points of a long curve and most images of an orbit.
   const Eigen::Index end = first.u.size() - 1;
   const auto is_far = [&](Eigen::Index i) {
     const double apart = first.u[i] - last.u[i];
@@ -141,7 +141,7 @@ Curve trace(const ZeroProblem& problem, const Vector& u0, const Vector& orientat
       const double length = weighted_norm(weights, next.u - last.u);
       next.arclength = last.arclength + length;
       const double cosine = next.tangent.size() == 0 ? -1.0 : weights.cwiseProduct(next.tangent).dot(last.tangent);
-      // A jump to a neighbouring curve shows as a correction longer than the step, a kink as a large angle.
+      // A jump to a neighbouring curve shows as a correction longer than half the step, a kink as a large angle.
       const bool smooth = std::acos(std::clamp(cosine, -1.0, 1.0)) <= options.max_angle &&
                           weighted_norm(weights, next.u - predicted) <= 0.5 * step;
       const auto comes_to = [&](const CurvePoint& point) {
@@ -149,7 +149,7 @@ Curve trace(const ZeroProblem& problem, const Vector& u0, const Vector& orientat
       };
       closes = smooth && (std::any_of(origins.begin(), origins.end(), comes_to) ||
                           (curve.points.size() > 2 && std::any_of(curve.points.begin() + 1, curve.points.end() - 2, comes_to)));
-      // At the smallest step a kink is for the monitor to judge; a curve that begins elsewhere is not this one.
+      // At the smallest step the monitor decides about a kink; a long jump, which lands on another curve, is rejected here.
       constexpr double elsewhere = 1e-3;
       const bool jumps = !smooth && step <= options.min_step && length > elsewhere;
       if (smooth || (step <= options.min_step && !jumps && next.tangent.size() > 0))

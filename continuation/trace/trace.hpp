@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // trace: pseudo-arclength continuation of a ZeroProblem (Keller 1977): predictor along the tangent, Newton corrector on
 //     H(u) = 0,   (u - u_predicted) . W tangent = 0,
-// with the step halved on failure or too sharp a turn and enlarged after easy steps. It knows nothing of orbits.
+// where W holds the weights of the arclength norm. The step is halved after a failure or too sharp a turn, and enlarged after
+// an easy correction. Nothing here is specific to orbits.
 #pragma once
 
 #include <graze/continuation/trace/zero_problem.hpp>
@@ -17,11 +18,11 @@ struct TraceOptions {
   double min_step = 1e-9;
   double max_step = 5e-2;
   int max_points = 10000;
-  int max_iterations = 8;     ///< of the corrector
-  int good_iterations = 4;    ///< a corrector that needs no more enlarges the step
-  double tolerance = 1e-13;   ///< of the residual (as the problem scales it)
+  int max_iterations = 8;     ///< Newton iterations of the corrector
+  int good_iterations = 4;    ///< a correction with at most this many iterations enlarges the step
+  double tolerance = 1e-13;   ///< of the residual, relative to ZeroProblem::size
   double acceptance = 1e-11;  ///< a residual that stalls below this is accepted
-  double max_angle = 0.3;     ///< radians between consecutive tangents, where the step is halved above it
+  double max_angle = 0.3;     ///< largest angle between consecutive tangents (radians); above it the step is halved
 };
 
 /// A point on the curve.
@@ -34,22 +35,22 @@ struct CurvePoint {
 
 enum class TraceStop { not_run, monitor, point_limit, min_step, start_failed, closed, interrupted };
 
-/// What a monitor says of a new point: go on, reject it (the step is halved), or stop with it as the last one.
+/// Decision of a monitor on a new point: continue, reject it (the step is halved), or stop with it as the last point.
 enum class Verdict { go_on, reject, stop };
 using Monitor = std::function<Verdict(const CurvePoint& before, CurvePoint& after)>;
 
 struct Curve {
   std::vector<CurvePoint> points;
   TraceStop stop = TraceStop::not_run;
-  std::optional<Vector> first_failed;  ///< the predicted point at which the corrector failed last
-  std::string failure;                 ///< why, in words
+  std::optional<Vector> first_failed;  ///< predicted point of the last failed correction
+  std::string failure;                 ///< reason of the last failure, as text
 };
 
-/// Follows the curve through (near) u0 in the direction of `orientation` (a vector whose inner product with the tangent is to be
-/// positive; it need not be tangent). `monitor` may be empty. The curve is closed when it passes again through one of its points,
-/// or through one of its origins: its first point, or if `origins_of` is given what that makes of the first point (all that is
-/// the same by a symmetry of the problem, or where the curve began earlier). A regular curve that comes back to itself does so at
-/// its beginning first; one that has gone over to another one at a branch point does not.
+/// Follows the curve through (or near) u0 in the direction of `orientation`: a vector with a positive inner product with the
+/// wanted tangent, which need not be tangent itself. `monitor` may be empty. The curve counts as closed when it passes again
+/// through one of its points or one of its origins. The only origin is the first point, unless `origins_of` returns others for
+/// it: its images under a symmetry of the problem, or a point at which the curve began earlier. A regular curve returns to its
+/// beginning first; a curve that changed over to another one at a branch point does not.
 using OriginsOf = std::function<std::vector<CurvePoint>(const CurvePoint& first)>;
 Curve trace(const ZeroProblem& problem, const Vector& u0, const Vector& orientation, const TraceOptions& options = {},
             const Monitor& monitor = {}, const OriginsOf& origins_of = {});

@@ -12,13 +12,13 @@ namespace graze {
 
 struct ZeroProblem {
   Eigen::Index unknowns = 0;
-  /// residual (unknowns - 1) and, unless null, Jacobian (unknowns - 1) x unknowns; false: cannot be evaluated at u.
+  /// Sets residual (unknowns - 1) and, unless null, Jacobian (unknowns - 1) x unknowns. False: H cannot be evaluated at u.
   std::function<bool(const Vector& u, Vector& residual, Matrix* jacobian)> evaluate;
   /// Weights of the arclength norm |u|^2 = sum w_i u_i^2; empty: all 1.
   Vector weights;
-  /// Tolerances of the residual are relative to this: the size of what it is the difference of.
+  /// Tolerances of the residual are relative to this: the size of the quantities whose difference the residual is.
   double size = 1.0;
-  /// Why the last evaluation failed, for people; may be empty.
+  /// Text: why the last evaluation failed; may be empty.
   std::function<std::string()> failure;
 };
 
