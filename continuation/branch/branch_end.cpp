@@ -33,7 +33,7 @@ OrbitProblem orbit_problem(const HybridSystem& system, const PeriodicOrbit& orbi
 
 std::optional<PeriodicOrbit> half_of(const HybridSystem& system, const Branch& branch, const ContinuationOptions& options) {
   const BranchPoint& last = branch.points.back();
-  // Its nodes keep clear of hard impacts, across which the two halves may differ by a jump.
+  // The nodes stay clear of hard impacts, across which the two halves may differ by a jump.
   const std::size_t half = last.nodes.size() / 2;
   std::vector<Vector> guess;
   double apart = 0.0, scale = 1.0;
@@ -42,7 +42,7 @@ std::optional<PeriodicOrbit> half_of(const HybridSystem& system, const Branch& b
     apart = std::max(apart, (last.nodes[k] - last.nodes[k + half]).lpNorm<Eigen::Infinity>());
     scale = std::max(scale, 1.0 + guess.back().lpNorm<Eigen::Infinity>());
   }
-  // Farther apart than a few of the longest steps they have not met: the branch is closed in itself.
+  // Halves farther apart than a few of the longest steps have not met: the branch is a closed curve.
   constexpr double met = 0.2;
   if (half == 0 || apart > met * scale) return std::nullopt;
   OrbitProblem problem(system, parameters_at(system, branch, last.value), branch.period / 2, static_cast<int>(half),
@@ -94,7 +94,8 @@ bool is_partner(const Branch& child, const Branch& ended) {
   if (child.points.empty() || ended.points.empty()) return false;
   const SpecialPoint& point = ended.special_points.back();
   if (std::get<std::string>(point.details.at("kind")) == "gained") return child.period == ended.period;
-  // Without its weak impact the orbit may close after a divisor of its period; families of several times that one have it.
+  // Without its weak impact the orbit may close after a divisor of its period; families of a multiple of that period have the
+  // impact.
   return ended.period % child.period == 0 &&
          child.points.front().impacts * (ended.period / child.period) < ended.points.back().impacts;
 }
@@ -108,7 +109,7 @@ GrazingEdge first_edge(const SpecialPoint& point, const Branch& branch) {
 
 const KnownEdge* edge_beyond(const std::vector<KnownEdge>& edges, std::size_t index, const SpecialPoint& point, GrazingEnd end) {
   GrazingEdge partner = partner_edge(point, end.grazing, end.lost);
-  // With one impact more or, where several contacts touch together, with several.
+  // The partner has one impact more, or several if several contacts graze together.
   for (int more = 0; more < (end.lost ? 1 : most_together); ++more, ++partner.impacts)
     for (const KnownEdge& known : edges)
       if (known.branch != index && same_edge(known.edge, partner)) return &known;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the end of a branch leads to, found from the points of the branch alone (which a result file holds).
+// Continuation beyond the end of a branch: orbit of half the period, grazing, partner family. Computed from the points of the
+// branch alone, which a result file holds.
 #pragma once
 
 #include <graze/continuation/branch/branch_follower.hpp>
@@ -11,34 +12,34 @@
 
 namespace graze {
 
-/// The equations of an orbit (run through `copies` times) in the parameter of `options`; `low`, `high`: its range.
+/// The equations of an orbit traversed `copies` times, in the parameter of `options` with the range `low` ... `high`.
 OrbitProblem orbit_problem(const HybridSystem& system, const PeriodicOrbit& orbit, const ContinuationOptions& options, double low,
                            double high, int copies = 1);
 
-/// The orbit in the middle of the two halves of the last point, which have all but met: that of half the period. Empty where
-/// there is none.
+/// The orbit of half the period on which a doubled branch ends: Newton's method from the mean of the two halves of the last
+/// point, which nearly coincide. Empty if there is none.
 std::optional<PeriodicOrbit> half_of(const HybridSystem& system, const Branch& branch, const ContinuationOptions& options);
 
-/// The grazing at the end of the branch, from the last of its points that Newton reproduces; empty where none leads there.
+/// The grazing at the end of the branch, located again from the last of its points that Newton's method reproduces. Empty if
+/// none of them leads there.
 std::optional<GrazingEnd> grazing_end_of(const HybridSystem& system, const Branch& branch, const ContinuationOptions& options,
                                          double low, double high);
 
-/// Whether `child`, born on the grazing at the end of `ended`, is the orbits beyond it with one impact more or less, and not one
-/// of the families of several times their period.
+/// True if `child`, born on the grazing at the end of `ended`, is the family beyond it with one impact more or less, and not a
+/// family of a multiple of the period.
 bool is_partner(const Branch& child, const Branch& ended);
 
 /// The edge at which the branch, born on the grazing `point`, begins.
 GrazingEdge first_edge(const SpecialPoint& point, const Branch& branch);
 
-/// Of the known ends of families the one on the other side of the grazing `point`, on which branch `index` ended; null if there
-/// is none.
+/// The known edge of the family on the other side of the grazing `point`, on which branch `index` ended; null if unknown.
 const KnownEdge* edge_beyond(const std::vector<KnownEdge>& edges, std::size_t index, const SpecialPoint& point, GrazingEnd end);
 
-/// Changes the scenario of the grazing at the end of the branch, in its details and in the branch's message.
+/// Changes the scenario of the grazing at the end of the branch, both in its details and in the message of the branch.
 void set_scenario(Branch& branch, const std::function<void(SpecialPoint&)>& change);
 
-/// No family was found to begin there, for that reason: there is `none`, or else the scenario is that of the linear response
-/// alone, "undecided" where that says nothing.
+/// Records, with the reason, that no family was found to begin at the grazing. With `none` the scenario becomes "none";
+/// otherwise it is that of the linear response alone, or "undecided" if the response does not decide.
 void set_scenario_alone(Branch& branch, const std::string& reason, bool none);
 
 }  // namespace graze

@@ -15,9 +15,9 @@ namespace graze {
 
 namespace {
 
-/// Multipliers that cannot be told from those of the bifurcation all along a step pass it in rounding alone: where a doubled
-/// branch begins, and along orbits of a conservative resonance, which all have the same. Two that coincide are known to the root
-/// of rounding only.
+/// True if the multipliers coincide with those of the bifurcation to rounding at both ends of the step: then they cross in
+/// rounding alone. This occurs where a doubled branch begins, and along orbits of a conservative resonance, which all have
+/// these multipliers. Two coinciding multipliers are known only to the square root of rounding.
 bool in_rounding(const TestFunction& test, const TestPoint& a, const TestPoint& b) {
   constexpr double rounding = 1e-8, root = 1e-5;
   const double farthest = std::max(test.distance(a.branch), test.distance(b.branch));
@@ -28,7 +28,7 @@ bool in_rounding(const TestFunction& test, const TestPoint& a, const TestPoint& 
   return farthest < (coincide(a.branch) && coincide(b.branch) ? root : rounding);
 }
 
-/// A point of a branch as every orbit that is the same one: a branch that comes back to any of them is closed.
+/// All representations of the orbit at a point of a branch: a branch that returns to any of them is closed.
 std::vector<CurvePoint> images_of(const BranchProblem& problem, const CurvePoint& point) {
   std::vector<CurvePoint> list;
   for (BranchProblem::Image& image : problem.images(point.u, point.tangent)) {
@@ -40,8 +40,8 @@ std::vector<CurvePoint> images_of(const BranchProblem& problem, const CurvePoint
   return list;
 }
 
-/// Whether impacts give nothing back (k_r = 0): each of them is its own complete chatter, and where nothing presses the mass any
-/// more it leaves at once. The state changes continuously there.
+/// True if the restitution is zero (k_r = 0): each impact is its own complete chatter, and the mass leaves as soon as no force
+/// presses it to the barrier. The state changes continuously there.
 bool is_plastic(const HybridSystem& system, const Vector& p) {
   return std::any_of(system.events.begin(), system.events.end(), [&](const Event& event) {
     return event.accumulation && event.log_volume_change && std::isinf(event.log_volume_change(p));
@@ -58,8 +58,8 @@ bool BranchFollower::interrupted_now() {
   return interrupted_;
 }
 
-/// The end of the range: the step's end is moved onto it. Empty: not there yet. A step that begins on the end of the range and
-/// ends outside has passed a fold, and is to be made shorter.
+/// Handles the end of the range: moves the end of the step onto it. Empty if the step does not reach it. A step that begins on
+/// the end of the range and ends outside has passed a fold and must be shortened.
 std::optional<Verdict> BranchFollower::end_of_range(BranchProblem& problem, const CurvePoint& before, CurvePoint& after) const {
   const double value = problem.value(after.u), last = problem.value(before.u);
   const double tolerance = 1e-14 * (1.0 + std::abs(high_));
@@ -85,11 +85,11 @@ void BranchFollower::begin(BranchProblem& problem, const Vector& u, Branch& bran
   mark(problem, u, PointType::EP, branch);
 }
 
-/// Locates what lies between the last point and the next, and takes the next one up; false where the step is to be halved. `met`:
-/// what is known already to lie there.
+/// Locates the special points between the last point and the next, and appends the next point. False if the step must be
+/// halved. `met`: special points that are already located in the step.
 bool BranchFollower::take(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, BranchPoint point,
                           std::vector<MetPoint> met, Branch& branch) {
-  // What is not found where it was announced may be no such point, but a step onto another branch close by.
+  // A special point that is announced but not found may be a step onto a nearby branch.
   constexpr double smallest_doubt = 1e-5, smallest_step = 1e-8;
   const bool long_step = !corner_ && after.arclength - before.arclength > smallest_doubt;
   const auto doubtful = [&](const MetPoint& special) { return special.point.status != PointStatus::converged && long_step; };
@@ -104,11 +104,11 @@ bool BranchFollower::take(BranchProblem& problem, const CurvePoint& before, cons
       if (long_step) return false;
       continue;
     }
-    // A fold beyond the end of the range: the branch leaves the range and comes back within the step.
+    // A fold beyond the end of the range: the branch leaves the range and returns within the step.
     const bool outside = special->point.value < low_ || special->point.value > high_;
     if (outside && test.type == PointType::LP && long_step) return false;
     met.push_back(std::move(*special));
-    if (corner_) {  // at its tip, which lies within the smallest step of the grazing, on the side of the contact
+    if (corner_) {  // at the tip of the corner: within the smallest step of the grazing, on the contact side
       SpecialPoint& tip = met.back().point;
       tip.status = PointStatus::bracketed;
       tip.value = corner_->value;
@@ -128,7 +128,7 @@ bool BranchFollower::take(BranchProblem& problem, const CurvePoint& before, cons
   return true;
 }
 
-/// The branch ends just before the orbit of half its period: what lies on the way there is located.
+/// Ends the branch just before the orbit of half its period, and locates the special points up to there.
 Verdict BranchFollower::end_at_half(BranchProblem& problem, const CurvePoint& before, double part, CurvePoint& after,
                                     Branch& branch) {
   constexpr double just_before = 0.9;
@@ -153,7 +153,7 @@ Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& 
   if (end == Verdict::reject) return Verdict::reject;
   BranchPoint point = problem.branch_point(after.u, branch.points.back().arclength + after.arclength - before.arclength);
   if (!point.multipliers.valid || leaves_branch(system_, symmetries_, branch, point)) return Verdict::reject;
-  // Where a chatter becomes incomplete infinitely many impacts come apart, each with a grazing of its own.
+  // Where a chatter becomes incomplete, infinitely many impacts separate, each with a grazing of its own.
   const bool sticks = point.isolated_impacts < point.impacts;
   const bool switches = sticks != (branch.points.back().isolated_impacts < branch.points.back().impacts);
   const bool plastic = switches && is_plastic(system_, problem.equations().parameters());
@@ -161,13 +161,13 @@ Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& 
     chatter_ends_ = after.arclength - before.arclength <= 1e-7;
     return chatter_ends_ ? Verdict::stop : Verdict::reject;
   }
-  // One grazing at a time: a step across several is halved, down to where they cannot be told apart. Contacts that touch together
-  // (an orbit symmetric between two barriers) are one.
+  // A step must not cross several grazings: it is halved until one remains or they cannot be separated. Contacts that graze
+  // together (an orbit symmetric between two barriers) count as one.
   const int change = plastic && point.impacts == branch.points.back().impacts
                          ? 0
                          : std::abs(point.isolated_impacts - branch.points.back().isolated_impacts);
-  // Orbits on both sides of a hard grazing are different families, even where the corrector finds its way across: never step over
-  // one.
+  // Orbits on the two sides of a hard grazing are different families, even if the corrector converges across it: never step
+  // over one.
   if (change == 1 && hard_contacts_) return Verdict::reject;
   const bool close = after.arclength - before.arclength <= 1e-7;
   if (change > 1 && hard_contacts_ && !close) return Verdict::reject;
@@ -181,9 +181,9 @@ Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& 
   return section_blocked_ ? Verdict::stop : Verdict::go_on;
 }
 
-/// A branch that starts on its grazing begins with the first orbit beyond it whose impacts are fast enough. One that ends before
-/// there is such an orbit is kept with the one whose weakest impact is fastest: between two grazings close together, or at the
-/// end of the range.
+/// A branch that starts on a grazing begins with the first orbit beyond it whose impacts are fast enough. If the branch ends
+/// before (between two grazings close together, or at the end of the range), it keeps the orbit whose weakest impact is
+/// fastest.
 Verdict BranchFollower::monitor_beyond_grazing(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after,
                                                Branch& branch) {
   const double value = problem.value(after.u);
@@ -228,7 +228,7 @@ Verdict BranchFollower::monitor_signature(SignatureProblem& problem, const Curve
   return end.value_or(Verdict::go_on);
 }
 
-/// Where the model allows no value beyond the end of the range, no step leads across it: the last one is made onto it.
+/// Makes the last step onto the end of the range: if the model allows no value beyond it, no step leads across it.
 bool BranchFollower::end_on_bound(BranchProblem& problem, Branch& branch) {
   const BranchPoint& end = branch.points.back();
   for (const double bound : {low_, high_}) {
@@ -246,12 +246,12 @@ bool BranchFollower::end_on_bound(BranchProblem& problem, Branch& branch) {
 
 Curve BranchFollower::follow_states(OrbitProblem& problem, const BranchStart& given, Branch& branch) {
   Vector start = given.u, direction = given.orientation;
-  // Moves start and direction to a section clear of impacts, if need be.
+  // Moves start and direction to a section clear of impacts, if needed.
   const auto clear_section = [&] {
     const double section = better_section(problem, start);
     if (section == problem.equations().section_phase()) return;
     OrbitProblem moved = problem.with_section(section);
-    // Small against the square of the speed of a weak impact, which lives within that distance of the barrier.
+    // Small against the square of the speed of a weak impact: the impact exists within that distance of the barrier.
     const double small = 1e-8 / std::max(1e-300, direction.lpNorm<Eigen::Infinity>());
     const auto here = problem.to_section(moved, start), before = problem.to_section(moved, start - small * direction);
     if (!here) return;
@@ -262,7 +262,7 @@ Curve BranchFollower::follow_states(OrbitProblem& problem, const BranchStart& gi
   };
   clear_section();
   Curve curve;
-  // Where the branch began: a closed one comes back there, perhaps with its nodes on another section.
+  // Start of the branch: a closed branch returns there, possibly with its nodes on another section.
   std::optional<CurvePoint> first, origin;
   double first_section = 0.0;
   const OriginsOf origins_of = [&](const CurvePoint& start_point) { return images_of(problem, origin.value_or(start_point)); };
@@ -270,7 +270,7 @@ Curve BranchFollower::follow_states(OrbitProblem& problem, const BranchStart& gi
   for (;;) {
     section_blocked_ = false;
     const ZeroProblem zero = problem.zero_problem();
-    // The first point of a curve that goes on is the last one that the branch has.
+    // A curve that continues the branch repeats the branch's last point as its first.
     const int kept = std::max(1, static_cast<int>(branch.points.size()));
     trace_options.max_points = std::max(1, options_.trace.max_points - kept + 1);
     const auto on_branch = [&](const CurvePoint& before, CurvePoint& after) {
@@ -295,7 +295,7 @@ Curve BranchFollower::follow_states(OrbitProblem& problem, const BranchStart& gi
         direction = last.tangent;
         continue;
       }
-      // States in a stiff contact are as steep as those at a hard one.
+      // States within a stiff contact vary as steeply as those at a hard impact.
       section_blocked_ = !clear_of_soft_;
       clear_of_soft_ = true;
       section_blocked_ = section_blocked_ && better_section(problem, last.u) != problem.equations().section_phase();
@@ -322,7 +322,7 @@ Curve BranchFollower::follow_states(OrbitProblem& problem, const BranchStart& gi
   return curve;
 }
 
-/// The start in the coordinates of its signature; nullopt where it has none without sticking.
+/// The start in the coordinates of its signature; nullopt if it sticks or has no events.
 std::optional<BranchStart> BranchFollower::to_signature(OrbitProblem& problem, const BranchStart& start) const {
   const std::optional<EventNodes> here = event_nodes(problem.orbit(start.u, {}));
   if (!here) return std::nullopt;
@@ -333,10 +333,10 @@ std::optional<BranchStart> BranchFollower::to_signature(OrbitProblem& problem, c
                                problem.scale(), problem.equations().options());
   out.u = moved.pack(*here, problem.value(start.u));
   out.orientation = start.orientation[start.orientation.size() - 1] * moved.parameter_direction();
-  // The parameter alone says which way: the differences of motions that are no orbits say nothing.
+  // If only the parameter gives the direction, differences are useless: the displaced states are no orbits.
   if (start.orientation.head(start.orientation.size() - 1).isZero(0.0)) return out;
-  // The direction by differences: small against the square of the speed of a weak impact, which lives within that distance of the
-  // barrier.
+  // The direction by finite differences. The difference is small against the square of the speed of a weak impact, because the
+  // impact exists within that distance of the barrier.
   const double small = 1e-8 / std::max(1e-300, start.orientation.lpNorm<Eigen::Infinity>());
   const Vector u_before = start.u - small * start.orientation;
   const std::optional<EventNodes> before = event_nodes(problem.orbit(u_before, {}));
@@ -358,9 +358,9 @@ Curve BranchFollower::follow_signature(SignatureProblem& problem, const BranchSt
       [&](const CurvePoint& first) { return images_of(problem, first); });
 }
 
-/// The start from which the branch goes on in states where its coordinates, the events, end: where an impact that gives nothing
-/// back goes over into one that sticks, or where events of a contact that leads through other modes come together. `problem` is
-/// moved to the section of its last point.
+/// The start for continuing the branch in states where the coordinates of the events end: where an impact with zero restitution
+/// turns into sticking, or where events of a contact that leads through other modes coincide. `problem` is moved to the section
+/// of the branch's last point.
 std::optional<BranchStart> BranchFollower::goes_on_in_states(OrbitProblem& problem, const SignatureProblem& signature,
                                                              const Curve& curve, const Branch& branch) const {
   if (curve.stop != TraceStop::min_step || grazing_ || branch.points.empty() || curve.points.empty()) return std::nullopt;
@@ -414,7 +414,7 @@ std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const Br
 std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const Curve& curve, Branch& branch, bool on_grazing) {
   TraceStop why = curve.stop;
   branch.time_carried = problem.time_carried();
-  // Orbits that were met between two grazings, the second of which could not be told, are kept.
+  // Orbits between two grazings are kept if the second grazing could not be resolved.
   if (branch.points.empty() && on_grazing && why == TraceStop::min_step && fastest_ >= weakest_told)
     begin(problem, fastest_point_, branch);
   const bool nothing_beyond = branch.points.empty() && on_grazing && !curve.points.empty();
@@ -441,7 +441,7 @@ std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const C
     branch.message = std::move(message);
   };
   auto* states = dynamic_cast<OrbitProblem*>(&problem);
-  // A weak impact at the last point, which a free motion does not meet again, leaves no start for states.
+  // If a free motion does not reproduce a weak impact of the last point, following in states cannot start there.
   const bool broken_off = why == TraceStop::min_step || why == TraceStop::start_failed;
   if (broken_off && states) grazing_ = broken_off_at_grazing(*states, branch);
   if (grazing_) {
@@ -488,13 +488,13 @@ std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const C
 
 namespace {
 
-/// How far along the step from `before` u lies, in arclength.
+/// The place of u along the step from `before`, in arclength.
 double place_of(const ZeroProblem& zero, const CurvePoint& before, const Vector& u) {
   return zero.weights.cwiseProduct(before.tangent).dot(u - before.u);
 }
 
-/// Where within its stretches a motion without contacts comes nearest to one, as a fraction of a stretch: there its first will
-/// be.
+/// The place within its stretches, as a fraction of a stretch, at which a motion without contacts comes nearest to one: there
+/// the first contact will appear.
 double nearest_approach(OrbitProblem& problem, const Vector& shortened, double length) {
   constexpr int samples = 32;
   ShootingEquations& equations = problem.equations();
@@ -526,7 +526,7 @@ double BranchFollower::better_section(OrbitProblem& problem, const Vector& u) co
   if (!(hard_contacts_ || clear_of_soft_) || problem.equations().autonomous() ||
       !problem.evaluate(u, {.sensitivity = Sensitivity::none, .keep_events = true}))
     return current;
-  // Places of the events within a stretch, as fractions of it, from its start.
+  // Places of the events within their stretches, as fractions from the start of the stretch.
   const Vector shortened = u.head(u.size() - 1);
   const double length = problem.equations().duration(shortened) / problem.nodes();
   std::vector<double> places;
@@ -571,7 +571,7 @@ void BranchFollower::mark(BranchProblem& problem, const Vector& u, PointType typ
 void BranchFollower::user_points(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, const Branch& branch,
                                  std::vector<MetPoint>& met) const {
   if (options_.user_values.empty()) return;
-  // Where the branch turns within the step, a value may be passed on both sides of the fold.
+  // If the branch turns within the step, a value may be passed on both sides of the fold.
   std::vector<Vector> course{before.u};
   for (const MetPoint& point : met)
     if (point.point.type == PointType::LP && point.point.status == PointStatus::converged) course.push_back(point.u);
@@ -580,7 +580,7 @@ void BranchFollower::user_points(BranchProblem& problem, const CurvePoint& befor
     const double a = problem.value(course[k]), b = problem.value(course[k + 1]);
     for (const double value : options_.user_values) {
       if ((a < value) == (b < value)) continue;
-      // From a fold on the state goes with the root of the distance in the parameter.
+      // Near a fold the state varies with the square root of the distance in the parameter.
       const double way = (value - a) / (b - a);
       const double part = k > 0 ? std::sqrt(way) : k + 2 < course.size() ? 1.0 - std::sqrt(1.0 - way) : way;
       const Vector u = at_value(problem, course[k] + part * (course[k + 1] - course[k]), value);
@@ -590,10 +590,10 @@ void BranchFollower::user_points(BranchProblem& problem, const CurvePoint& befor
   }
 }
 
-/// Empty where the sign changes without such a point.
+/// Empty if the sign changes without a special point of this type.
 std::optional<MetPoint> BranchFollower::locate(BranchProblem& problem, const TestFunction& test, const TestPoint& before,
                                                const TestPoint& after, const Branch& branch) const {
-  /// How near to the unit circle's point a multiplier is where only the sign change along the branch locates it.
+  /// Largest distance of a multiplier from its critical value at a sign change that Newton's method did not confirm.
   constexpr double announced = 1e-3;
   const ZeroProblem zero = problem.zero_problem();
   const double length = after.curve.arclength - before.curve.arclength;
@@ -602,7 +602,7 @@ std::optional<MetPoint> BranchFollower::locate(BranchProblem& problem, const Tes
   CurvePoint best = after.curve;
   BranchPoint best_branch = after.branch;
   int side = 0;
-  // Closes in on the sign change along the curve (Illinois).
+  // Narrows the bracket of the sign change along the curve (Illinois method).
   const auto close_in = [&](int steps, double small, double narrow) {
     for (int i = 0; i < steps && hi - lo > narrow; ++i) {
       const double s = std::clamp((lo * f_hi - hi * f_lo) / (f_hi - f_lo), lo + 0.01 * (hi - lo), hi - 0.01 * (hi - lo));
@@ -638,7 +638,7 @@ std::optional<MetPoint> BranchFollower::locate(BranchProblem& problem, const Tes
   point.type = test.type;
   point.after_point = branch.points.size() - 1;
   LocatedPoint located = test.locate(problem, best.u, {best, best_branch});
-  // Newton must not have left for another point of the kind: it stays within the step that announced this one.
+  // Newton's result must stay within the step that announced the point: outside lies another point of the same type.
   const auto within_step = [&](const Vector& u) {
     constexpr double slack = 0.01;
     const double place = place_of(zero, before.curve, u);
@@ -654,8 +654,8 @@ std::optional<MetPoint> BranchFollower::locate(BranchProblem& problem, const Tes
     best.u = located.u;
     if (test.describe) test.describe(problem, located, point);
   } else {
-    // Where Newton fails, as at the corner of a stiff contact, the sign change along the curve is followed down to rounding. A
-    // sign that changes with no multiplier where the condition wants one is that of another event, or of a jump.
+    // If Newton's method fails, as at the corner of a stiff contact, the sign change along the curve is bracketed down to
+    // rounding. A sign change without a multiplier at its critical value belongs to another event, or to a jump.
     close_in(60, 0.0, 1e-12);
     if (!corner_ && !(test.distance(best_branch) < announced)) return std::nullopt;
     point.value = problem.value(best.u);
@@ -703,7 +703,7 @@ MetPoint BranchFollower::locate_impact_change(OrbitProblem& problem, const Curve
   const int change = std::abs(reached.isolated_impacts - last.isolated_impacts);
   const Vector& with_impact = lost ? before.u : after.u;
   const double low = std::min(last.value, reached.value), high = std::max(last.value, reached.value), width = high - low;
-  // A contact that reaches over a node is cut in two: then the nodes are moved.
+  // A node within a contact cuts it in two: then the nodes are moved.
   const double section = problem.equations().section_phase();
   for (const double further : {0.0, 0.37, 0.71}) {
     const bool moving = further > 0.0;
@@ -711,7 +711,7 @@ MetPoint BranchFollower::locate_impact_change(OrbitProblem& problem, const Curve
     std::optional<OrbitProblem> moved;
     if (moving) moved.emplace(problem.with_section(std::fmod(section + further, 1.0)));
     std::optional<Vector> u = moving ? problem.to_section(*moved, with_impact) : with_impact;
-    // Contacts that touch together are left out one by one: on a stretch each, the others do not count before it.
+    // Contacts that graze together are tested one by one: with each on a stretch of its own, the others do not count before it.
     if (change > 1 && u) {
       OrbitProblem& coarse = moving ? *moved : problem;
       OrbitProblem fine = coarse.with_nodes(4);
@@ -719,7 +719,7 @@ MetPoint BranchFollower::locate_impact_change(OrbitProblem& problem, const Curve
       moved.emplace(std::move(fine));
     }
     OrbitProblem& here = moved ? *moved : problem;
-    // One that grazes need not be the weakest of all contacts yet.
+    // The grazing contact need not be the weakest one yet.
     constexpr int considered = 4;
     const std::vector<GrazingGuess> guesses =
         u ? weakest_contacts(here, *u, change > 1 ? change : considered) : std::vector<GrazingGuess>{};
@@ -764,7 +764,7 @@ bool BranchFollower::reaches_grazing(SignatureProblem& problem, const CurvePoint
   auto beyond = problem.violation(after.u);
   Vector good = before.u;
   double lo = 0.0, hi = 1.0;
-  // To where the last motion (with impacts of at least that speed) and the first solution that is none are next to each other.
+  // Bisects until the last motion (with impacts of at least that speed) and the first solution that is no motion are adjacent.
   const auto close_in = [&](double speed) {
     for (int i = 0; i < 40 && (hi - lo) * length > 1e-9; ++i) {
       const double middle = 0.5 * (lo + hi);
@@ -782,7 +782,8 @@ bool BranchFollower::reaches_grazing(SignatureProblem& problem, const CurvePoint
     return true;
   };
   if (!close_in(weakest_kept)) return false;
-  // An orbit about to gain an impact is kept from so far before that a free run tells it from the grazing.
+  // An orbit about to gain an impact is kept only at this distance before the grazing, where a free run separates it from the
+  // grazing.
   constexpr double told_apart = 1e-8;
   CurvePoint last = before;
   last.u = good;
@@ -802,11 +803,11 @@ bool BranchFollower::reaches_grazing(SignatureProblem& problem, const CurvePoint
   hi = 1.0;
   if (!close_in(0.0)) return false;
   const std::size_t parameter = parameter_index(system_.parameters, options_.parameter);
-  // The bracket's end, and what rounding of a speed or of a gap leaves.
+  // Added to the width of the bracket: the effect of rounding in a speed or a gap.
   constexpr double next_to = 1e-7;
   std::optional<GrazingAhead> ahead = grazing_ahead(problem, good, *beyond, parameter, next_to + 4.0 * (hi - lo) * length);
   if (!ahead) return false;
-  // What lies before the grazing on this step is taken up; the grazing's own multipliers are singular.
+  // Special points before the grazing are located in this step; the multipliers at the grazing itself are singular.
   if (point.multipliers.valid && !take(problem, before, last, std::move(point), {}, branch)) return false;
   if (!(kept > 0.0 && last.tangent.size() > 0)) last = before;
   if (!take_up_to_grazing(problem, ahead->u, last, branch)) return false;
@@ -818,9 +819,9 @@ bool BranchFollower::reaches_grazing(SignatureProblem& problem, const CurvePoint
   return true;
 }
 
-/// A fold or a period doubling closer to the grazing than the branch's points are kept: the signs of its conditions, regular in
-/// the coordinates of the events, are others at the grazing than at `point`. Then the point between the two that is nearest to
-/// the grazing and still on its side of it; empty where there is nothing between.
+/// Detects a fold or a period doubling closer to the grazing than the branch's points: the signs of its conditions, regular in
+/// the coordinates of the events, differ between the grazing and `point`. Then halves the distance to the grazing until the
+/// signs are those at the grazing, and returns that point; empty if there is none.
 std::optional<CurvePoint> BranchFollower::beside_grazing(SignatureProblem& problem, const Vector& grazing,
                                                          const CurvePoint& point) const {
   const ZeroProblem zero = problem.zero_problem();
@@ -852,7 +853,7 @@ std::optional<CurvePoint> BranchFollower::beside_grazing(SignatureProblem& probl
 bool BranchFollower::take_up_to_grazing(SignatureProblem& problem, const Vector& grazing, CurvePoint& last, Branch& branch) {
   std::optional<CurvePoint> nearer = beside_grazing(problem, grazing, last);
   if (!nearer) return true;
-  nearer->arclength = 2.0 * last.arclength - nearer->arclength;  // it lies ahead
+  nearer->arclength = 2.0 * last.arclength - nearer->arclength;
   BranchPoint point = problem.branch_point(nearer->u, branch.points.back().arclength + nearer->arclength - last.arclength);
   if (!point.multipliers.valid) return true;
   if (!take(problem, last, *nearer, std::move(point), {}, branch)) return false;
@@ -860,8 +861,9 @@ bool BranchFollower::take_up_to_grazing(SignatureProblem& problem, const Vector&
   return true;
 }
 
-/// The grazing of a stiff contact is a corner of the branch, narrower than steps can be (like the stiffness to the power -2). The
-/// branch goes on beyond it as that of a hard contact would: `last`, its end, is moved there. False where there is no corner.
+/// Moves `last`, the end of the branch, beyond the grazing of a stiff contact. That grazing is a corner of the branch, narrower
+/// than the steps can be (proportional to stiffness^-2); beyond it the branch continues like that of a hard contact. False if
+/// there is no corner.
 bool BranchFollower::around_corner(OrbitProblem& problem, Branch& branch, CurvePoint& last) {
   constexpr double near = 1e-4;
   const ZeroProblem zero = problem.zero_problem();
@@ -873,14 +875,14 @@ bool BranchFollower::around_corner(OrbitProblem& problem, Branch& branch, CurveP
     if (!located.newton.converged() || located.scenario != GrazingScenario::smooth ||
         weighted_norm(zero.weights, located.u - last.u) > near)
       continue;
-    // The grazing may have been passed, and the tip of the corner lie beyond it.
+    // The branch may have passed the grazing already, with the tip of the corner still ahead.
     const double value = problem.value(located.u);
     const SpecialPoint& met_last = branch.special_points.back();
     const bool passed = met_last.type == PointType::GR && std::abs(met_last.value - value) < 1e-9 * (1.0 + std::abs(value));
     const bool to_contact = passed ? std::get<std::string>(met_last.details.at("kind")) == "gained" : !weakest;
     const int impacts = end.isolated_impacts + (passed ? 0 : to_contact ? 1 : -1);
     for (const double speed : {1e-3, 3e-3, 1e-2, 3e-4, 3e-2}) {
-      // With contact: at that speed, as that of a hard contact. Without: as far from the grazing.
+      // With contact: at that impact speed, as for a hard contact. Without: at that distance from the grazing.
       const double height = speed * speed / (2.0 * -located.curvature), side = located.top_dp > 0.0 ? -1.0 : 1.0;
       const double change = to_contact ? (located.response * speed + height) / located.top_dp : side * speed;
       Vector away = change * located.family_dp;
@@ -911,7 +913,7 @@ std::optional<GrazingEnd> BranchFollower::broken_off_at_grazing(OrbitProblem& pr
   const BranchPoint& end = branch.points.back();
   std::optional<LocatedGrazing> located = grazing_beside(problem, problem.pack(end.nodes, end.duration, end.value));
   if (!located) return std::nullopt;
-  // A contact too weak for the motion to meet it again is no miss of the branch.
+  // A contact too weak for the free motion to reproduce is an impact that the branch has, not one that it misses.
   const bool lost = located->orbit.impacts < end.impacts;
   branch.special_points.push_back(grazing_point(*located, end.impacts, end.impacts + (lost ? -1 : 1), branch));
   return GrazingEnd{std::move(*located), lost};

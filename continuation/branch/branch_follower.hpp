@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// BranchFollower: one branch from its start to its end: the tracer with a monitor that watches the range, the test functions, the
-// impacts and the return to a parent, and that locates what it meets.
+// BranchFollower: follows one branch from its start to its end. A monitor of the tracer watches the range, the test functions,
+// the impacts and the return to a parent, and locates the special points.
 //
-// Orbits with hard impacts are followed in the coordinates of their signature, in which nothing is singular at a grazing; where
-// one impact's speed goes to zero, or a flight meets the barrier, the grazing is located and the branch ends there. All other
-// orbits (soft contacts, sticking, no impact) are followed in their states at fixed phases.
+// Orbits with hard impacts are followed in the coordinates of their signature, in which nothing is singular at a grazing. The
+// branch ends at the grazing where the speed of an impact goes to zero or a flight reaches a barrier; the grazing is located.
+// All other orbits (soft contacts, sticking, no impact) are followed in their states at fixed phases.
 #pragma once
 
 #include <graze/continuation/branch/branch_switching.hpp>
@@ -15,19 +15,19 @@
 
 namespace graze {
 
-/// Speed of the weakest impact of an orbit that is kept as a point of a branch. Below it a free run no longer reproduces the
-/// orbit: rounding of the state over that speed is what the instant of the impact is known to.
+/// Least speed of the weakest impact for which an orbit is kept as a point of a branch (dimensionless). Below it a free run no
+/// longer reproduces the orbit: the instant of the impact has error (rounding of the state) / (impact speed).
 inline constexpr double weakest_kept = 1e-5;
 
-/// Speed below which that of an impact cannot be told from rounding.
+/// Speed below which an impact cannot be distinguished from rounding (dimensionless).
 inline constexpr double weakest_told = 1e-10;
 
 struct GrazingEnd {
   LocatedGrazing grazing;
-  bool lost = false;  ///< the branch had the impact; otherwise the orbits beyond gain it
+  bool lost = false;  ///< the branch has the impact; otherwise the orbits beyond gain it
 };
 
-/// A special point met within a step: `place` along the step orders it among the others, `u` is the orbit there.
+/// A special point within a step: `place` along the step orders it among the others, `u` is the orbit there.
 struct MetPoint {
   double place = 0.0;
   Vector u;
@@ -39,12 +39,12 @@ class BranchFollower {
   /// `low`, `high`: the range of the parameter.
   BranchFollower(const HybridSystem& system, const ContinuationOptions& options, double low, double high);
 
-  /// Follows the branch from `start` into `branch` (parent, period and parameters are set; its special points get no labels
-  /// here). Returns the grazing on which it ended, if so.
+  /// Follows the branch from `start` and writes it to `branch`, whose parent, period and parameters are set. Special points get
+  /// no labels here. Returns the grazing on which the branch ended, if any.
   std::optional<GrazingEnd> follow(OrbitProblem& problem, const BranchStart& start, Branch& branch);
 
  private:
-  // The two ways of following, and what both do at each step.
+  // Following in states and in the coordinates of the signature, and the work common to both at each step.
   Curve follow_states(OrbitProblem& problem, const BranchStart& given, Branch& branch);
   Curve follow_signature(SignatureProblem& problem, const BranchStart& start, Branch& branch);
   std::optional<BranchStart> goes_on_in_states(OrbitProblem& problem, const SignatureProblem& signature, const Curve& curve,
@@ -64,7 +64,7 @@ class BranchFollower {
   double better_section(OrbitProblem& problem, const Vector& u) const;
   std::optional<BranchStart> to_signature(OrbitProblem& problem, const BranchStart& start) const;
 
-  // Special points (branch_follower_points.cpp).
+  // Special points.
   std::optional<MetPoint> locate(BranchProblem& problem, const TestFunction& test, const TestPoint& before,
                                  const TestPoint& after, const Branch& branch) const;
   MetPoint locate_impact_change(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after,
@@ -84,24 +84,24 @@ class BranchFollower {
   const ContinuationOptions& options_;
   double low_, high_;
   bool hard_contacts_ = false;
-  std::vector<Symmetry> symmetries_;  // where the branch begins
-  // Of the branch being followed.
+  std::vector<Symmetry> symmetries_;  // those found at the start of the branch
+  // State of the branch being followed.
   Vector last_;  ///< unknowns of its last point
   bool interrupted_ = false, returned_ = false, chatter_ends_ = false;
-  /// Next to the value and the place along the step where a stiff contact's grazing is a corner.
+  /// Corner of the branch at the grazing of a stiff contact: parameter value and place along the step.
   struct Corner {
     double value, place;
     bool to_contact;
   };
-  bool clear_of_soft_ = false;    ///< nodes keep clear of soft contacts too
-  std::optional<Corner> corner_;  ///< set while a step goes around it
-  bool section_blocked_ = false;  ///< an impact has come too close to a node
+  bool clear_of_soft_ = false;    ///< nodes stay clear of soft contacts too
+  std::optional<Corner> corner_;  ///< set during a step around it
+  bool section_blocked_ = false;  ///< an impact is too close to a node
   std::optional<GrazingEnd> grazing_;
-  // While a branch that starts on a grazing has no point yet:
+  // For a branch that starts on a grazing, until it has its first point:
   Vector beginning_;      ///< the grazing
-  double fastest_ = 0.0;  ///< its weakest impact at its fastest
+  double fastest_ = 0.0;  ///< largest speed of the weakest impact so far
   Vector fastest_point_;
-  std::optional<SignatureEquations::Violation> refused_;  ///< why the orbit tried last is no motion
+  std::optional<SignatureEquations::Violation> refused_;  ///< why the last trial solution is no motion
 };
 
 }  // namespace graze

@@ -11,7 +11,7 @@ namespace graze {
 
 namespace {
 
-/// Number of real multipliers beyond -1 and beyond +1, and of complex ones outside the circle.
+/// Numbers of real multipliers below -1, of real ones above +1, and of complex ones outside the unit circle.
 std::array<int, 3> unstable_kinds(const BranchPoint& point) {
   std::array<int, 3> count{};
   for (const auto& mu : nontrivial(point.multipliers)) {
@@ -21,7 +21,7 @@ std::array<int, 3> unstable_kinds(const BranchPoint& point) {
   return count;
 }
 
-/// Whether the events can be those of a symmetric orbit: each with another one, at the barrier opposite, half the period later.
+/// True if the events can be those of a symmetric orbit: each has a partner at the opposite barrier, half the period later.
 bool may_be_symmetric(const Signature& signature) {
   const std::size_t half = signature.events.size() / 2;
   if (signature.events.size() % 2 != 0) return false;
@@ -30,8 +30,8 @@ bool may_be_symmetric(const Signature& signature) {
   return true;
 }
 
-/// How far the orbit is from its mirror image, half its (odd) period later if the symmetry has a shift, relative to 1 + |x|. NaN
-/// where the motion cannot be carried there.
+/// Distance of the orbit from its mirror image, relative to 1 + |x|; the image is taken half its (odd) period later if the
+/// symmetry has a shift. NaN if the motion cannot be carried there.
 double asymmetry(const HybridSystem& system, const Symmetry& symmetry, const Branch& branch, const BranchPoint& point) {
   Vector p = branch.parameters;
   p[static_cast<Eigen::Index>(parameter_index(system.parameters, branch.parameter))] = point.value;
@@ -44,15 +44,15 @@ double asymmetry(const HybridSystem& system, const Symmetry& symmetry, const Bra
 
 bool skips_something(const BranchPoint& last, const BranchPoint& next) {
   const auto a = unstable_kinds(last), b = unstable_kinds(next);
-  // A pair outside the circle that meets on the real axis, and parts there, crosses nothing.
+  // A complex pair outside the unit circle that meets on the real axis and separates there crosses the circle nowhere.
   for (const std::size_t real : {0, 1})
     if (a[real] + a[2] == b[real] + b[2] && a[1 - real] == b[1 - real] && std::abs(a[2] - b[2]) == 2) return false;
   return std::abs(a[0] - b[0]) > 1 || std::abs(a[1] - b[1]) > 1 || std::abs(a[2] - b[2]) > 2;
 }
 
 bool changes_symmetry(const HybridSystem& system, const Symmetry& symmetry, const Branch& branch, const BranchPoint& next) {
-  // Between the two a small enough step ends, if symmetry is lost without a branch point: by the parameter itself, or at a
-  // branch point that was met exactly.
+  // A sufficiently small step ends between these two bounds where symmetry is lost without a branch point: through the
+  // parameter itself, or at a branch point that was met exactly.
   constexpr double symmetric = 1e-8, broken = 1e-5;
   const BranchPoint& last = branch.points.back();
   if (last.signature.events.size() != next.signature.events.size()) return false;
@@ -75,7 +75,7 @@ bool leaves_branch(const HybridSystem& system, std::span<const Symmetry> symmetr
 }
 
 std::optional<double> goes_through_half(const BranchProblem& problem, const Vector& before, const Vector& after) {
-  // A curve that turns by 0.3 at most within the step bends away from its chord by less than this part of it.
+  // A curve that turns by at most 0.3 within the step stays closer to its chord than this fraction of the chord.
   constexpr double bend = 0.1;
   const Vector a = problem.half_difference(before), b = problem.half_difference(after);
   if (a.size() == 0 || !(a.dot(b) < 0.0)) return std::nullopt;

@@ -15,10 +15,10 @@ namespace graze {
 
 namespace {
 
-/// From a grazing on steps begin small: folds and period doublings may follow within a speed of a thousandth.
+/// Steps beyond a grazing begin small: folds and period doublings may follow within a speed of 1e-3.
 constexpr double first_step = 1e-5;
 
-/// A grazing in the coordinates of the events of the orbits that begin there, `added` of which have speed zero.
+/// A grazing in the coordinates of the events of the orbits that begin there; the events `added` have speed zero.
 struct SignatureStart {
   SignatureProblem problem;
   BranchStart start;
@@ -41,18 +41,18 @@ SignatureStart start_with(OrbitProblem& problem, const PeriodicOrbit& orbit, con
   return out;
 }
 
-/// Why the orbits right beyond the grazing are no motions; empty if they are.
+/// Why the solutions right beyond the grazing are no motions; empty if they are motions.
 std::optional<SignatureEquations::Violation> violated_at_once(SignatureStart& from, const TraceOptions& options) {
   const ZeroProblem zero = from.problem.zero_problem();
   const Vector tangent = tangent_at(zero, from.start.u, from.start.orientation);
-  // An arc that the step brings beyond a barrier must be deeper than what an impact is located to (1e-11).
+  // The step must move an arc that crosses a barrier deeper than the accuracy of an impact (1e-11).
   Vector u = tangent.size() > 0 ? Vector(from.start.u + 1e-6 * tangent) : from.start.u;
   if (tangent.size() == 0 || !correct(zero, tangent, u, options).converged()) return SignatureEquations::Violation{};
   return from.problem.violation(u);
 }
 
-/// A special point in the coordinates in which its branch is followed best: those of its events, if it has hard impacts and does
-/// not stick.
+/// A special point in the coordinates best suited to its branch: those of its events, if it has hard impacts and does not
+/// stick.
 struct OwnCoordinates {
   std::optional<SignatureProblem> by_events;
   Vector u;
@@ -70,7 +70,7 @@ OwnCoordinates own_coordinates(const SpecialPoint& point, OrbitProblem& states) 
   return own;
 }
 
-/// A point of the branch in these coordinates; empty where it has none in them.
+/// A point of the branch in these coordinates; empty if it cannot be expressed in them.
 Vector in_coordinates(const OwnCoordinates& own, OrbitProblem& states, const BranchPoint& point) {
   OrbitProblem there = states.with_section(point.section_phase);
   if (there.nodes() != static_cast<int>(point.nodes.size())) return {};
@@ -81,7 +81,7 @@ Vector in_coordinates(const OwnCoordinates& own, OrbitProblem& states, const Bra
   return own.by_events->pack(*nodes, point.value);
 }
 
-/// Direction from the branch's point before the special point to the one behind it, or to the special point itself.
+/// Direction from the branch's point before the special point to the one after it. The special point replaces a missing one.
 Vector direction_along(const OwnCoordinates& own, OrbitProblem& states, const SpecialPoint& point, const Branch& branch) {
   const std::size_t k = point.after_point;
   Vector before, after;
@@ -108,19 +108,19 @@ std::optional<BranchStart> doubled_start(const SpecialPoint& pd, OrbitProblem& p
   direction.head(2 * v.size()) << v, -v;
   const ZeroProblem zero = doubled.problem->zero_problem();
   direction /= weighted_norm(zero.weights, direction);
-  // Small, and small steps after it: in a cascade the next bifurcation may follow closely. The parameter follows with the square
-  // of the push, and fast beside a grazing: down to where rounding begins.
+  // The push and the steps after it are small, because in a cascade the next bifurcation may follow closely. The parameter
+  // grows with the square of the push, and fast beside a grazing; the smallest push is near the level of rounding.
   for (const double push : {2e-4, 5e-5, 1e-5, 2e-6, 2e-7, 2e-8, 1e-3}) {
     BranchStart start;
     start.u = doubled.u + push * direction;
     start.step = push;
     if (!correct(zero, direction, start.u, options).converged()) continue;
     start.orientation = start.u - doubled.u;
-    // A correction as long as the push has found something else.
+    // A correction as long as the push has converged to another orbit.
     if (!(weighted_norm(zero.weights, start.orientation) < 1.5 * push)) continue;
     if (!doubled.problem->is_motion(start.u)) continue;
     start.sequence = doubled.problem->sequence();
-    // With other impacts than twice those of its parent it lies beyond a grazing, or on another family.
+    // If it does not have twice the impacts of its parent, it lies beyond a grazing or on another family.
     const BranchPoint first = doubled.problem->branch_point(start.u, 0.0);
     if (first.impacts != 2 * pd.orbit.impacts) continue;
     start.states = first.states;
@@ -138,7 +138,7 @@ std::optional<BranchStart> crossing_start(const SpecialPoint& bp, const Branch& 
   Vector residual;
   Matrix jacobian;
   if (!located.newton.converged() || !zero.evaluate(located.u, residual, &jacobian)) return std::nullopt;
-  // In lengths of the weighted norm: the kernel, and within it what is normal to the branch.
+  // The kernel, and the direction within it that is normal to the branch, in the weighted norm.
   const Vector unit = zero.weights.cwiseSqrt();
   const Eigen::JacobiSVD<Matrix> svd(jacobian * unit.cwiseInverse().asDiagonal(), Eigen::ComputeFullV);
   const Matrix kernel = svd.matrixV().rightCols(2);
@@ -146,7 +146,7 @@ std::optional<BranchStart> crossing_start(const SpecialPoint& bp, const Branch& 
   if (!(along.norm() > 0.0)) return std::nullopt;
   Vector direction = unit.cwiseInverse().cwiseProduct(kernel * Vector{{-along[1], along[0]}} / along.norm());
   Eigen::Index largest = 0;
-  direction.head(direction.size() - 1).cwiseAbs().maxCoeff(&largest);  // which side is which must not hang on rounding
+  direction.head(direction.size() - 1).cwiseAbs().maxCoeff(&largest);  // the sign of a side must not depend on rounding
   if (direction[largest] * side < 0.0) direction = -direction;
   for (const double push : {2e-4, 5e-5, 1e-5, 2e-6, 1e-3}) {
     BranchStart start;
@@ -168,15 +168,16 @@ std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGra
                                          const TraceOptions& options) {
   if (grazing.top_dp == 0.0 || !std::isfinite(grazing.top_dp)) return std::nullopt;
   const ZeroProblem zero = problem.zero_problem();
-  const double side = grazing.top_dp > 0.0 ? -1.0 : 1.0;  // on which the free maximum stays short of the barrier
+  const double side = grazing.top_dp > 0.0 ? -1.0 : 1.0;  // side on which the free maximum stays below the barrier
   EventNodes nodes = event_nodes(grazing.orbit).value_or(EventNodes{});
   const Event& contact = problem.system().events[grazing.event];
   if (!lost && grazing.leads_away) return std::nullopt;
-  // Its events come together at the grazing, where the coordinates of the events are singular.
+  // Several events coincide at the grazing, where the coordinates of the events are singular.
   const bool through_modes = !lost && (contact.to != contact.from || !grazing.contact_events.empty());
   const bool sticks = nodes.sequence.size() != grazing.orbit.events.size();
   if (!sticks && !through_modes && !problem.equations().autonomous() && (!lost || !nodes.sequence.empty())) {
-    // The grazing itself is the orbit without that impact, and the one with it at speed zero; the speed grows from there.
+    // The grazing orbit is the orbit without the impact, and also the one with the impact at speed zero; the speed grows from
+    // there.
     nodes.shorten(grazing.orbit.period / problem.period());
     std::vector<std::size_t> added;
     if (!lost) added.push_back(nodes.insert(grazing.event, grazing.t, grazing.touch));
@@ -211,15 +212,14 @@ std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGra
     if (problem.orbit(start.u, {}).impacts != grazing.orbit.impacts + 1) return std::nullopt;
     return start;
   };
-  // First order in the impact's speed (LocatedGrazing::response).
   const bool responds = grazing.impulse.size() > 0 && grazing.response != 0.0;
   if (responds && grazing.scenario != GrazingScenario::smooth)
     for (const double speed : {1e-3, 3e-3, 3e-4, 1e-2, 3e-2}) {
       const double change = grazing.response * speed / grazing.top_dp;
       if (auto start = with_impact(grazing.u + change * grazing.family_dp + speed * grazing.impulse)) return start;
     }
-  // A contact without an impulse to first order (a spring with a damper, a blow after which friction holds the mass): the branch
-  // has a corner at most, on either side of which Newton's method finds the orbits.
+  // Contacts without an impulse to first order (a spring with a damper, an impact after which friction holds the mass): the
+  // branch has at most a corner, and Newton's method finds the orbits on either side of it.
   for (double distance = 1e-7; distance < 1e-3; distance *= 10.0)
     for (const double way : {-side, side})
       if (auto start = with_impact(grazing.u + way * distance * grazing.family_dp)) return start;
@@ -249,8 +249,8 @@ void confirm_criticality(const Branch& child, SpecialPoint& pd, const Branch& pa
   if (k + 1 >= parent.points.size()) return;
   const BranchPoint &before = parent.points[k], &after = parent.points[k + 1];
   const bool unstable_above = (after.multipliers.unstable() > before.multipliers.unstable()) == (after.value > before.value);
-  // Up to its nearest fold the doubled branch stays on one side: there it is farthest away. Next to its birth it is known no
-  // better than the corrector's tolerance over its distance from the parent.
+  // Up to its nearest fold the doubled branch stays on one side, and there it is farthest away. Next to its birth its error is
+  // the corrector's tolerance divided by the distance from the parent.
   const auto is_fold = [](const SpecialPoint& point) { return point.type == PointType::LP; };
   std::size_t farthest = begins ? child.points.size() - 1 : 0;
   if (begins) {
@@ -263,7 +263,7 @@ void confirm_criticality(const Branch& child, SpecialPoint& pd, const Branch& pa
   const double away = child.points[farthest].value - pd.value;
   if (!(std::abs(away) > 4.0 * pd.precision)) return;
   const bool child_above = away > 0.0;
-  // Supercritical: the doubled orbit lives where its parent has become unstable.
+  // Supercritical: the doubled orbit exists where its parent is unstable.
   const std::string seen = unstable_above == child_above ? "supercritical" : "subcritical";
   const auto predicted = pd.details.find("criticality");
   if (predicted == pd.details.end()) {
@@ -282,7 +282,7 @@ void confirm_scenario(SpecialPoint& grazing, const Branch& ended, const Branch& 
     const std::vector<std::complex<double>> all = nontrivial(point.multipliers);
     return std::count_if(all.begin(), all.end(), [](std::complex<double> mu) { return mu.imag() == 0.0 && mu.real() > 1.0; });
   };
-  // The nearest orbit whose side can be told.
+  // The nearest orbit that lies clearly on one side of the grazing.
   const auto nearest = [&](auto first, auto last) -> const BranchPoint* {
     const auto told = [&](const BranchPoint& point) { return std::abs(point.value - grazing.value) > 4.0 * grazing.precision; };
     const auto found = std::find_if(first, last, told);
@@ -305,7 +305,7 @@ void confirm_scenario(SpecialPoint& grazing, const Branch& ended, const Branch& 
   const bool gained = std::get<std::string>(grazing.details.at("kind")) == "gained";
   const bool several = gained ? after->impacts != impacts.back() : impacts.front() - impacts.back() > 1.0;
   std::string from = "directions, multipliers and linear response";
-  if (several) {  // the linear response is that to one impact alone
+  if (several) {  // the linear response describes a single impact
     if (gained) impacts.back() = after->impacts;
     grazing.details.insert_or_assign("scenario", sides);
     from = "directions; several contacts touch together";

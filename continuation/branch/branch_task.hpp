@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// BranchTask: a branch that is to be followed for a BranchGraph, where it begins, and what following it brought.
+// BranchTask: a branch to be followed for a BranchGraph, with its start; BranchOutcome: the result of following it.
 #pragma once
 
 #include <graze/continuation/branch/branch_follower.hpp>
@@ -13,23 +13,23 @@ enum class BranchOrigin { seed, doubled, crossing, beyond_grazing, multiple };
 struct BranchTask {
   BranchOrigin origin = BranchOrigin::seed;
   PeriodicOrbit orbit;                  ///< seed
-  int direction = 1;                    ///< of a seed; of a crossing, its side
-  std::size_t parent = 0, special = 0;  ///< the accepted branch and its special point
+  int direction = 1;                    ///< seed: direction of the parameter; crossing: side of the branch point
+  std::size_t parent = 0, special = 0;  ///< places of the accepted branch and of its special point
   int generation = 0;
-  int seed = 0;              ///< number of the seed, from 1; 0: none. Both directions from a seed have the same.
+  int seed = 0;              ///< number of the seed, from 1 (the same for both directions); 0: none
   TurnPattern pattern = {};  ///< multiple
 };
 
 struct BranchOutcome {
-  std::optional<Branch> branch;             ///< empty: nothing new begins there
-  std::optional<GrazingEnd> grazing;        ///< on which it ended
-  std::optional<PeriodicOrbit> half;        ///< the orbit of half the period to which it returned
-  std::optional<GrazingEdge> begins, ends;  ///< at grazings
-  std::string nothing;                      ///< why no orbit was found that should begin there
-  bool none = false;                        ///< and there is none: it is not the grazing that was not found again
+  std::optional<Branch> branch;             ///< empty: no new branch begins there
+  std::optional<GrazingEnd> grazing;        ///< at which it ended
+  std::optional<PeriodicOrbit> half;        ///< orbit of half the period to which it returned
+  std::optional<GrazingEdge> begins, ends;  ///< edges of the branch at grazings
+  std::string nothing;                      ///< why no orbit was found beyond the start
+  bool none = false;                        ///< no orbit exists there (as opposed to: the grazing was not found again)
 };
 
-/// An end of a branch: its first point (`begins`) or its last one lies at a grazing.
+/// An end of a branch at a grazing: its first point (`begins`) or its last one.
 struct KnownEdge {
   GrazingEdge edge;
   std::size_t branch = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// ContinuationOptions: how periodic orbits are followed in a parameter.
+// ContinuationOptions: options for following periodic orbits in a parameter.
 #pragma once
 
 #include <graze/continuation/problems/branch.hpp>
@@ -15,24 +15,24 @@ namespace graze {
 
 struct ContinuationOptions {
   std::string parameter = "eta";
-  double to = 0.0;                  ///< the branch is followed until the parameter gets here
-  std::optional<double> from = {};  ///< other end of the range, for branches that turn or are born on the way; empty: the start
-  int switch_generations = 1;       ///< generations of period-doubled branches that are followed
-  /// At a hard grazing the families of 2, 3 ... times the period of the orbit that grazes are followed too, up to this many times
-  /// (and to max_period). They count as a generation. 1: none of them.
+  double to = 0.0;                  ///< the branch is followed until the parameter reaches this value
+  std::optional<double> from = {};  ///< other end of the range, for branches that turn or are born within it; empty: the start
+  int switch_generations = 1;       ///< number of generations of period-doubled branches that are followed
+  /// Families of up to this many times the period of the grazing orbit are followed at a hard grazing, within max_period. They
+  /// count as a generation. 1: none.
   int max_multiple = 1;
   int max_branches = 64;
   int max_period = 0;            ///< branches of longer period are not followed; 0: no limit
-  bool follow_parents = false;   ///< where a doubled branch returns to an orbit of half its period, that one is followed too
-  int threads = 1;               ///< branches are followed side by side; the result does not depend on it
-  bool both_directions = false;  ///< also follow the first branch the other way, as far as the range goes
+  bool follow_parents = false;   ///< follow the orbit of half the period to which a doubled branch returns, too
+  int threads = 1;               ///< branches are followed in parallel; the result does not depend on it
+  bool both_directions = false;  ///< also follow the first branch in the other direction, to the end of the range
   TraceOptions trace = {};
   ShootingOptions shooting = {};
-  std::vector<double> user_values = {};  ///< parameter values at which a point of type UZ is wanted
+  std::vector<double> user_values = {};  ///< parameter values at which points of type UZ are computed
   std::function<bool()> cancelled = {};
   /// Called after each point with the branch so far (by one thread at a time).
   std::function<void(const Branch&)> progress = {};
-  /// Called now and then with the branches that are complete, as an interruption would leave them.
+  /// Called repeatedly with the complete branches: the result that an interruption would leave.
   std::function<void(const std::vector<Branch>&)> complete = {};
 };
 
