@@ -853,7 +853,7 @@ std::optional<CurvePoint> BranchFollower::beside_grazing(SignatureProblem& probl
 bool BranchFollower::take_up_to_grazing(SignatureProblem& problem, const Vector& grazing, CurvePoint& last, Branch& branch) {
   std::optional<CurvePoint> nearer = beside_grazing(problem, grazing, last);
   if (!nearer) return true;
-  nearer->arclength = 2.0 * last.arclength - nearer->arclength;
+  nearer->arclength = 2.0 * last.arclength - nearer->arclength;  // mirrored: here the grazing lies ahead
   BranchPoint point = problem.branch_point(nearer->u, branch.points.back().arclength + nearer->arclength - last.arclength);
   if (!point.multipliers.valid) return true;
   if (!take(problem, last, *nearer, std::move(point), {}, branch)) return false;

@@ -212,6 +212,7 @@ std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGra
     if (problem.orbit(start.u, {}).impacts != grazing.orbit.impacts + 1) return std::nullopt;
     return start;
   };
+  // First order in the impact's speed (LocatedGrazing::response).
   const bool responds = grazing.impulse.size() > 0 && grazing.response != 0.0;
   if (responds && grazing.scenario != GrazingScenario::smooth)
     for (const double speed : {1e-3, 3e-3, 3e-4, 1e-2, 3e-2}) {
