@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// HertzContact: the equations of a passage through Hertz contact as a structure that a mode may have (mode_structure.hpp).
+// HertzContact: the equations of motion in a Hertz contact, as a structure of a mode (mode_structure.hpp).
 #pragma once
 
 #include <graze/lib/numerics/vector.hpp>
@@ -10,7 +10,7 @@
 namespace graze {
 
 /// x'' = amplitude cos(frequency t) - 2 damping x' - x - beta x^3 - stiffness (x - barrier)^(3/2) (1 + contact_damping x')
-/// for x >= barrier: carried in the regularising variable y = sqrt(x - barrier), dt = y ds (DESIGN: "Hertz contact").
+/// for x >= barrier, integrated in the regularising variable y = sqrt(x - barrier), dt = y ds (DESIGN: "Hertz contact").
 struct HertzContact {
   enum Coefficient : std::size_t { damping, beta, amplitude, frequency, barrier, stiffness, contact_damping, count };
   std::array<double, count> value{};
@@ -18,7 +18,7 @@ struct HertzContact {
   Matrix dp = {};
 };
 
-/// Whether the parameter with this index is the barrier as it stands.
+/// True if the parameter with this index is the barrier itself.
 inline bool is_barrier(const HertzContact& contact, std::size_t parameter) {
   auto row = contact.dp.row(HertzContact::barrier);
   return row[static_cast<Eigen::Index>(parameter)] == 1.0 && (row.array() != 0.0).count() == 1;

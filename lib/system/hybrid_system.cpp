@@ -116,11 +116,11 @@ std::vector<std::string> state_names(const HybridSystem& system) {
 
 namespace {
 
-/// Holds what is told apart against the functions at a few states. Values that are not finite there prove nothing.
+/// Compares the tags with the functions at a few states. Values that are not finite count as agreement.
 class TagCheck {
  public:
   explicit TagCheck(const HybridSystem& system) : system_(system), p_(default_parameters(system.parameters)) {
-    // Away from defaults such as 0 and 1, at which different functions may agree.
+    // Values away from defaults such as 0 and 1, at which different functions may agree.
     for (std::size_t i = 0; i < system.parameters.size(); ++i) {
       const ParameterInfo& info = system.parameters[i];
       const double value = info.default_value + 0.01 * static_cast<double>(i + 1) * (1.0 + std::abs(info.default_value));
@@ -140,7 +140,7 @@ class TagCheck {
     });
   }
 
-  /// On the guard: a reset need not hold elsewhere.
+  /// Compares on the guard only: a reset need not be valid elsewhere.
   bool rebound_agrees(const Event& event) const {
     const Reset& reset = event.reset;
     const Reset built = make_rebound(*reset.rebound);
@@ -167,7 +167,7 @@ class TagCheck {
     if (std::holds_alternative<GeneralField>(structure)) return true;
     if (system_.states != 2) return false;
     return everywhere([&](double t, Vector x) {
-      // In a contact: Hertz's law holds on one side of the barrier only.
+      // A state in contact: Hertz's law is valid on one side of the barrier only.
       if (const auto* hertz = std::get_if<HertzContact>(&structure)) x[0] = hertz->value[HertzContact::barrier] + std::abs(x[0]);
       return same(field(mode, t, x), Vector{{x[1], std::visit([&](const auto& s) { return acceleration(s, t, x); }, structure)}});
     });

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// HybridSystem: named modes (a field each) and events (guard and reset as a pair), as a plain value.
+// HybridSystem: named modes (each with a field) and events (each with a guard and a reset), as a plain value.
 //
-// In mode m the state obeys x' = f_m(t, x, p). An event of that mode fires where its guard h(t, x, p) crosses zero from
-// below; then x+ = g(t, x-, p) and the mode becomes the event's target.
+// In mode m the state obeys x' = f_m(t, x, p). An event of that mode fires where its guard h(t, x, p) crosses zero from below;
+// then x+ = g(t, x-, p) and the mode becomes the event's target.
 //
 // Trigger rule (h- just before, h+ just after an instant t in (t0, t1], the step being half open on the left):
 //     h- <  0, h+ >= 0                       fires
@@ -10,12 +10,13 @@
 //     h  = 0 at the start, dh/dt <  0        does not fire (this is how a reset leaves the barrier)
 //     h  = 0 at the start, dh/dt =  0        fires at once if h rises right after (dh/dt > 0 a millionth later), else does not
 //     h touches 0 from below and turns back  does not fire (tangency)
-// Events that fall on the same instant fire one after the other in the order in which they are declared.
-// An event exactly at the end time of a run fires. "h = 0" and "dh/dt = 0" are meant up to rounding: guard_tolerance and
-// rest_tolerance. An event must leave its guard (by its reset or by its target mode): nothing stays beyond a guard in its mode.
+// Simultaneous events fire one after the other, in the order of their declaration. An event exactly at the end time of a run
+// fires. "h = 0" and "dh/dt = 0" hold up to rounding: guard_tolerance and rest_tolerance. An event must leave its guard (by its
+// reset or by its target mode): no state stays beyond a guard of its mode.
 //
-// The system knows no solver. It has any number of states, modes and events; forced systems name the parameter that is
-// their forcing frequency (period T = 2 pi / frequency) or give their period as a function of p, autonomous ones do neither.
+// The system knows no solver. The numbers of states, modes and events are arbitrary. A forced system names the parameter that
+// is its forcing frequency (period T = 2 pi / frequency), or gives its period as a function of p; an autonomous system does
+// neither.
 #pragma once
 
 #include <graze/lib/system/mode_structure.hpp>
@@ -29,20 +30,20 @@
 
 namespace graze {
 
-/// A state lies on a guard if |h| <= guard_tolerance (1 + |x|): a hundred times the rounding of an event's instant.
+/// A state lies on a guard if |h| <= guard_tolerance (1 + |x|): a hundred times the rounding error of an event's instant.
 inline constexpr double guard_tolerance = 1e-12;
-/// It rests there if |dh/dt| <= rest_tolerance (1 + |f|); what h does this much time later then decides.
+/// It rests there if |dh/dt| <= rest_tolerance (1 + |f|); then the sign of dh/dt a time rest_glance later decides.
 inline constexpr double rest_tolerance = 1e-15, rest_glance = 1e-6;
 
-/// out = function of (t, x, p); `out` has its size already.
+/// out = function of (t, x, p); `out` has the right size before the call.
 using VectorFunction = std::function<void(double t, const Vector& x, const Vector& p, Vector& out)>;
 using MatrixFunction = std::function<void(double t, const Vector& x, const Vector& p, Matrix& out)>;
 using ScalarFunction = std::function<double(double t, const Vector& x, const Vector& p)>;
 
-/// What vanishes all along a mode that sticks or slides. The fields beside it press a small disturbance back along `direction` in
-/// a time in proportion to it: its multiplier is zero.
+/// A scalar that vanishes throughout a sticking or sliding mode. The fields on either side drive a small disturbance back along
+/// `direction`, in a time proportional to it: its multiplier is zero.
 struct Constraint {
-  std::size_t number = 0;    ///< the same in all modes that keep it
+  std::size_t number = 0;    ///< the same in all modes that preserve it
   VectorFunction dx;         ///< gradient in x (n)
   VectorFunction dp;         ///< gradient in p; empty: does not depend on p
   VectorFunction direction;  ///< (n)
@@ -55,19 +56,19 @@ struct Mode {
   MatrixFunction field_dx;
   MatrixFunction field_dp;
   VectorFunction field_dt;  ///< empty: the field does not depend on t
-  StructureAt structure;    ///< empty: nothing is known of it
+  StructureAt structure;    ///< empty: no structure is known
   std::vector<Constraint> constraints = {};
 };
 
-/// Guard h = sign (x[coordinate] - p[level]), told apart because the fast flows bound the motion against it. validate() holds it
-/// against Guard::value.
+/// Guard h = sign (x[coordinate] - p[level]), marked because the fast flows bound the motion against it. validate() compares it
+/// with Guard::value.
 struct LevelGuard {
   std::size_t coordinate = 0;
   std::size_t level = 0;  ///< index of the parameter
   double sign = 1.0;
 };
 
-/// A scalar guard and its derivatives. make_level_guard builds all of it from a LevelGuard.
+/// A scalar guard and its derivatives. make_level_guard builds it from a LevelGuard.
 struct Guard {
   ScalarFunction value;
   VectorFunction dx;  ///< gradient in x (n)
@@ -78,8 +79,8 @@ struct Guard {
 
 Guard make_level_guard(const LevelGuard& level);
 
-/// Reset of an impact with restitution: x+ = p[level] of the coordinate, v+ = -p[coefficient] v- of its velocity, all other
-/// states stay. Told apart because the lanes know it.
+/// Reset of an impact with restitution: x+ = p[level] for the coordinate, v+ = -p[coefficient] v- for its velocity; all other
+/// states stay. Marked because the SIMD lanes have code for it.
 struct Rebound {
   std::size_t coordinate = 0;   ///< index of the state
   std::size_t velocity = 1;     ///< index of the state
@@ -87,42 +88,42 @@ struct Rebound {
   std::size_t coefficient = 0;  ///< index of the parameter
 };
 
-/// A reset x+ = g(t, x-, p); empty `map` means the identity. make_rebound builds all of it from a Rebound.
+/// A reset x+ = g(t, x-, p); empty `map` means the identity. make_rebound builds it from a Rebound.
 struct Reset {
   VectorFunction map;
   MatrixFunction dx;
   MatrixFunction dp;               ///< empty: zero
   VectorFunction dt;               ///< empty: zero
-  std::optional<Rebound> rebound;  ///< validate() holds it against `map`
+  std::optional<Rebound> rebound;  ///< validate() compares it with `map`
 };
 
 Reset make_rebound(const Rebound& rebound);
 
 enum class EventKind { impact, enter, leave, stick, release, other };
 
-/// An impact, or an entry into contact: what counts as one impact.
+/// True for an impact and for an entry into contact: each counts as one impact.
 constexpr bool begins_contact(EventKind kind) { return kind == EventKind::impact || kind == EventKind::enter; }
 
 /// "impact", "enter", ...
 std::string_view event_kind_name(EventKind kind);
 
-/// Infinitely many impacts in finite time (k_r < 1): where the run goes on from the accumulation point.
+/// Infinitely many impacts in finite time (k_r < 1): continuation of the run from the accumulation point.
 struct Accumulation {
   std::size_t sticking_mode = 0;
   Reset reset;  ///< state at the accumulation point, for example (r, 0)
-  /// Second derivative of the guard along the motion after an impact: the pressing acceleration. Empty: taken from the field, for
-  /// a flat barrier at rest.
+  /// Second derivative of the guard along the motion after an impact: the pressing acceleration. Empty: taken from the field,
+  /// which is valid for a flat barrier at rest.
   ScalarFunction pressing = {};
 };
 
-/// Two events of a mode may share a guard. Where `condition` is not positive on the guard, `event` fires instead of the event
-/// that holds this: a motion that meets a surface either goes on in a sliding mode or passes.
+/// Two events of a mode may share a guard. If `condition` is not positive on the guard, `event` fires instead of the event that
+/// holds this: a motion that meets a surface either slides on it or passes through.
 struct Alternative {
   ScalarFunction condition;
-  std::size_t event = 0;  ///< index in HybridSystem::events, behind the event that holds this
+  std::size_t event = 0;  ///< index in HybridSystem::events, after the event that holds this
 };
 
-/// Guard, reset and target mode as one.
+/// An event: guard, reset and target mode.
 struct Event {
   std::string name;
   std::size_t from = 0;
@@ -130,23 +131,23 @@ struct Event {
   EventKind kind = EventKind::other;
   Guard guard;
   Reset reset;
-  /// True where state *and* field are continuous across the guard: the saltation matrix is then the identity, at grazing too.
+  /// True if state *and* field are continuous across the guard: the saltation matrix is then the identity, at grazing too.
   bool continuous = false;
   std::optional<Accumulation> accumulation;
   std::optional<Alternative> otherwise = {};
-  /// Mass that meets the barrier, 1 / (W^T M^-1 W) with the gap's gradient W: energies are half of it times normal speeds
-  /// squared. Empty: 1, energies are then per unit mass.
+  /// Effective mass at the barrier, 1 / (W^T M^-1 W) with the gap's gradient W: the energy of an impact is half of it times the
+  /// square of the normal speed. Empty: 1, and energies are per unit mass.
   ScalarFunction effective_mass;
-  /// Of an event that ends a soft contact: the rate at which its gap opens. Empty: the rate of the guard, which is the gap.
+  /// For an event that ends a soft contact: the rate at which its gap opens. Empty: the rate of the guard, which is the gap.
   ScalarFunction opening_rate = {};
-  /// ln|det S| where a law knows it (Newton: ln k_r^2), for Liouville's identity; empty: taken from S.
+  /// ln|det S| if the contact law provides it (Newton: ln k_r^2), for Liouville's identity; empty: computed from S.
   std::function<double(const Vector& p)> log_volume_change;
 };
 
 /// The mode a state belongs to at time t; nullopt: the state is not admissible (inside a hard barrier).
 using InitialMode = std::function<std::optional<std::size_t>(double t, const Vector& x, const Vector& p)>;
 
-/// Forcing period T(p) and its gradient (number of parameters), where no parameter is the frequency.
+/// Forcing period T(p) and its gradient (number of parameters), for systems without a frequency parameter.
 struct ForcingPeriod {
   std::function<double(const Vector& p)> value;
   std::function<void(const Vector& p, Vector& out)> dp;
@@ -165,11 +166,12 @@ struct HybridSystem {
   std::vector<std::size_t> returns;              ///< events that end a period of an autonomous system; empty: see returns_of()
 };
 
-/// Whether the state or its field jumps where some contact begins, or the state at an event without a kind: orbits on the two
-/// sides of a grazing are then different families. Friction that holds a body or turns with its motion is no contact.
+/// True if the state or its field jumps where some contact begins, or the state jumps at an event without a kind: the orbits on
+/// the two sides of a grazing are then different families. Friction that holds a body, or changes sign with its motion, is no
+/// contact.
 bool has_hard_contacts(const HybridSystem& system);
 
-/// Whether the system is forced with a period; else it is autonomous.
+/// True if the system is periodically forced; otherwise it is autonomous.
 inline bool is_forced(const HybridSystem& system) { return system.forcing_frequency || system.period; }
 
 /// Forcing period: 2 pi / frequency, or the system's own. @throws std::invalid_argument for an autonomous system.
@@ -178,19 +180,19 @@ double forcing_period(const HybridSystem& system, const Vector& p);
 /// dT/dp (number of parameters).
 Vector forcing_period_dp(const HybridSystem& system, const Vector& p);
 
-/// Events that are the returns of an autonomous system, which stand for forcing periods: HybridSystem::returns, else those that
-/// begin a contact, else those that begin to stick, else all.
+/// The events that count as returns of an autonomous system; a return replaces the forcing period. HybridSystem::returns, or
+/// else the events that begin a contact, or else those that begin to stick, or else all.
 std::vector<std::size_t> returns_of(const HybridSystem& system);
 
 /// Names of the states, one each.
 std::vector<std::string> state_names(const HybridSystem& system);
 
-/// Checks that the pieces fit: sizes, derivatives present, targets exist, and that what is told apart (LevelGuard, Rebound,
-/// Event::continuous, Mode::structure) agrees with its functions at states near the guard. @throws std::invalid_argument in one
-/// sentence.
+/// Checks the consistency of the parts: sizes, presence of derivatives, existence of targets, and agreement of the tags
+/// (LevelGuard, Rebound, Event::continuous, Mode::structure) with the functions at states near the guard. @throws
+/// std::invalid_argument in one sentence.
 void validate(const HybridSystem& system);
 
-/// The mode that `x` belongs to; nullopt: no motion begins there, it is not finite or lies inside a barrier.
+/// The mode that `x` belongs to; nullopt: no motion begins there, because `x` is not finite or lies inside a barrier.
 std::optional<std::size_t> mode_at(const HybridSystem& system, double t, const Vector& x, const Vector& p);
 
 /// The same. @throws std::invalid_argument if the state is not finite, has the wrong size or is not

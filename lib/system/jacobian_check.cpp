@@ -16,7 +16,7 @@ Vector central_column(const std::function<Vector(const Vector&)>& f, const Vecto
   return (f(ahead) - f(behind)) / (ahead[j] - behind[j]);
 }
 
-/// The extrapolated differences and how far the last extrapolation moved them.
+/// The extrapolated differences, and the estimate of their error from the last extrapolation.
 std::pair<Matrix, Matrix> differences(const std::function<Vector(const Vector&)>& f, const Vector& x, double step) {
   const Eigen::Index rows = f(x).size();
   Matrix value(rows, x.size()), error(rows, x.size());
@@ -24,7 +24,8 @@ std::pair<Matrix, Matrix> differences(const std::function<Vector(const Vector&)>
     const double h = step * (1.0 + std::abs(x[j]));
     const Vector coarse = central_column(f, x, j, h), fine = central_column(f, x, j, h / 2);
     value.col(j) = (4.0 * fine - coarse) / 3.0;
-    // The extrapolated value errs far less than this difference once h^2 dominates; a tenth of it is still an upper bound.
+    // Once h^2 dominates, the error of the extrapolated value is far below this difference; a tenth of it is still an upper
+    // bound.
     error.col(j) = 0.1 * (fine - coarse).cwiseAbs();
   }
   return {value, error};

@@ -9,7 +9,7 @@
 
 namespace graze {
 
-/// Result of a comparison: largest |J - J_fd| / (1 + max|J|), where, and the estimated error of the differences themselves.
+/// Result of a comparison: the largest |J - J_fd| / (1 + max|J|), its entry, and the estimated error of the differences.
 struct JacobianCheck {
   double disagreement = 0.0;    ///< relative to 1 + max|J|
   double error_estimate = 0.0;  ///< of the Richardson extrapolation, on the same scale

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a mode's equations are known to be, so that a faster exact flow can carry it.
+// Known structure of a mode's equations, for which a faster exact flow exists.
 //
-// A mode may say, for given parameter values, that its field is one of the structures below; make_flow then picks the
-// flow made for it. A mode that says nothing is carried by the general integrator, which is also the oracle for the
-// others. All quantities are dimensionless; states are (x, v).
+// A mode may declare, for given parameter values, that its field is one of the structures below; make_flow then selects the
+// flow made for it. A mode without a declared structure is integrated by the general integrator, which is also the reference
+// for the other flows. All quantities are dimensionless; states are (x, v).
 #pragma once
 
 #include <graze/lib/numerics/vector.hpp>
@@ -25,11 +25,11 @@ struct LinearOscillator {
   double constant = 0.0;
   /// d(damping, stiffness, amplitude, frequency, constant)/dp, 5 x (number of parameters).
   Matrix dp;
-  /// Parameters whose derivative the closed form does not hold (beta at beta = 0): asking for it takes the general flow.
+  /// Parameters for which the closed form has no derivative (beta at beta = 0): a request for it selects the general flow.
   std::vector<std::size_t> not_differentiable_in;
 };
 
-/// x'' + 2 damping x' + stiffness x + cubic x^3 = amplitude cos(frequency t) + constant: carried by Taylor series.
+/// x'' + 2 damping x' + stiffness x + cubic x^3 = amplitude cos(frequency t) + constant: integrated by Taylor series.
 struct CubicOscillator {
   enum Coefficient : std::size_t { damping, stiffness, cubic, amplitude, frequency, constant, count };
   std::array<double, count> value{};
@@ -37,7 +37,7 @@ struct CubicOscillator {
   Matrix dp = {};
 };
 
-/// Nothing is known: the general integrator.
+/// No known structure: the general integrator.
 struct GeneralField {};
 
 using ModeStructure = std::variant<GeneralField, LinearOscillator, CubicOscillator, HertzContact>;

@@ -12,7 +12,7 @@ namespace graze {
 
 namespace {
 
-/// Levenshtein distance, with two neighbouring letters swapped counted as one edit.
+/// Levenshtein distance in which swapping two neighbouring letters counts as one edit.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> before_last(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
   std::iota(last.begin(), last.end(), std::size_t{0});
@@ -83,7 +83,7 @@ void check_parameters(const std::vector<ParameterInfo>& parameters, const Vector
     const bool inside = std::isfinite(value) && value <= parameter.upper &&
                         (parameter.lower_open ? value > parameter.lower : value >= parameter.lower);
     if (inside) continue;
-    // "> 0" does not tell what is wrong with infinity.
+    // "> 0" alone does not explain why infinity is refused.
     const std::string range = range_text(parameter);
     const bool half_open = range.starts_with('>') || range.starts_with('<');
     throw std::invalid_argument(fmt::format("parameter {} is {}; allowed is {}{}", parameter.name, value,

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Named parameters of a system, with the range each may take.
+// Named parameters of a system with their ranges.
 //
-// Every function that takes a parameter name throws std::invalid_argument when there is no such parameter; the
-// message names the nearest valid one. Values are dimensionless unless `unit` says otherwise.
+// Every function that takes a parameter name throws std::invalid_argument if there is no such parameter; the message names the
+// nearest valid one. Values are dimensionless unless `unit` says otherwise.
 #pragma once
 
 #include <graze/lib/numerics/vector.hpp>
@@ -25,7 +25,7 @@ struct ParameterInfo {
   std::string meaning;
 };
 
-/// The range in words, such as "[0, 1]", "> 0" or "any finite number".
+/// The range as text, such as "[0, 1]", "> 0" or "any finite number".
 std::string range_text(const ParameterInfo& parameter);
 
 /// Index of the parameter called `name`. @throws std::invalid_argument (with the nearest valid name).
@@ -38,10 +38,11 @@ Vector default_parameters(const std::vector<ParameterInfo>& parameters);
 /// @throws std::invalid_argument naming parameter, value and allowed range.
 void check_parameters(const std::vector<ParameterInfo>& parameters, const Vector& values);
 
-/// The candidate nearest to `given` in edit distance; empty when none is near (more than a third of its letters off).
+/// The candidate nearest to `given` in edit distance; empty if the distance exceeds a third of the letters of `given`, rounded
+/// up.
 std::string nearest_name(std::string_view given, const std::vector<std::string>& candidates);
 
-/// "there is no <what> "given" (did you mean "..."?); choose one of ...": the one sentence for every unknown name.
+/// "there is no <what> "given" (did you mean "..."?); choose one of ...": the message for every unknown name.
 std::string unknown_name(std::string_view what, std::string_view given, const std::vector<std::string>& candidates);
 
 }  // namespace graze

@@ -9,7 +9,7 @@ namespace graze {
 
 namespace {
 
-/// Of a difference of sums of a few products, relative to the size of its terms.
+/// Rounding error of a difference of sums of a few products, relative to the size of its terms.
 constexpr double jump_rounding = 8.0 * std::numeric_limits<double>::epsilon();
 
 }  // namespace
@@ -86,7 +86,7 @@ void saltation(const Event& event, const Crossing& crossing, const Vector& p, st
     result.Sp.setConstant(n, m, std::numeric_limits<double>::quiet_NaN());
     return;
   }
-  if (event.guard.level && event.reset.rebound && n == 2 && m == 0) {  // the same, where it is known what it comes to
+  if (event.guard.level && event.reset.rebound && n == 2 && m == 0) {  // the same in closed form
     const Rebound& rebound = *event.reset.rebound;
     const auto position = static_cast<Eigen::Index>(rebound.coordinate), velocity = static_cast<Eigen::Index>(rebound.velocity);
     const double restitution = p[static_cast<Eigen::Index>(rebound.coefficient)];

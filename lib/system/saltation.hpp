@@ -21,7 +21,7 @@ struct SaltationMatrix {
   Matrix Sp;                    ///< n x active parameters
 };
 
-/// Where an event happened: the two fields belong to the modes before and after.
+/// Time, states and fields at an event: the two fields belong to the modes before and after.
 struct Crossing {
   double t = 0.0;
   const Vector& x_minus;
@@ -43,13 +43,13 @@ void saltation(const Event& event, const Crossing& crossing, const Vector& p, st
 /// The transversality c = D_t h + D_x h f- alone.
 double transversality(const Guard& guard, double t, const Vector& x, const Vector& f, const Vector& p);
 
-/// Derivative of the transversality in the direction (dt, dx, dp) with f held: what the guard's own curvature, or its motion,
-/// adds to derivatives of dh/dt. Exactly zero for a level. By differences of fourth order, to some 1e-11 of the guard's scale;
-/// empty dx or dp: none.
+/// Derivative of the transversality in the direction (dt, dx, dp) with f held fixed: the contribution of the guard's own
+/// curvature or motion to the derivatives of dh/dt. Exactly zero for a level guard. Fourth-order differences, accurate to about
+/// 1e-11 of the guard's scale; empty dx or dp: zero.
 double transversality_change(const Guard& guard, double t, const Vector& x, const Vector& f, const Vector& p, double dt,
                              const Vector& dx = {}, const Vector& dp = {});
 
-/// h and dh/dt of a guard along a mode's field, with their gradients in x, and derivatives in t and one parameter.
+/// h and dh/dt of a guard along a mode's field, with their gradients in x and their derivatives in t and one parameter.
 struct GuardAndRate {
   double h = 0.0, rate = 0.0;
   Vector h_dx, rate_dx;

@@ -12,9 +12,9 @@ namespace graze {
 
 namespace {
 
-/// Points at which functions are compared: enough that what agrees at all of them by chance does not occur.
+/// Number of points at which functions are compared: enough to exclude agreement by chance.
 constexpr int points = 24;
-/// Relative to the size of what is compared: rounding of a field.
+/// Rounding error of a field, relative to the compared values.
 constexpr double rounding = 1e-11;
 constexpr std::size_t most_free_states = 5, most_coordinates = 4;
 
@@ -31,7 +31,7 @@ struct Permutation {
   }
 };
 
-/// What is not finite at one of the points must not be so at the other.
+/// If a value is not finite at one of the points, it must not be finite at the other either.
 bool agree(const Vector& a, const Vector& b) {
   if (!a.allFinite() || !b.allFinite()) return a.allFinite() == b.allFinite();
   return (a - b).lpNorm<Eigen::Infinity>() <= rounding * (1.0 + a.lpNorm<Eigen::Infinity>());
@@ -50,7 +50,7 @@ class Search {
     }
   }
 
-  /// Of the whole system, or of the field of some mode.
+  /// The symmetries of the whole system, or (not `whole`) of the field of some mode.
   std::vector<Symmetry> all(bool whole) const {
     const auto holds = [&](const Permutation& S, double shift) { return whole ? of_system(S, shift) : of_flight(S, shift); };
     const std::size_t n = system_.states;
@@ -87,7 +87,7 @@ class Search {
     return out;
   }
 
-  /// Whether the second half of the states are the rates of the first, in some mode (others may hold a mass).
+  /// True if the second half of the states are the rates of the first in some mode (in others a mass may be held).
   bool has_velocities() const {
     const auto k = static_cast<Eigen::Index>(system_.states / 2);
     for (std::size_t m = 0; m < system_.modes.size(); ++m)
@@ -149,7 +149,7 @@ class Search {
     return true;
   }
 
-  /// Whether nothing moves in the mode: any symmetry is one of its field.
+  /// True if the field of the mode is zero: it has every symmetry.
   bool at_rest(std::size_t m) const {
     return std::all_of(at_.begin(), at_.end(), [&](const Point& at) { return field(m, at.t, at.x).isZero(0.0); });
   }
@@ -159,7 +159,7 @@ class Search {
                        [&](const Point& at) { return agree(S(field(m, at.t, at.x)), field(other, at.t + shift * T_, S(at.x))); });
   }
 
-  /// Of modes with the same field (a mass held at one stop or the other) those with matching guards.
+  /// Among modes with the same field (a mass held at one stop or the other), the guards must match as well.
   bool takes_mode(const Permutation& S, double shift, std::size_t m, std::size_t other) const {
     return takes_field(S, shift, m, other) && events_of(m) == events_of(other) && guards_match(S, shift, m, other);
   }
@@ -188,7 +188,7 @@ class Search {
                    const std::vector<std::size_t>& image) const {
     if (other.from != image[event.from] || other.to != image[event.to]) return false;
     return takes_guard(S, shift, event, other) && std::all_of(at_.begin(), at_.end(), [&](const Point& at) {
-             // A reset holds on the guard only: it may put a state there. What it does to the other ones is compared.
+             // A reset is valid on the guard only and may set a state there. Its effect on the other states is compared.
              const Vector a = S(reset(event, at.t, at.x)), b = reset(other, at.t + shift * T_, S(at.x));
              return agree(a, b);
            });

@@ -7,7 +7,7 @@
 namespace graze {
 
 /// How a run or a stretch of it ended; a run that was not carried out counts as failed. escape, resonance: the motion grows
-/// without bound (unbounded.hpp). no_return: of an autonomous system, no return for longest_return (propagator.hpp).
+/// without bound (unbounded.hpp). no_return: an autonomous system had no return for the time longest_return (propagator.hpp).
 enum class Termination {
   failed,
   time,
@@ -21,7 +21,7 @@ enum class Termination {
   no_return
 };
 
-/// A sentence for each.
+/// A short text for each.
 std::string_view termination_text(Termination reason);
 
 }  // namespace graze
