@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// BatchMeans: mean of a correlated series with its standard error. The series is cut into batches of equal length, between 32 and
-// 64 of them; when there are 64, neighbours are joined and the length doubles. The means of batches much longer than the
-// correlation time are as good as independent: error^2 = variance of the batch means / number of batches.
+// BatchMeans: mean of a correlated series with its standard error. The series is cut into batches of equal length. When there
+// are 64 batches, neighbours are merged to 32 and the length doubles. The means of batches much longer than the correlation
+// time are practically independent: error^2 = variance of the batch means / number of batches.
 #pragma once
 
 #include <algorithm>
@@ -40,12 +40,13 @@ class BatchMeans {
   std::int64_t count() const { return count_; }
   double total() const { return static_cast<double>(count_) * first_ + sum_; }
   double mean() const { return total() / static_cast<double>(std::max<std::int64_t>(count_, 1)); }
-  /// Whether the last value ended a batch: the standard error is another. And how many values that will take.
+  /// True if the last value completed a batch, which updated the standard error. until_batch_ends(): number of values up to the
+  /// next completion.
   bool ended_batch() const { return in_open_ == 0; }
   std::int64_t until_batch_ends() const { return length_ - in_open_; }
-  /// Infinite until there are enough batches.
+  /// Infinite until there are 16 batches.
   double standard_error() const { return error_; }
-  /// Mean of the later half of the batches less that of the earlier; 0 until there are enough.
+  /// Mean of the later half of the batches minus that of the earlier half; 0 until there are 16 batches.
   double drift() const {
     if (batches_.size() < most / 4) return 0.0;
     const std::size_t half = batches_.size() / 2;
@@ -56,10 +57,10 @@ class BatchMeans {
     }
     return (later - earlier) / static_cast<double>(half);
   }
-  /// What the ends of the series leave open: where terms alternate by much (the growth along an orbit of several periods), the
-  /// mean depends on how many there are. The spread of a term over their number, as good as nothing in chaos.
+  /// Effect of the ends of the series: if terms alternate strongly (the growth along an orbit of several periods), the mean
+  /// depends on their number. Standard deviation of a term divided by the count; negligible in chaos.
   double edge() const { return count_ > 1 ? std::sqrt(variance()) / static_cast<double>(count_) : 0.0; }
-  /// Integrated correlation time in terms of the series: error^2 = 2 tau variance / count; 1/2 for independent terms.
+  /// Integrated correlation time, in terms of the series: error^2 = 2 tau variance / count; 1/2 for independent terms.
   double correlation_time() const {
     const double error = standard_error(), spread = variance();
     return spread > 0.0 ? 0.5 * error * error * static_cast<double>(count_) / spread : 0.5;
@@ -104,8 +105,8 @@ class BatchMeans {
 
   std::vector<double> batches_;
   std::int64_t count_ = 0, length_ = 1, in_open_ = 0;
-  double first_ = 0.0, sum_ = 0.0, squares_ = 0.0;  // the sums: of what is beyond the first value, and of its squares
-  double batch_sum_ = 0.0, batch_squares_ = 0.0;    // likewise, of the means of batches beyond that of the first
+  double first_ = 0.0, sum_ = 0.0, squares_ = 0.0;  // sums of the differences from the first value, and of their squares
+  double batch_sum_ = 0.0, batch_squares_ = 0.0;    // the same for the batch means, from the first one
   double open_ = 0.0, error_ = std::numeric_limits<double>::infinity();
 };
 

@@ -8,9 +8,9 @@ namespace graze {
 
 namespace {
 
-using Row = std::array<double, 7>;  // of d_k, d_0, d_{k+1} and the right-hand side
+using Row = std::array<double, 7>;  // coefficients of d_k, d_0, d_{k+1}, and the right-hand side
 
-/// Makes the first two columns of four rows triangular by two reflections. (Unrolled: in half the time.)
+/// Makes the first two columns of four rows triangular by two reflections. (Unrolling halves the time.)
 void reflect(std::array<Row, 4>& A) {
 #pragma GCC unroll 2
   for (std::size_t c = 0; c < 2; ++c) {
@@ -53,7 +53,7 @@ void CyclicBlocks::solve(const std::vector<Square>& Phi, const std::vector<Pair>
   const std::size_t n = Phi.size();
   d.resize(n);
   rows_.resize(n);
-  // What is left of the equations before: P d_0 + Q d_k = g.
+  // The eliminated equations so far: P d_0 + Q d_k = g.
   Square P = Phi[0], Q = {-1.0, 0.0, 0.0, -1.0};
   Pair g = {-r[0][0], -r[0][1]};
   for (std::size_t k = 1; k < n; ++k) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// CyclicBlocks: the linear equations of one step of Newton's method on the shooting equations of a forced orbit with two states
-// and a node per forcing period,
+// CyclicBlocks: solver for the linear equations of one Newton step on the shooting equations of a forced orbit with two states
+// and one node per forcing period,
 //     Phi_k d_k - d_{k+1} = -r_k,   k = 0 ... n - 1,   d_n = d_0,
-// in time proportional to n. Node after node is eliminated by reflections (S. J. Wright, SIAM J. Sci. Stat. Comput. 13 (1992)
-// 742), which stays accurate where the product of the Phi_k is large.
+// in time proportional to n. The nodes are eliminated one after the other by reflections (S. J. Wright, SIAM J. Sci. Stat.
+// Comput. 13 (1992) 742), which stays accurate if the product of the Phi_k is large.
 #pragma once
 
 #include <array>
@@ -15,9 +15,9 @@ namespace graze {
 class CyclicBlocks {
  public:
   using Pair = std::array<double, 2>;
-  using Square = std::array<double, 4>;  ///< row by row
+  using Square = std::array<double, 4>;  ///< row-major
 
-  /// The steps d_0 ... d_{n-1}; not finite where the equations have no unique solution.
+  /// Computes the steps d_0 ... d_{n-1}; not finite if the equations have no unique solution.
   void solve(const std::vector<Square>& Phi, const std::vector<Pair>& r, std::vector<Pair>& d);
 
  private:

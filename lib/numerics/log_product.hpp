@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// LogProduct: ln|a b c ...| with one logarithm for as many factors as a number holds.
+// LogProduct: ln|a b c ...|, with one logarithm for as many factors as the range of a double allows.
 #pragma once
 
 #include <cmath>
@@ -15,7 +15,7 @@ class LogProduct {
     sum_ += std::log(std::abs(product_));
     product_ = 1.0;
   }
-  /// -infinity where a factor was 0, NaN where one was.
+  /// -infinity if a factor was 0, NaN if one was NaN.
   double value() const { return sum_ + std::log(std::abs(product_)); }
 
  private:

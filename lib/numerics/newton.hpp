@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How a Newton iteration went: part of every result that comes from one.
+// Outcome of a Newton iteration: part of every result that Newton's method computes.
 #pragma once
 
 #include <string_view>

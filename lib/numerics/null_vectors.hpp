@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Null vectors of a (nearly) singular square matrix A, with which a bordered system is regular:
+// Null vectors of a (nearly) singular square matrix A, which make a bordered system regular:
 //
 //     right: A v ~ 0,   left: w^H A ~ 0,   |v| = |w| = 1.
 //
-// They are the singular vectors of A's smallest singular value, by inverse iteration with A^H A: only approximate where the next
-// singular value is close by, which is enough for borders (Govaerts, Numerical Methods for Bifurcations of Dynamical Equilibria,
-// SIAM 2000, section 3.2). A may be exactly singular.
+// They are the singular vectors of A's smallest singular value, by inverse iteration with A^H A. They are only approximate if
+// the next singular value is close, which suffices for borders (Govaerts, Numerical Methods for Bifurcations of Dynamical
+// Equilibria, SIAM 2000, section 3.2). A may be exactly singular.
 #pragma once
 
 #include <graze/lib/numerics/orbit_lu.hpp>
@@ -22,8 +22,8 @@ template <class SquareMatrix> struct NullVectors {
 template <class SquareMatrix> NullVectors<SquareMatrix> null_vectors(const SquareMatrix& A) {
   NullVectors<SquareMatrix> null;
   const Eigen::Index n = A.rows();
-  // A shift far below what the borders notice keeps the solutions finite where A is exactly singular, and their squares where it
-  // is zero altogether.
+  // A shift too small to affect the borders keeps the solutions finite if A is exactly singular, and their squares finite if A
+  // is zero.
   const double shift = 1e-13 * A.cwiseAbs().maxCoeff() + 1e-100;
   SquareMatrix shifted = A;
   shifted.diagonal().array() += shift;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// OrbitLU: LU factors of the square matrices of an orbit's equations with their borders. Each node is linked to the next one
-// only, so that with many nodes most of the matrix is zero: then the factors are sparse, at a cost that grows with the number of
-// nodes and not with its cube.
+// OrbitLU: LU factors of the square, bordered matrices of an orbit's equations. Each node couples to the next one only, so that
+// with many nodes the matrix is sparse. Sparse factors then cost time proportional to the number of nodes, not to its cube.
 #pragma once
 
 #include <graze/lib/numerics/vector.hpp>
@@ -19,14 +18,14 @@ template <class SquareMatrix> class OrbitLU {
   using Column = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
 
   explicit OrbitLU(const SquareMatrix& A) {
-    constexpr Eigen::Index small = 96;  // up to there dense factors are as fast
+    constexpr Eigen::Index small = 96;  // up to this size dense factors are as fast
     if (A.rows() > small && A.allFinite()) {
       sparse_ = std::make_unique<Sparse>();
       Eigen::SparseMatrix<Scalar> entries = A.sparseView();
       entries.makeCompressed();
       sparse_->compute(entries);
       if (sparse_->info() == Eigen::Success) return;
-      sparse_.reset();  // singular to the last bit: dense factors give infinities, which callers look for
+      sparse_.reset();  // exactly singular: dense factors give infinities, which callers test for
     }
     dense_.compute(A);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What can be done at the same time, on the threads of the caller's arena (oneTBB).
+// Parallel loops on the threads of the caller's arena (oneTBB).
 #pragma once
 
 #include <oneapi/tbb/global_control.h>
@@ -11,24 +11,24 @@
 
 namespace graze {
 
-/// How many threads there may be. (An arena does not know of a limit to all of them.)
+/// Number of threads available here. (An arena ignores the global limit.)
 inline std::size_t threads_here() {
   using oneapi::tbb::global_control;
   const auto in_arena = static_cast<std::size_t>(std::max(1, oneapi::tbb::this_task_arena::max_concurrency()));
   return std::min(in_arena, global_control::active_value(global_control::max_allowed_parallelism));
 }
 
-/// n / by, rounded up: how many parts of a size there are, or how large they are.
+/// n / by, rounded up: number of parts of a given size, or size of a given number of parts.
 constexpr std::size_t divided_up(std::size_t n, std::size_t by) { return (n + by - 1) / by; }
 
-/// body(0) ... body(n - 1), in any order. A thread that waits for the rest does not begin with anything else meanwhile, which it
-/// might have to finish first.
+/// Calls body(0) ... body(n - 1) in any order. A thread that waits for the rest takes no other work meanwhile, because it would
+/// have to finish that first.
 template <class Body> void in_parallel(std::size_t n, const Body& body) {
   if (n == 1) return body(std::size_t{0});
   oneapi::tbb::this_task_arena::isolate([&] { oneapi::tbb::parallel_for(std::size_t{0}, n, body); });
 }
 
-/// The same on all threads or, one after the other, on this one.
+/// The same on all threads, or in order on this one.
 template <class Body> void for_each_index(bool all_threads, std::size_t n, const Body& body) {
   if (all_threads) return in_parallel(n, body);
   for (std::size_t i = 0; i < n; ++i) body(i);

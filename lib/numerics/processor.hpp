@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What this processor has beyond the instructions that the rest of the program is compiled for.
+// Instruction sets of this processor beyond the baseline for which the rest of the program is compiled.
 #pragma once
 
 namespace graze {
 
-/// AVX2 and fused multiply-add.
+/// True if it has AVX2 and fused multiply-add.
 bool processor_fuses();
-/// AVX-512 besides.
+/// True if it has AVX-512 in addition.
 bool processor_has_avx512();
 
 }  // namespace graze

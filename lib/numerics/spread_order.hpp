@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every index from 0 to n - 1 once, neighbours far apart: with a step prime to n, near its golden section.
+// SpreadOrder: every index from 0 to n - 1 once, with consecutive indices far apart. The step is coprime to n and near n times
+// the golden ratio 0.618.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +16,7 @@ class SpreadOrder {
     while (std::gcd(step_, n) != 1) ++step_;
   }
   std::size_t size() const { return n_; }
-  /// The k-th.
+  /// The k-th index.
   std::size_t operator[](std::size_t k) const { return k * step_ % n_; }
 
  private:
