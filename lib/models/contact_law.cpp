@@ -29,8 +29,8 @@ ContactLaw linear_elastic_law() {
           .values = {"k_S"}};
 }
 
-/// Newton's law of restitution at a rigid stop. With k_r < 1 impacts may accumulate; the mass is then held at (r, 0) while
-/// xi cos(eta tau) - r - beta r^3 > 0 presses it there, and released when that changes sign. |det S| = k_r^2 at an impact.
+/// Newton's law of restitution at a rigid stop. With k_r < 1 impacts may accumulate; the mass then sticks at (r, 0) while xi
+/// cos(eta tau) - r - beta r^3 > 0 presses it there, and is released when that changes sign. |det S| = k_r^2 at an impact.
 ContactLaw newton_law() {
   return {.name = "newton",
           .formula = "x'+ = -k_r x'- at x = r; x <= r always",

@@ -50,7 +50,7 @@ double barrier_acceleration(double t, const Vector& p) {
 
 namespace {
 
-/// The pieces of a text. They have no place in a file: a mistake in a law that a program gives is told with place 1:1.
+/// Part of a text without a place in a file: errors in a law that a program passes are reported at 1:1.
 equations::Text piece(std::string text) { return {std::move(text), {}}; }
 
 equations::ParameterText parameter_text(const ParameterInfo& info) {
@@ -101,7 +101,7 @@ equations::TextSystem read_oscillator(const OscillatorKind& kind, const ContactL
   text.stops.push_back(std::move(stop));
 
   equations::TextSystem out = equations::make_system(text);
-  // There is one stop: modes and events are told apart without its name.
+  // There is one stop: modes and events need no stop name.
   out.system.modes.back().name = law.hard ? "held" : "contact";
   for (Event& event : out.system.events) event.name = event_kind_name(event.kind);
   return out;

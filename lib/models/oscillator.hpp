@@ -11,7 +11,7 @@
 
 namespace graze {
 
-/// Positions of the oscillator's own parameters; a contact law's follow from `law` on.
+/// Positions of the oscillator's own parameters; those of the contact law start at `law`.
 namespace oscillator_parameter {
 enum Index : std::size_t { b, beta, xi, eta, r, law };
 }
@@ -29,10 +29,10 @@ const std::vector<OscillatorKind>& oscillator_kinds();
 const OscillatorKind& oscillator_kind(std::string_view name);
 
 /// The oscillator with a contact law, named "<kind>-<law>", with its expressions. Modes: "free", and "contact" or "held".
-/// @throws equations::EquationError for a law whose text is no law.
+/// @throws equations::EquationError if the text of the law is invalid.
 equations::TextSystem read_oscillator(const OscillatorKind& kind, const ContactLaw& law);
-/// The same with more parameters, and with expressions of them in the place of some of its own parameters. What ties neither the
-/// oscillator's nor the law's parameters is there to be read, by TextSystem::tied.
+/// The same with the parameters `added`, and with expressions (`tied`) in place of some of its own parameters. A tied name that
+/// is no parameter of the oscillator or the law is added and can be read through TextSystem::tied.
 equations::TextSystem read_oscillator(const OscillatorKind& kind, const ContactLaw& law, const std::vector<ParameterInfo>& added,
                                       const std::vector<equations::Definition>& tied);
 /// The system alone.
@@ -46,7 +46,7 @@ double barrier_acceleration(double t, const Vector& p);
 
 /// The steady motion without barrier and without beta x^3, as a state at forcing phase 0:
 ///     x = xi (1 - eta^2) / D,   x' = 2 b eta^2 xi / D,   D = (1 - eta^2)^2 + (2 b eta)^2.
-/// For beta = 0 it is the impactless orbit, as long as its amplitude xi / sqrt(D) stays below r.
+/// For beta = 0 it is the impactless orbit, while its amplitude xi / sqrt(D) stays below r.
 Vector steady_response(const Vector& p);
 
 }  // namespace graze

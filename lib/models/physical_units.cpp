@@ -30,7 +30,7 @@ ParameterInfo any(std::string name, std::string unit, std::string meaning) {
   return {std::move(name), 0.0, -infinity, infinity, false, std::move(unit), std::move(meaning)};
 }
 
-/// Of what the kinds differ in. The rest follows one rule.
+/// The quantities in which the kinds of excitation differ. All others follow the same rule.
 struct Scales {
   std::string mass, stiffness, length, beta, xi;
 };
@@ -52,7 +52,7 @@ std::vector<equations::Definition> conversion(const Scales& kind) {
   return list;
 }
 
-/// The expressions of a conversion in a graph, where quantities are what `meaning` says.
+/// The expressions of a conversion in a graph, with the quantities given by `meaning`.
 std::vector<equations::Expression> expressions(equations::Graph& graph, const ExcitationKind& kind,
                                                const std::function<equations::Expression(std::string_view)>& meaning) {
   equations::Scope scope;
@@ -159,7 +159,7 @@ equations::TextSystem read_oscillator(const OscillatorKind& oscillator, const Co
     const equations::Definition& one = kind.conversion[i];
     const bool is_parameter = std::any_of(known.begin(), known.end(), [&](const ParameterInfo& info) {
       return info.name == one.name.text &&
-             (info.name != "beta" || oscillator.beta != 0.0);  // the linear one has none, as a beam too
+             (info.name != "beta" || oscillator.beta != 0.0);  // the linear oscillator has no beta, not even as a beam
     });
     const bool is_scale = one.name.text == "alpha" || one.name.text == "length";
     if (!(is_parameter || is_scale) || equations::dependence(graph, list[i]).parameters.empty()) continue;
