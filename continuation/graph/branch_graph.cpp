@@ -27,25 +27,26 @@ namespace graze {
 
 namespace {
 
-/// Branches followed before what they brought is taken up. Fixed, so that the result does not depend on the number of threads.
+/// Number of branches followed in parallel before the results are accepted. Fixed, so that the result does not depend on the
+/// number of threads.
 constexpr std::size_t round_size = 4;
 using Origin = BranchOrigin;
 using Task = BranchTask;
 using Outcome = BranchOutcome;
 
-/// Whether it is stable somewhere.
+/// True if the branch is stable somewhere.
 bool is_stable(const Branch& branch) {
   return std::any_of(branch.points.begin(), branch.points.end(), [](const BranchPoint& point) { return point.stable; });
 }
 
-/// Of the values that its points take.
+/// Width of the parameter interval of the branch.
 double width(const Branch& branch) {
   const auto [least, most] = std::minmax_element(branch.points.begin(), branch.points.end(),
                                                  [](const BranchPoint& a, const BranchPoint& b) { return a.value < b.value; });
   return branch.points.empty() ? 0.0 : most->value - least->value;
 }
 
-/// Whether it is stable on either side of its special point.
+/// True if the branch is stable on either side of its special point.
 bool is_stable_beside(const Branch& branch, const SpecialPoint& point) {
   const auto stable = [&](std::size_t k) { return k < branch.points.size() && branch.points[k].stable; };
   return stable(point.after_point) || stable(point.after_point + 1);
@@ -53,10 +54,10 @@ bool is_stable_beside(const Branch& branch, const SpecialPoint& point) {
 
 /// A series towards complete chatter that is not followed further.
 struct ChatterSeries {
-  int period = 0, impacts = 0;  ///< of the last family that was followed
-  double from = 0.0, to = 0.0;  ///< the last grazing but one, and where they accumulate
+  int period = 0, impacts = 0;  ///< of the last family followed
+  double from = 0.0, to = 0.0;  ///< last grazing but one, and accumulation point
 
-  /// Whether an orbit belongs to one of its further families, or to one of several times their period.
+  /// True if an orbit belongs to one of its further families, or to a family of a multiple of their period.
   bool explains(const PeriodicOrbit& orbit, double value) const {
     const bool inside = value >= std::min(from, to) && value <= std::max(from, to);
     return inside && orbit.period % period == 0 && orbit.impacts == orbit.isolated_impacts &&
@@ -133,7 +134,7 @@ class Graph {
     if (std::none_of(graph_.cut_off.begin(), graph_.cut_off.end(), same)) graph_.cut_off.push_back(std::move(entry));
   }
 
-  /// Whether a task is not wanted (FamilyChoice). It is counted.
+  /// True if FamilyChoice excludes the task; the task is then counted or listed.
   bool leaves_out(const Task& task) {
     const auto because = [&](std::string reason) {
       ++left_out_[std::move(reason)];
@@ -158,7 +159,7 @@ class Graph {
     return because(fmt::format("beyond unstable orbits; {} branches in a row were stable nowhere", choice_.patience));
   }
 
-  /// Where the parent of a branch is; empty for a branch without one, or of which an earlier run has not left one.
+  /// Place of the parent of a branch; empty if it has none, or if an earlier run did not leave it.
   std::optional<std::size_t> parent_of(const Branch& branch) const {
     if (!branch.parent) return std::nullopt;
     const auto with_id = [&](const Branch& other) { return other.id == branch.parent->branch; };
@@ -167,7 +168,7 @@ class Graph {
     return static_cast<std::size_t>(found - graph_.branches.begin());
   }
 
-  /// Drops what FamilyChoice does not keep.
+  /// Drops the branches that FamilyChoice does not keep.
   void keep_stable() {
     std::vector<Branch>& branches = graph_.branches;
     std::vector<char> kept(branches.size());
@@ -181,7 +182,7 @@ class Graph {
       if (branch.stop != BranchStop::grazing || !branch.points.back().stable || !ends_[k]) continue;
       if (const KnownEdge* edge = edge_beyond(edges_, k, branch.special_points.back(), *ends_[k])) kept[edge->branch] = 1;
     }
-    // A parent comes before its children.
+    // Parents precede their children in the list.
     for (std::size_t k = branches.size(); k-- > 0;)
       if (const auto parent = kept[k] ? parent_of(branches[k]) : std::nullopt) kept[*parent] = 1;
     std::vector<Branch> list;
@@ -196,7 +197,7 @@ class Graph {
     branches = std::move(list);
   }
 
-  /// The grazing at the end of the branch `index` as the last of a series towards complete chatter, if it is that.
+  /// The accumulation point, if the grazing at the end of the branch `index` is the last of a series towards complete chatter.
   std::optional<SeriesLimit> series_at(std::size_t index) const {
     std::array<double, grazings_of_series> values{};
     for (std::size_t k = 0; k < values.size(); ++k) {
@@ -218,18 +219,18 @@ class Graph {
     return limit_of_series(values);
   }
 
-  /// Notes the series, and goes on with the orbits that stick beyond the value where it accumulates.
+  /// Records the series, and continues with the sticking orbits beyond its accumulation point.
   void end_series(std::size_t index, const SeriesLimit& found, int generation) {
     const Branch& branch = graph_.branches[index];
     const SpecialPoint& end = branch.special_points.back();
-    const double before = found.value - (found.value - end.value) / found.ratio;  // the last grazing but one
+    const double before = found.value - (found.value - end.value) / found.ratio;  // last grazing but one
     series_.push_back({branch.period, branch.points.back().impacts, before, found.value});
     cut_off(
         {Origin::beyond_grazing, {}, 1, index, branch.special_points.size() - 1},
         fmt::format("a series towards complete chatter, one impact more at each grazing, their distances in the ratio {:.3g}, "
                     "which accumulates at {} = {:.9g}: it is not followed impact by impact",
                     found.ratio, options_.parameter, found.value));
-    // As far beyond the accumulation as the last family lies before it.
+    // As far beyond the accumulation point as the last family lies before it.
     const double beyond = std::clamp(2.0 * found.value - before, low_, high_);
     Vector p = branch.parameters;
     p[static_cast<Eigen::Index>(parameter_)] = beyond;
@@ -243,14 +244,14 @@ class Graph {
     add_seed({seen_at_nodes(*attractor.orbit)}, generation);
   }
 
-  /// The partner born on the grazing at the end of this branch, or null.
+  /// The partner born on the grazing at the end of this branch; null if there is none.
   const Branch* child_at(const Branch& branch) const {
     for (const Branch& other : graph_.branches)
       if (other.parent && other.parent->label == branch.special_points.back().label && is_partner(other, branch)) return &other;
     return nullptr;
   }
 
-  /// With the family on the other side, whichever way that was reached: as its child, as its parent, or from a seed of its own.
+  /// Confirms the scenario of a grazing with the family on the other side: a child, a parent, or a branch from another seed.
   void confirm_grazing(std::size_t index) {
     Branch& branch = graph_.branches[index];
     if (branch.stop != BranchStop::grazing || branch.points.empty()) return;
@@ -265,7 +266,8 @@ class Graph {
     set_scenario(branch, [&](SpecialPoint& grazing) { confirm_scenario(grazing, branch, *beyond, begins); });
   }
 
-  /// The period doubling at which a doubled branch ends: the nearest one to its last point, on a branch of half the period.
+  /// Confirms the period doubling at which a doubled branch ends: the one nearest to its last point, on a branch of half the
+  /// period.
   void confirm_return(const Branch& child) {
     constexpr double nearest_told = 0.1;  // two of the longest steps
     if (child.stop != BranchStop::returned || child.period % 2 != 0 || child.points.empty()) return;
@@ -303,11 +305,12 @@ class Graph {
     }
   }
 
-  /// An autonomous orbit as one of as many periods as it has returns, with a node each: so a doubled one is told from its parent.
+  /// An autonomous orbit with its number of returns as period, and one node per return: this distinguishes a doubled orbit from
+  /// its parent.
   PeriodicOrbit by_returns(const PeriodicOrbit& orbit) const {
     const int returns = count_returns(system_, orbit);
     if (returns < 2) return orbit;
-    // From where the nodes keep clear of events.
+    // Start in the widest gap between events, so that the nodes stay clear of them.
     std::vector<double> places;
     const double length = orbit.duration / returns;
     for (const EventRecord& event : orbit.events) places.push_back(std::fmod(event.t / length, 1.0));
@@ -336,7 +339,7 @@ class Graph {
 
   double value_of(const PeriodicOrbit& orbit) const { return orbit.parameters[static_cast<Eigen::Index>(parameter_)]; }
 
-  /// The branch on which an orbit lies. Those from the seed `except` do not count.
+  /// The branch on which an orbit lies. Branches from the seed `except` are ignored.
   std::optional<std::size_t> branch_through(const std::vector<Vector>& states, double value, int except = 0) const {
     for (std::size_t k = 0; k < graph_.branches.size(); ++k)
       if ((except == 0 || seeds_[k] != except) && lies_on(system_, graph_.branches[k], states, value)) return k;
@@ -347,7 +350,8 @@ class Graph {
     return branch_through(states, value, except).has_value();
   }
 
-  /// The branch on which a mirror image of such an orbit lies, if that is another orbit, and the symmetry.
+  /// The branch on which a mirror image of the orbit lies, and the symmetry. Callers exclude known orbits first: then the image
+  /// is another orbit.
   std::optional<std::pair<std::size_t, Symmetry>> mirror_of(const std::vector<Vector>& states, double value) const {
     if (graph_.branches.empty()) return std::nullopt;
     Vector p = graph_.branches.front().parameters;
@@ -377,9 +381,9 @@ class Graph {
     return branch;
   }
 
-  // What follows up to accept() is run side by side, and only looks at what is there.
+  // The functions from here to accept() run in parallel and only read the graph.
 
-  /// What cannot be started is no reason to lose what there is.
+  /// Follows one task. A branch that cannot be started must not lose the results so far.
   Outcome follow(const Task& task, int provisional_id) const {
     try {
       return follow_origin(task, provisional_id);
@@ -423,7 +427,7 @@ class Graph {
   Outcome follow_seed(const Task& task, int provisional_id) const {
     Outcome out;
     const double value = value_of(task.orbit);
-    if (task.direction > 0 ? value >= high_ : value <= low_) return out;  // straight out of the range
+    if (task.direction > 0 ? value >= high_ : value <= low_) return out;  // leads directly out of the range
     if (is_known(task.orbit.states, value, task.seed)) return out;
     OrbitProblem problem = problem_at(task.orbit);
     const Vector u = problem.pack(task.orbit.nodes, task.orbit.duration, value);
@@ -472,7 +476,7 @@ class Graph {
     return out;
   }
 
-  /// The orbits with the impact removed (or added) from the grazing on: they exist on one side of it only.
+  /// The orbits beyond the grazing, with the impact removed or added: they exist on one side of it only.
   Outcome follow_beyond_grazing(const Task& task, int provisional_id) const {
     Outcome out;
     if (child_at(graph_.branches[task.parent])) return out;
@@ -495,11 +499,11 @@ class Graph {
     out.begins = partner;
     follow_from(*start, problem, new_branch(task, at_grazing, at_grazing.period, provisional_id), out);
     if (out.branch && !out.branch->points.empty())
-      out.begins->impacts = out.branch->points.front().impacts;  // several, where several contacts touch at once
+      out.begins->impacts = out.branch->points.front().impacts;  // more than one if several contacts touch together
     return out;
   }
 
-  /// The orbits of several times the period of the one that touches, if there are any.
+  /// The orbits of a multiple of the period of the grazing orbit, if they exist.
   Outcome follow_multiple(const Task& task, int provisional_id) const {
     Outcome out;
     GrazingEnd end = *ends_[task.parent];
@@ -519,8 +523,8 @@ class Graph {
     Branch& branch = *outcome.branch;
     if (outcome.begins && is_known(*outcome.begins)) return;
     if (outcome.ends && is_known(*outcome.ends)) return;
-    // Others of the same round may have been the same family: points inside the branch tell, which are nobody's ends (and of
-    // which one may lie next to a fold, where lies_on sees nothing).
+    // Another task of the same round may have found the same family. Points inside the branch decide: the ends of a branch may
+    // belong to other branches too. Three points are tested, since lies_on detects nothing next to a fold.
     for (const std::size_t quarter : {1, 2, 3}) {
       if (branch.points.size() <= 4) break;
       const BranchPoint& inside = branch.points[branch.points.size() * quarter / 4];
@@ -544,7 +548,7 @@ class Graph {
     add_tasks(task.generation + (longer ? 1 : 0), std::move(outcome.half));
   }
 
-  /// A branch of an earlier run takes its place as it is; what begins on it is followed unless it is there too.
+  /// Restores a branch of an earlier run unchanged; the branches that begin on it are followed unless they are restored too.
   void restore(const Branch& branch) {
     last_id_ = std::max(last_id_, branch.id);
     for (const SpecialPoint& point : branch.special_points) labels_.take(point);
@@ -571,7 +575,7 @@ class Graph {
               branch.stop == BranchStop::returned && options_.follow_parents ? half_of(system_, branch, options_) : std::nullopt);
   }
 
-  /// What begins on the branch accepted last.
+  /// Adds tasks for the branches that begin on the last accepted branch.
   void add_tasks(int generation, std::optional<PeriodicOrbit> half) {
     generations_.push_back(generation);
     const std::size_t index = graph_.branches.size() - 1;
@@ -602,7 +606,8 @@ class Graph {
     }
   }
 
-  /// The families of several times a period that may begin on the grazing where the branch accepted last ends.
+  /// Adds tasks for the families of a multiple of the period that may begin on the grazing at the end of the last accepted
+  /// branch.
   void add_multiples(const Task& beyond) {
     if (beyond.generation >= options_.switch_generations || options_.max_multiple < 2) return;
     Task task = beyond;
@@ -612,7 +617,7 @@ class Graph {
     PeriodicOrbit orbit;
     const GrazingEdge touching =
         touching_edge(graph_.branches[beyond.parent].special_points[beyond.special], end.grazing, end.lost, &orbit);
-    // Several branches may end there.
+    // Several branches may end at this grazing.
     if (std::any_of(spread_.begin(), spread_.end(), [&](const GrazingEdge& done) { return same_edge(done, touching); })) return;
     spread_.push_back(touching);
     const int most = options_.max_multiple;
@@ -634,14 +639,14 @@ class Graph {
   Labels labels_;
   BranchGraph graph_;
   TaskQueues tasks_;
-  std::vector<std::optional<GrazingEnd>> ends_;  ///< of each branch
+  std::vector<std::optional<GrazingEnd>> ends_;  ///< for each branch
   std::vector<int> generations_;
-  std::vector<int> seeds_;  ///< of each branch: the seed it came from, or 0
+  std::vector<int> seeds_;  ///< for each branch: the number of its seed, or 0
   std::vector<KnownEdge> edges_;
-  std::vector<GrazingEdge> spread_;  ///< orbits that touch, at grazings where multiples have been looked for
+  std::vector<GrazingEdge> spread_;  ///< grazing orbits whose multiples have been searched
   std::vector<ChatterSeries> series_;
-  std::map<std::string, int> left_out_;  ///< reasons of FamilyChoice, and how often each was met
-  int fruitless_ = 0;                    ///< branches in a row that were stable nowhere
+  std::map<std::string, int> left_out_;  ///< number of tasks and branches left out, by reason
+  int fruitless_ = 0;                    ///< number of consecutive branches that were stable nowhere
   int last_seed_ = 0, last_id_ = 0;
 };
 

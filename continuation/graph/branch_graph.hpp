@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// BranchGraph: branches and how they hang together: which was born on which special point, and what was left out.
+// BranchGraph: connected branches: for each branch the special point on which it was born, and a list of what was not followed.
 //
-// From its seeds everything is followed that hangs together with them: doubled branches (and back from a doubled branch to the
-// one it was born on), branches that cross at a branch point, and the orbits beyond a grazing of a hard contact. Of two branches
-// that are mirror images of each other (floquet/orbit/mirror.hpp) one is kept, and marked so. These are the orbits with one
-// impact more or less, and up to max_multiple the families of m times their period that are born there: with the weak impact once
-// in m turns, or in all but one of them. (Others, with the impact in some of the turns, are counted and listed as not followed.)
-// A family of orbits is kept once, whichever way it was reached: a new branch is compared with those already there, orbit by
-// orbit and up to a shift in time.
+// From its seeds the graph follows everything connected with them: doubled branches (and from a doubled branch the one on which
+// it was born), branches that cross at a branch point, and the orbits beyond a grazing of a hard contact. The last are the
+// orbits with one impact more or less, and up to max_multiple the families of m times their period that are born there, with
+// the weak impact once in m turns or in all but one of them. (Families with the impact in some of the turns are counted and
+// listed as not followed.) Of two branches that are mirror images of each other (floquet/orbit/mirror.hpp) one is kept, and
+// marked as mirrored. A family of orbits is kept once, independent of the way to it: a new branch is compared with the known
+// ones, orbit by orbit and up to a shift in time.
 //
-// FamilyChoice says how much of this is followed and kept.
+// FamilyChoice restricts what is followed and kept.
 //
-// Work is done in rounds of a fixed size, and what a round brings is taken up in order: the result does not depend on the number
-// of threads.
+// Work is done in rounds of a fixed size, and the results of a round are accepted in order: the result does not depend on the
+// number of threads.
 #pragma once
 
 #include <graze/continuation/graph/continuation.hpp>
@@ -25,17 +25,16 @@ struct BranchSeed {
   std::vector<int> directions = {1, -1};
 };
 
-/// The reason of those that an interruption left over.
+/// The reason given for tasks that an interruption left undone.
 inline constexpr const char* was_interrupted = "it was interrupted";
 
-/// A special point at which more orbits begin that were not followed. (That families of several times the period at a grazing end
-/// at max_period and max_multiple holds for all of them and is not listed.) Or, with branch 0, all that were left out for a
-/// reason.
+/// A special point at which orbits begin that were not followed; or, with branch 0, the number of tasks left out for one
+/// reason. (Families of multiple periods beyond max_period or max_multiple exist at every grazing and are not listed.)
 struct CutOff {
   int branch = 0;
   std::string label;
   std::string reason;
-  int families = 0;  ///< how many families begin there, where that is known
+  int families = 0;  ///< number of families that begin there, if known
 };
 
 struct BranchGraph {
@@ -44,31 +43,32 @@ struct BranchGraph {
   bool interrupted = false;
 };
 
-/// What is followed and kept.
+/// Choice of the families that are followed and kept.
 struct FamilyChoice {
-  /// False: kept are the branches that are stable somewhere, their parents (and theirs), what is born where a stable stretch
-  /// ends, and the family on the other side of a grazing that ends one. And not all that may lead to more of them is followed:
+  /// If false, these branches are kept: branches that are stable somewhere, all of their ancestors, branches born where a
+  /// stable stretch ends, and the family on the other side of a grazing that ends a stable stretch. Not everything that may
+  /// lead to more of them is followed; the limits below apply.
   bool all = true;
-  /// Branches that lie beyond unstable orbits are followed until this many branches in a row were stable nowhere. (In the six
-  /// shipped problems the longest run that leads to a stable branch has 37.)
+  /// Branches beyond unstable orbits are followed until this many branches in a row were stable nowhere. (In the six shipped
+  /// problems the longest such run that leads to a stable branch has 37.)
   int patience = 64;
-  /// Orbits with more impacts in a forcing period, complete chatters not counted, are not followed: at low frequencies there are
-  /// hundreds of families, each with one impact more than the last.
+  /// Orbits with more impacts in a forcing period, not counting complete chatters, are not followed: at low frequencies there
+  /// are hundreds of families, each with one impact more than the last.
   int most_impacts = 32;
-  /// A branch narrower than this part of the range hides the branches born on it. A doubled orbit with more than
-  /// most_impacts_unseen impacts is then listed at its period doubling and not followed: its cost grows with the square of the
-  /// number of impacts.
+  /// On a branch narrower than this fraction of the range, the branches born on it are not visible. A doubled orbit with more
+  /// than most_impacts_unseen impacts is then listed at its period doubling and not followed, because its cost grows with the
+  /// square of the number of impacts.
   double narrowest = 1e-3;
   int most_impacts_unseen = 64;
 };
 
-/// Follows everything from the seeds (converged orbits) within the range options.from ... options.to.
-/// `so_far`: branches of an earlier run that was interrupted; they are kept (but for those that were broken off themselves), and
-/// what is missing is added. One that is interrupted keeps all branches. Misuse throws std::invalid_argument.
+/// Follows all branches from the seeds (converged orbits) within the range options.from ... options.to. `so_far`: branches of
+/// an earlier, interrupted run; they are kept, except those that were interrupted themselves, and the missing ones are added.
+/// An interrupted run keeps all branches. Misuse throws std::invalid_argument.
 BranchGraph follow_branches(const HybridSystem& system, const std::vector<BranchSeed>& seeds, const ContinuationOptions& options,
                             const std::vector<Branch>& so_far = {}, const FamilyChoice& choice = {});
 
-/// True if the orbit with these states at phase 0 of its periods (at that value of the parameter) is one of the branch's, up to a
+/// True if the orbit with these states at phase 0 of its periods, at this value of the parameter, is on the branch, up to a
 /// shift by forcing periods.
 bool lies_on(const HybridSystem& system, const Branch& branch, const std::vector<Vector>& states, double value);
 

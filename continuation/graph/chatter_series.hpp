@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A series of families towards complete chatter: each gains one impact at the grazing on which it ends, and is of the same period
-// as the last. The grazings come closer to each other in a constant ratio (for Newton's law it is near the coefficient of
-// restitution), and accumulate where the chatter becomes complete: there the family of orbits that stick begins.
+// A series of families towards complete chatter: each family gains one impact at the grazing on which the previous one ends,
+// and keeps the period. The distances of the grazings shrink by a constant ratio (near the coefficient of restitution for
+// Newton's law). They accumulate where the chatter becomes complete; there the family of sticking orbits begins.
 #pragma once
 
 #include <array>
@@ -12,16 +12,16 @@
 namespace graze {
 
 struct SeriesLimit {
-  double ratio = 0.0;  ///< of a distance between neighbouring grazings to the one before
-  double value = 0.0;  ///< of the continuation parameter, by geometric extrapolation
+  double ratio = 0.0;  ///< of successive distances between neighbouring grazings
+  double value = 0.0;  ///< accumulation point in the continuation parameter, by geometric extrapolation
 };
 
-/// Grazings that a series must have before it is known as one: three ratios.
+/// Number of grazings needed to recognise a series: three ratios.
 inline constexpr std::size_t grazings_of_series = 5;
 
-/// From the last grazings of a series, the latest first; empty unless their distances shrink geometrically. Where grazings come
-/// closer by a power law (as at low frequencies, without a limit in reach), a ratio q grows by (1 - q)^2 / 2 and less: it
-/// must be steadier than that by far.
+/// The accumulation point from the last grazings of a series, latest first; empty unless their distances shrink geometrically.
+/// If the distances shrink by a power law (as at low frequencies, without a limit within reach), a ratio q grows by (1 - q)^2 /
+/// 2 or less per grazing: the ratio must be much steadier than that.
 inline std::optional<SeriesLimit> limit_of_series(const std::array<double, grazings_of_series>& values) {
   constexpr double steady = 0.25;
   const auto ratio = [&](std::size_t k) { return (values[k] - values[k + 1]) / (values[k + 1] - values[k + 2]); };

@@ -13,7 +13,8 @@ namespace graze {
 
 namespace {
 
-/// From one point to the next: nodes and parameter, in the arclength's own measure; empty where the nodes lie at other phases.
+/// The chord from one point to the next, nodes and parameter, in the measure of the arclength; empty if the nodes lie at other
+/// phases.
 Vector chord(const BranchPoint& a, const BranchPoint& b, double scale) {
   if (a.section_phase != b.section_phase || a.nodes.size() != b.nodes.size()) return {};
   const auto count = std::ssize(a.nodes);
@@ -25,9 +26,9 @@ Vector chord(const BranchPoint& a, const BranchPoint& b, double scale) {
   return out;
 }
 
-/// A step onto another branch close by shows as a corner. The tracer turns by 0.3 at the most from one tangent to the next; at
-/// folds (in the measure used here), branch points and grazings a branch may have a corner of its own, and so may the way its
-/// states at fixed phases go where an impact is weak.
+/// Detects jumps to a nearby branch, which show as corners. The tracer turns by at most 0.3 from one tangent to the next. At
+/// folds (in the measure used here), branch points and grazings a branch may have a corner of its own, and so may the curve of
+/// states at fixed phases where an impact is weak.
 void find_jumps(const Branch& branch, const auto& violated) {
   constexpr double sharpest = 1.2, steep = 100.0;
   const auto [low, high] = std::minmax_element(branch.points.begin(), branch.points.end(),
@@ -50,15 +51,15 @@ void find_jumps(const Branch& branch, const auto& violated) {
   }
 }
 
-/// A branch that meets orbits of its own again, shifted in time, runs back along itself (a doubled branch that missed its
-/// parent).
+/// Detects a branch that meets its own orbits again, shifted in time: it runs back along itself (a doubled branch that missed
+/// its parent).
 void find_retraces(const HybridSystem& system, const Branch& branch, const auto& violated) {
   constexpr std::size_t samples = 4, apart = 3;
   const std::size_t size = branch.points.size();
   for (std::size_t sample = 1; sample < samples; ++sample) {
     const std::size_t k = size * sample / samples;
     if (k < apart + 2) continue;
-    // Next to a fold the two sides of it cannot be told from each other.
+    // Next to a fold its two sides cannot be distinguished.
     const double value = branch.points[k].value;
     const auto turns = [&](const SpecialPoint& special) {
       return special.type == PointType::LP && std::abs(special.value - value) < 1e-6 * (1.0 + std::abs(value));
@@ -90,7 +91,7 @@ std::vector<std::string> check_branch(const HybridSystem& system, const Branch& 
     const BranchPoint& point = branch.points[k];
     if (k > 0 && !(point.arclength > branch.points[k - 1].arclength))
       violated(fmt::format("arclength does not grow at point {}", k));
-    if (point.weakest_speed < weakest_kept) {  // a free run says nothing of it; its own equations have
+    if (point.weakest_speed < weakest_kept) {  // a free run does not reproduce it; its residual comes from its own equations
       if (!(point.checks.residual >= 0.0 && point.checks.residual < 1e-11))
         violated(fmt::format("point {} leaves a residual of {:.3g}", k, point.checks.residual));
       continue;
@@ -99,8 +100,8 @@ std::vector<std::string> check_branch(const HybridSystem& system, const Branch& 
     NewtonReport accepted;
     accepted.status = NewtonStatus::converged;
     const PeriodicOrbit again = problem.orbit(problem.pack(point.nodes, point.duration, point.value), accepted);
-    // The state after a weak impact is known to the corrector's tolerance over the impact's speed; after another, to that over
-    // its speed again.
+    // The state after a weak impact has error (corrector's tolerance) / (impact speed); each further weak impact divides by its
+    // speed again.
     constexpr double weak = 0.1;
     double weakest = 1.0, all_weak = 1.0;
     for (const EventRecord& event : again.events) {
@@ -127,7 +128,7 @@ std::vector<std::string> check_branch(const HybridSystem& system, const Branch& 
       violated(fmt::format("{} lies beyond the last point", special.label));
       continue;
     }
-    // Points of several types within one step may cancel in the count: then it says nothing.
+    // Several special points within one step may cancel in the count: then it is no evidence.
     const auto same_step =
         std::count_if(branch.special_points.begin(), branch.special_points.end(), [&](const SpecialPoint& other) {
           return other.after_point == special.after_point && other.type != PointType::EP && other.type != PointType::UZ;

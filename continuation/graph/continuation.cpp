@@ -28,7 +28,7 @@ Range range_of(const HybridSystem& system, std::size_t parameter, double from, d
   return {std::min(from, to), std::max(from, to)};
 }
 
-/// near +- reach, as far as the model allows.
+/// The interval near +- reach within the model's limits.
 Range range_near(const ParameterInfo& info, double near, double reach) {
   if (!(reach > 0.0)) throw std::invalid_argument(fmt::format("the reach is {}; allowed is > 0", reach));
   Range range{std::max(near - reach, info.lower), std::min(near + reach, info.upper)};
@@ -36,7 +36,7 @@ Range range_near(const ParameterInfo& info, double near, double reach) {
   return range;
 }
 
-/// A grazing as it looks to someone who decreases the parameter: what is gained one way is lost the other.
+/// A grazing seen with the parameter decreasing: an impact gained in one direction is lost in the other.
 SpecialPoint with_parameter_decreasing(SpecialPoint point, const Branch& branch) {
   const std::size_t k = point.after_point;
   const bool inside = k + 1 < branch.points.size();

@@ -8,7 +8,7 @@ namespace graze {
 
 namespace {
 
-/// From a to b at s, node by node.
+/// Interpolates from a to b at s, node by node.
 OrbitShape between(const OrbitShape& a, const OrbitShape& b, double s) {
   OrbitShape out = a;
   for (std::size_t k = 0; k < a.nodes.size(); ++k) {
@@ -18,15 +18,15 @@ OrbitShape between(const OrbitShape& a, const OrbitShape& b, double s) {
   return out;
 }
 
-/// More steps than a tracer takes: the guess lies between two orbits, not next to one.
+/// More iterations than the tracer allows: the guess lies between two orbits, not next to one.
 TraceOptions patient() {
   TraceOptions options;
   options.max_iterations = 20;
   return options;
 }
 
-/// Newton from states at equally spaced times, at that value of the parameter (in `p`); the duration is changed where there is no
-/// forcing. False: it fails.
+/// Newton's method from states at equally spaced times, at the parameters p. Without forcing the duration changes too. False if
+/// it fails.
 bool correct_states(const HybridSystem& system, const Vector& p, int period, std::size_t parameter, std::vector<Vector>& states,
                     double& duration) {
   const int count = static_cast<int>(states.size());
@@ -39,7 +39,7 @@ bool correct_states(const HybridSystem& system, const Vector& p, int period, std
   return true;
 }
 
-/// The orbit of a guess, corrected in the coordinates in which it is given; empty where that fails.
+/// The orbit near a guess, corrected in the coordinates of the guess; empty if that fails.
 std::optional<OrbitShape> corrected(const HybridSystem& system, const Vector& p, std::size_t parameter, const OrbitShape& guess,
                                     double duration) {
   const double value = p[static_cast<Eigen::Index>(parameter)], unit = duration / guess.period;
@@ -69,7 +69,7 @@ std::optional<OrbitShape> corrected(const HybridSystem& system, const Vector& p,
   return out;
 }
 
-/// An autonomous orbit in durations of its own: how many returns it has is a matter of counting.
+/// Converts the times of an autonomous orbit to units of its own duration: its number of returns is a convention.
 OrbitShape in_own_duration(OrbitShape shape) {
   if (!shape.autonomous) return shape;
   for (OrbitShape::Node& node : shape.nodes) node.time /= shape.period;
@@ -77,7 +77,7 @@ OrbitShape in_own_duration(OrbitShape shape) {
   return shape;
 }
 
-/// The same for an autonomous orbit, from states off its events and from its duration, which is corrected.
+/// The same for an autonomous orbit, from states between its events and from its duration, which is corrected.
 std::optional<OrbitShape> corrected_autonomous(const HybridSystem& system, const Vector& p, std::size_t parameter,
                                                std::vector<Vector> states, double& duration) {
   if (!correct_states(system, p, static_cast<int>(states.size()), parameter, states, duration)) return std::nullopt;
@@ -111,7 +111,7 @@ bool lies_on(const HybridSystem& system, const Branch& branch, const std::vector
     const double s = (value - a.value) / (b.value - a.value);
     double duration =
         is_forced(system) ? branch.period * forcing_period(system, at(value)) : a.duration + s * (b.duration - a.duration);
-    // Without forcing the states do not say how long the orbit is: the branch does.
+    // Without forcing the states do not determine the duration of the orbit; the branch does.
     const auto from_one_state = [&] { return shape_of(system, at(value), {states.front()}, duration); };
     if (!is_forced(system)) {
       here = from_one_state();
@@ -121,12 +121,13 @@ bool lies_on(const HybridSystem& system, const Branch& branch, const std::vector
     const OrbitShape first = shape(a);
     const std::optional<AlignedShape> second = aligned(shape(b), first);
     if (!second) continue;
-    // Between two points the curve stays closer to its chord than half its length; Newton then decides.
+    // Between two points the curve stays closer to its chord than half the chord's length; beyond this test Newton's method
+    // decides.
     constexpr double rounding = 1e-6;
     const OrbitShape guess = between(first, second->shape, s);
     const std::optional<AlignedShape> orbit = aligned(*here, guess);
     if (!orbit || orbit->distance > 0.5 * second->distance + rounding) continue;
-    if (guess.sticks) return true;  // what follows from the ends of its sticking is settled
+    if (guess.sticks) return true;  // the ends of its sticking determine the orbit
     const std::optional<OrbitShape> found =
         guess.autonomous ? corrected_autonomous(system, at(value), parameter, between(a.states, b.states, s), duration)
                          : corrected(system, at(value), parameter, guess, duration);

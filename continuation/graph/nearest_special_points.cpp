@@ -12,8 +12,8 @@ bool is_bifurcation(PointType type) { return type != PointType::EP && type != Po
 
 double first_exponent(const FloquetMultipliers& multipliers) { return multipliers.exponents.front(); }
 
-/// Where the first exponent is `wanted` between two neighbouring stable points of a branch; empty where the orbit between them
-/// cannot be converged.
+/// The parameter value between two neighbouring stable points of a branch at which the first exponent is `wanted`, by
+/// bisection; empty if an orbit between them does not converge.
 std::optional<double> between(const HybridSystem& system, const Branch& branch, const BranchPoint& a, const BranchPoint& b,
                               std::size_t parameter, double wanted) {
   double low = a.value, high = b.value;

@@ -18,20 +18,20 @@ namespace graze {
 
 namespace {
 
-constexpr std::size_t ways = 3;         // to settle: see attractors()
-constexpr std::size_t block_size = 10;  // values of the search for stable orbits that share a box
+constexpr std::size_t ways = 3;         // of settling: see attractors()
+constexpr std::size_t block_size = 10;  // parameter values of the stable search that share a box
 
-/// Events in a forcing period up to which transients are as long and values as many as the options say. Above, they shrink: at
-/// low frequencies a period holds hundreds of events, and costs (and dissipates) as much as many periods do elsewhere.
+/// Number of events in a forcing period up to which the options are used unchanged. Above it, transients and numbers of values
+/// shrink: at low frequencies a period holds hundreds of events, and costs (and dissipates) as much as many periods elsewhere.
 constexpr double usual_events = 16.0;
 constexpr int shortest_transient = 40, shortest_for_box = 16, fewest_values = 61, fewest_starts = 2;
-/// Returns of a transient of an autonomous system, at most.
+/// Longest transient of an autonomous system, in returns.
 constexpr int longest_settle_alone = 1000;
 
-/// In a forcing period: orbits that have more are likely to belong to a series towards complete chatter.
+/// Impacts in a forcing period above which an orbit is likely to belong to a series towards complete chatter.
 constexpr int few_impacts = 4;
 
-/// Events in a forcing period of motions from rest and from beside it, once their first periods are over: the most of them.
+/// Largest number of events in a forcing period among motions from rest and from states beside it, after their first periods.
 double events_per_period(const HybridSystem& system, const Vector& p, const FlowOptions& flow) {
   constexpr int first = 20, counted = 10;
   Propagator propagator(system, p, {}, flow);
@@ -61,7 +61,7 @@ class SeedFinder {
         high_(std::max(*options.continuation.from, options.continuation.to)) {
     shrink_to_effort();
     fineness_.max_period = longest();
-    const bool forced = is_forced(system);  // of autonomous systems orbits are found by settling alone
+    const bool forced = is_forced(system);  // orbits of autonomous systems are found by settling alone
     if (forced) {
       fineness_.values = std::max(2, options_.stable_values);
       fineness_.spacing = (high_ - low_) / (fineness_.values - 1);
@@ -83,7 +83,7 @@ class SeedFinder {
     }
   }
 
-  /// `keep`: told after each part, of what there is by then.
+  /// Searches all parts in parallel. `keep` is called after each part.
   void search_all(const std::function<void()>& keep) {
     std::size_t count = static_cast<std::size_t>(std::count(done_.begin(), done_.end(), char{1}));
     std::mutex telling;
@@ -103,7 +103,7 @@ class SeedFinder {
     });
   }
 
-  /// What there is, in a fixed order.
+  /// The seeds found so far, in a fixed order.
   std::vector<SkeletonSeed> seeds() const {
     std::vector<SkeletonSeed> list;
     add(list, options_.more_seeds, "given", -1);
@@ -118,7 +118,7 @@ class SeedFinder {
  private:
   bool cancelled() const { return options_.continuation.cancelled && options_.continuation.cancelled(); }
 
-  /// The longest period that is looked for.
+  /// Longest period that is searched.
   int longest() const {
     const int period = options_.continuation.max_period;
     return period > 0 ? period : options_.stable_search.settling.max_period;
@@ -133,7 +133,7 @@ class SeedFinder {
       number = std::max(std::min(number, least), static_cast<int>(number / by));
     };
     StableSearchOptions& stable = options_.stable_search;
-    if (!is_forced(system_)) {  // by the general integrator alone
+    if (!is_forced(system_)) {  // only the general integrator applies
       options_.settled_values = std::min(options_.settled_values, fewest_values);
       options_.settle = std::min(options_.settle, longest_settle_alone);
     }
@@ -188,14 +188,14 @@ class SeedFinder {
       AttractorOptions settling;
       settling.transient = options_.settle;
       settling.max_period = std::min(settling.max_period, options_.settle);
-      settling.recurrence = 1e-4;  // chaotic transients are long: without it they would have to be cut off long before
+      settling.recurrence = 1e-4;  // chaotic transients are long: without this they would have to be cut off early
       settling.lyapunov.cancelled = options_.continuation.cancelled;
       settling.lyapunov.flow = options_.continuation.shooting.flow;
       for (const Vector& start : {previous.value_or(rest), rest}) {
         if (!mode_at(system_, 0.0, start, p)) continue;
         const Attractor attractor = approach_attractor(system_, p, start, settling);
         if (attractor.termination != Termination::time) continue;
-        // A return lies on a guard, which may be elsewhere at the next value.
+        // A return lies on a guard, which may move with the parameter value.
         std::optional<PeriodicOrbit> orbit;
         if (attractor.orbit) orbit = seen_at_nodes(*attractor.orbit);
         if (way != 0) previous = orbit ? orbit->state : attractor.state;
@@ -230,9 +230,9 @@ class SeedFinder {
   Eigen::Index parameter_;
   double low_, high_;
   SearchFineness fineness_;
-  std::size_t blocks_ = 0;                         ///< of values, for the search for stable orbits
-  std::vector<std::vector<PeriodicOrbit>> found_;  ///< by each part: ways to settle, stable blocks, searches
-  std::vector<char> done_;                         ///< by several threads, so no bits
+  std::size_t blocks_ = 0;                         ///< number of blocks of values in the stable search
+  std::vector<std::vector<PeriodicOrbit>> found_;  ///< orbits of each part: ways of settling, stable blocks, searches
+  std::vector<char> done_;                         ///< written by several threads, hence not vector<bool>
 };
 
 }  // namespace
@@ -252,18 +252,18 @@ Skeleton skeleton(const HybridSystem& system, const Vector& p, const SkeletonOpt
   Skeleton out{finder.seeds(), finder.done(), finder.fineness(), {}};
   std::vector<BranchSeed> starts;
   for (const SkeletonSeed& seed : out.seeds) starts.push_back({seed.orbit});
-  // Of orbits that were searched, short ones first: a doubled one is then met where it is born.
+  // Searched orbits are followed in the order of their period: a doubled orbit is then met where it is born.
   const auto searched = std::find_if(out.seeds.begin(), out.seeds.end(),
                                      [](const SkeletonSeed& seed) { return seed.part >= static_cast<int>(ways); });
   std::stable_sort(starts.begin() + (searched - out.seeds.begin()), starts.end(),
                    [](const BranchSeed& a, const BranchSeed& b) { return a.orbit.period < b.orbit.period; });
-  // A series towards complete chatter is followed from its beginning, which explains seeds further along it.
+  // A series towards complete chatter is followed from its beginning and explains the seeds further along it.
   if (!options.families.all)
     std::stable_partition(starts.begin(), starts.end(),
                           [](const BranchSeed& seed) { return seed.orbit.isolated_impacts <= few_impacts * seed.orbit.period; });
   ContinuationOptions following = options.continuation;
   following.follow_parents = true;
-  following.switch_generations = std::max(following.switch_generations, 64);  // the period is the limit
+  following.switch_generations = std::max(following.switch_generations, 64);  // max_period is the limit
   following.max_multiple = options.max_multiple > 0 ? options.max_multiple : std::max(1, following.max_period);
   if (options.keep)
     following.complete = [&](const std::vector<Branch>& branches) {

@@ -26,7 +26,7 @@ OffBranches off_branches(const HybridSystem& system, const std::vector<Branch>& 
   arena.execute([&] {
     oneapi::tbb::parallel_for(std::size_t{0}, compared.size(), [&](std::size_t k) {
       const SweepRow& row = rows[compared[k]];
-      // A branch of autonomous orbits has them between their returns.
+      // A branch of autonomous orbits stores states between the returns.
       const std::vector<Vector> states = is_forced(system) ? row.states : std::vector<Vector>{row.end};
       found[k] = std::any_of(branches.begin(), branches.end(),
                              [&](const Branch& branch) { return lies_on(system, branch, states, row.value); });

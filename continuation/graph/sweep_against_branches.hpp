@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sweeps against branches: a stable orbit that a sweep has settled on must lie on a branch of a complete skeleton. The two come
-// from different computations, simulation and continuation: each checks the other.
+// Sweeps against branches: a stable orbit on which a sweep has settled must lie on a branch of a complete skeleton. Simulation
+// and continuation are independent computations: each checks the other.
 #pragma once
 
 #include <graze/continuation/problems/branch.hpp>
@@ -12,12 +12,13 @@
 namespace graze {
 
 struct OffBranches {
-  std::size_t compared = 0;       ///< periodic rows up to the longest period
-  std::size_t longer = 0;         ///< periodic rows of longer periods, which no branch is expected to have
-  std::vector<std::size_t> rows;  ///< indices of those compared that lie on none of the branches
+  std::size_t compared = 0;       ///< number of periodic rows up to the longest period
+  std::size_t longer = 0;         ///< number of periodic rows of longer period, which no branch is expected to contain
+  std::vector<std::size_t> rows;  ///< indices of the compared rows that lie on no branch
 };
 
-/// `longest_period`: up to which orbits were followed. `threads` does not change the result.
+/// Compares the periodic rows of a sweep with the branches. `longest_period`: longest period that was followed. `threads` does
+/// not change the result.
 OffBranches off_branches(const HybridSystem& system, const std::vector<Branch>& branches, const std::vector<SweepRow>& rows,
                          int longest_period, int threads = 1);
 
