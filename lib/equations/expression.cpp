@@ -16,12 +16,12 @@ using enum Operation;
 
 namespace {
 
-/// A graph of this size takes some hundred megabytes: larger ones come from derivatives that explode.
+/// A graph of this size takes several hundred megabytes; only derivatives that explode need more.
 constexpr std::size_t most_nodes = 4'000'000;
-/// Integer exponents beyond it are carried by pow().
+/// Larger integer exponents are evaluated with pow().
 constexpr double largest_integer_power = 64.0;
 
-/// The result where it is exact (and normal), else nothing.
+/// The result if it is exact (and normal); otherwise nothing.
 std::optional<double> exact_sum(double a, double b) {
   const double sum = a + b, part = sum - a;
   if (!std::isfinite(sum) || (a - (sum - part)) + (b - part) != 0.0) return std::nullopt;
@@ -52,7 +52,7 @@ std::optional<double> exact_power(double a, int n) {
   return n < 0 ? exact_quotient(1.0, value) : value;
 }
 
-/// The few values of functions that are exact.
+/// Values of functions that are exact.
 std::optional<double> exact_value(Operation operation, double a) {
   switch (operation) {
   case sin:
@@ -192,7 +192,7 @@ Expression Graph::multiply(Expression a, Expression b) {
   if (p.operation == Operation::constant && p.value < 0.0) return negate(multiply(constant(-p.value), b));
   if (q.operation == Operation::constant && q.value < 0.0) return negate(multiply(a, constant(-q.value)));
   if (a == b) return integer_power(a, 2);
-  // x^n x; the other way round the bits would change.
+  // x^n x becomes x^(n+1). The reverse would change the rounding.
   const auto raised = [&](const Node& n, Expression other) {
     return n.operation == Operation::integer_power && n.a == other && n.value >= 2.0 && n.value < largest_integer_power;
   };
@@ -553,7 +553,7 @@ Strength strength(const Node& n) {
 }  // namespace
 
 std::string to_text(const Graph& graph, Expression e, const Symbols& symbols, std::size_t limit) {
-  // Either a piece of text or an expression that has to bind at least so strongly.
+  // Either text, or an expression that must bind at least as strongly as `needed`.
   struct Piece {
     std::string text;
     std::optional<Expression> expression = {};

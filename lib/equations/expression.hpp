@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Expressions in the states x, the parameters p and the time t, as one shared graph.
 //
-// A Graph owns all nodes; an Expression is an index into it. Equal nodes are kept once, and the operands of a node have smaller
-// indices than itself, so that the index order is an order of evaluation. The constructors simplify: constants are folded where
-// the result is exact in double, 0 + x, 1 x, x^1, x - x and the like vanish, signs move outwards, and the operands of + and *
-// stand in the order of their indices, numbers first in a product and last in a sum. No rule changes the value by more than the
-// sign of a zero; 0 x is 0 whatever x is.
+// A Graph owns all nodes; an Expression is an index into it. Equal nodes are stored once. The operands of a node have smaller
+// indices than the node, so that the index order is an order of evaluation. The constructors simplify: constants are folded if
+// the result is exact in double; 0 + x, 1 x, x^1, x - x and the like are reduced; signs move outwards. The operands of + and *
+// are ordered by index, with numbers first in a product and last in a sum. No rule changes the value by more than the sign of a
+// zero; 0 x is 0 for every x.
 //
 // A definition's rate of change, d', is a node `rate` until the field of a mode is known; system_text.cpp then replaces it.
 #pragma once
@@ -35,7 +35,7 @@ enum class Operation : std::uint8_t {
   negate,
   integer_power,  ///< a^n, n in Node::value
   power,          ///< a^b
-  contact_power,  ///< max(a, 0)^e, e in Node::value: the law of a contact, zero outside it
+  contact_power,  ///< max(a, 0)^e, e in Node::value: a contact law, zero outside the contact
   rate,           ///< d a/dt along the motion
   sin,
   cos,
@@ -56,7 +56,7 @@ enum class Operation : std::uint8_t {
   sign,  ///< -1, 0, 1
   max,
   min,
-  step,  ///< 1 where a >= 0, else 0
+  step,  ///< 1 if a >= 0, else 0
 };
 
 /// A node of a Graph.
@@ -67,7 +67,7 @@ struct Expression {
 
 struct Node {
   Operation operation = Operation::constant;
-  std::uint32_t index = 0;  ///< of the state, the parameter or the spline
+  std::uint32_t index = 0;  ///< index of the state, the parameter or the spline
   Expression a = {}, b = {};
   double value = 0.0;
   friend bool operator==(const Node&, const Node&) = default;
@@ -100,10 +100,10 @@ class Graph {
   Expression spline(std::size_t table, Expression a, int order = 0);
   /// A function of one operand (sin ... sqrt, abs, sign, step) or two (atan2, hypot, max, min).
   Expression function(Operation operation, Expression a, Expression b = {});
-  /// The same node with other operands.
+  /// The operation of `node` applied to other operands, simplified.
   Expression with_operands(const Node& node, Expression a, Expression b);
 
-  /// A table's number for spline(). @throws std::invalid_argument if the table does not describe a spline.
+  /// Adds a table and returns its number for spline(). @throws std::invalid_argument if the table does not describe a spline.
   std::size_t add_table(Table table);
   const std::vector<Spline>& splines() const { return splines_; }
 
@@ -111,11 +111,11 @@ class Graph {
   std::size_t size() const { return nodes_.size(); }
   bool is_constant(Expression e, double value) const;
 
-  /// The partial derivative in `symbol`, which is a state, a parameter or the time. Of the nonsmooth functions it is the
-  /// derivative on either side. @throws std::logic_error if a rate is left in the expression.
+  /// The partial derivative in `symbol`, which is a state, a parameter or the time. For a nonsmooth function it is the
+  /// derivative on the current branch. @throws std::logic_error if a rate is left in the expression.
   Expression derivative(Expression e, Expression symbol);
 
-  /// The expression with every occurrence of the keys replaced. What is put in is not looked at again.
+  /// The expression with every occurrence of the keys replaced. The inserted expressions are not searched again.
   Expression substitute(Expression e, const Replacement& replacement);
 
  private:
@@ -131,11 +131,11 @@ class Graph {
   std::vector<Spline> splines_;
 };
 
-/// The nodes that the roots consist of, operands first.
+/// All nodes of the roots, operands first.
 std::vector<Expression> reachable(const Graph& graph, std::span<const Expression> roots);
 inline std::vector<Expression> reachable(const Graph& graph, Expression root) { return reachable(graph, {&root, 1}); }
 
-/// What an expression depends on.
+/// The symbols on which an expression depends.
 struct Dependence {
   std::vector<std::size_t> states, parameters;  ///< ascending
   bool time = false;
@@ -150,11 +150,11 @@ struct Symbols {
   std::vector<std::string> states, parameters;
 };
 
-/// The expression as text that the parser reads back to the same expression (a contact power is written as a power). Longer
-/// texts than `limit` bytes end in "...".
+/// The expression as text that the parser reads back to the same expression (a contact power is written as a power). Texts
+/// longer than `limit` bytes are cut and end in "...".
 std::string to_text(const Graph& graph, Expression e, const Symbols& symbols, std::size_t limit = 1U << 20U);
 
-/// The name that a function has in texts: "sin", "atan2", .... Empty for an operation with a sign of its own, such as +.
+/// The name of a function in texts: "sin", "atan2", .... Empty for an operation written with a symbol, such as +.
 std::string function_name(Operation operation);
 
 }  // namespace graze::equations

@@ -7,7 +7,7 @@ namespace graze::equations {
 
 namespace {
 
-/// Evaluates the tape; the outputs are read by place from what it returns.
+/// Evaluates the tape and returns the workspace, from which Tape::output reads the outputs.
 const double* run(const Tape& tape, double t, const Vector& x, const Vector& p) {
   thread_local std::vector<double> scratch;
   if (scratch.size() < tape.workspace()) scratch.resize(tape.workspace());
@@ -16,7 +16,7 @@ const double* run(const Tape& tape, double t, const Vector& x, const Vector& p) 
   return scratch.data();
 }
 
-/// The derivatives that do not vanish, with their places in a matrix.
+/// The nonzero derivatives, with their places in a matrix.
 struct Sparse {
   std::shared_ptr<const Tape> tape;
   std::vector<std::pair<Eigen::Index, Eigen::Index>> places;
@@ -62,7 +62,7 @@ MatrixFunction matrix(const Sparse& sparse) {
   };
 }
 
-/// The only row of the matrix, or (`transposed`) its only column.
+/// The only row of the matrix (`row`), or its only column.
 VectorFunction line(const Sparse& sparse, bool row) {
   return [sparse, row](double t, const Vector& x, const Vector& p, Vector& out) {
     const double* values = run(*sparse.tape, t, x, p);

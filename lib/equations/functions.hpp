@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Expressions as the functions of (t, x, p) that a HybridSystem is made of, with their derivatives. Each runs a tape on a scratch
+// Expressions as the functions of (t, x, p) of a HybridSystem, with their derivatives. Each function runs a tape on a workspace
 // of the calling thread.
 #pragma once
 

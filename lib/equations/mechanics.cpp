@@ -44,11 +44,11 @@ namespace {
 using Column = std::vector<Expression>;
 using Square = std::vector<Column>;  // rows
 
-/// Pivots below this part of the diagonal are rounding: the matrix is singular.
+/// A pivot below this fraction of the diagonal is rounding error: the matrix is singular.
 constexpr double smallest_pivot = 1e-12;
-/// Nodes of an expression that is worth being expanded.
+/// Number of nodes up to which an expression is expanded.
 constexpr std::size_t longest_tidied = 100;
-/// Entries of a symmetric matrix agree to this.
+/// Relative tolerance for the entries of a symmetric matrix.
 constexpr double symmetry_tolerance = 1e-12;
 
 enum Status : int { open = 0, closed = 1, apart = 2 };        // of a stop
@@ -59,29 +59,29 @@ struct Contact {
   bool is_stop = true, rigid = false;
   int states = 2;
   std::size_t count = 0;
-  Place where, law;                              ///< of its gap or speed, and of its law
+  Place where, law;                              ///< places of its gap or speed, and of its law
   Expression gap = {};                           ///< of a stop
   Expression rate = {};                          ///< gap' or the sliding speed
   Column direction;                              ///< gradient of the rate in the velocities
   Column response;                               ///< M^-1 direction
   Column share;                                  ///< response / (direction . response)
-  Expression compliance = {};                    ///< direction . response: one over the mass that meets the stop
+  Expression compliance = {};                    ///< direction . response: inverse of the effective mass at the stop
   Expression force = {};                         ///< of a stop with a force law
   bool begins_softly = false;                    ///< the force vanishes where the gap opens
-  Expression restitution = {};                   ///< of a rigid one
+  Expression restitution = {};                   ///< of a rigid stop
   std::optional<Expression> slip_force[2] = {};  ///< mu(u) N, forward and backward
   Expression limit = {};                         ///< static coefficient times N
-  bool same_limit = false;                       ///< the force of slow sliding is the static one
+  bool same_limit = false;                       ///< the limit of slow sliding equals the static limit
 };
 
 struct Combination {
   std::vector<int> status;
   std::size_t mode = 0;
-  std::vector<std::size_t> constraints;  ///< contacts
-  Column acceleration;                   ///< with multipliers, nothing replaced
+  std::vector<std::size_t> constraints;  ///< numbers of the constraining contacts
+  Column acceleration;                   ///< with multipliers, before any replacement
   Column multiplier;                     ///< of each constraint
   std::vector<Solution> solved;
-  Replacement replacement;  ///< the same
+  Replacement replacement;  ///< the same as a map
 };
 
 class Mechanics {
@@ -135,9 +135,9 @@ class Mechanics {
     for (Eigen::Index i = 0; i < x.size(); ++i) x[i] = 0.1 * static_cast<double>(i + 1);
     return x;
   }
-  /// In normal form, unless it is long.
+  /// The normal form, unless the expression is long.
   Expression tidy(Expression e) const { return reachable(graph_, e).size() > longest_tidied ? e : normal_form(graph_, e); }
-  /// Identically; a value that is not zero is the quicker proof that it does not.
+  /// True if the expression vanishes identically; a nonzero value is the faster proof that it does not.
   bool vanishes(Expression e) const {
     constexpr double rounding = 1e-9;
     return !(std::abs(value(e)) > rounding) && is_zero(graph_, e);
@@ -146,7 +146,7 @@ class Mechanics {
 
   // Reading ------------------------------------------------------------------------------------------------------------------
 
-  /// Rates of coordinates, of what consists of them, and of names in `known`; an acceleration is refused.
+  /// Replaces the rates of coordinates, of expressions in them, and of names in `known`; an acceleration is refused.
   Expression without_rates(Expression e, const Place& place, const std::string& where, Replacement known = {}) const {
     if (!dependence(graph_, e).rate) return e;
     const Column field = field_of(Column(n_, zero()));
@@ -168,7 +168,7 @@ class Mechanics {
   }
   Expression read(const Text& text, const std::string& where) const { return read(text, where, reading_.names); }
 
-  /// The names and one more. Where the file has that name already, it cannot be used.
+  /// The known names and one more. If the file already defines that name, it cannot be used.
   Scope with(const std::string& name, Expression meaning) const {
     Scope out = reading_.names;
     const bool is_taken = out.find(name).has_value();
@@ -242,7 +242,7 @@ class Mechanics {
     }
   }
 
-  /// X with A X = B for a positive definite A; nullopt: it is not, `row` is where.
+  /// X with A X = B for a positive definite A; nullopt: A is not positive definite, in row `row`.
   std::optional<Square> solve(Square A, Square B, std::size_t* row = nullptr) const {
     const std::size_t size = A.size();
     std::vector<double> diagonal;
@@ -269,7 +269,7 @@ class Mechanics {
     return B;
   }
 
-  /// Direction, response and what follows from them.
+  /// Computes direction, response and the quantities that follow from them.
   void finish(Contact& contact) const {
     for (std::size_t i = 0; i < n_; ++i) contact.direction.push_back(graph_.derivative(contact.rate, v(i)));
     for (std::size_t i = 0; i < n_; ++i) contact.response.push_back(tidy(dot(inverse_[i], contact.direction)));
@@ -326,7 +326,7 @@ class Mechanics {
       refuse(text.law.place, fmt::format("the law {} of the stop {} has {} values; it takes {}", law->name, name,
                                          text.values.size(), law->values));
     const std::string where = fmt::format("in the law of {}", name);
-    // Depth and its rate stand for themselves until the law is known.
+    // Depth and its rate are symbols of their own until the law is known.
     const Expression d = graph_.state(2 * n_), d_rate = graph_.state(2 * n_ + 1);
     const Expression depth = graph_.negate(stop.gap), depth_rate = graph_.negate(stop.rate);
     if (law->name == "newton") {
@@ -436,7 +436,7 @@ class Mechanics {
     }
   }
 
-  /// Accelerations, multipliers and the states that constraints give; false: the constraints depend on each other.
+  /// Computes accelerations, multipliers and the states that constraints determine; false: the constraints are dependent.
   bool constrain(Combination& at) const {
     Column force = force_;
     for (std::size_t c = 0; c < contacts_.size(); ++c) {
@@ -479,7 +479,7 @@ class Mechanics {
     for (const std::size_t c : at.constraints) {
       std::optional<std::size_t> coordinate;
       if (contacts_[c].is_stop) coordinate = replace(at, contacts_[c].gap, [&](std::size_t i) { return i < n_; });
-      // Of a coordinate that is given, the velocity.
+      // For a determined coordinate, its velocity.
       const auto own = [&](std::size_t i) { return coordinate && i == n_ + *coordinate; };
       if (!coordinate || !replace(at, contacts_[c].rate, own))
         replace(at, contacts_[c].rate, [&](std::size_t i) { return i >= n_; });
@@ -488,7 +488,7 @@ class Mechanics {
     return true;
   }
 
-  /// Solves constraint = 0 for one more state; the state.
+  /// Solves constraint = 0 for one more state, and returns it.
   std::optional<std::size_t> replace(Combination& at, Expression constraint,
                                      const std::function<bool(std::size_t)>& allowed) const {
     Replacement known;
@@ -549,7 +549,8 @@ class Mechanics {
     return status;
   }
 
-  /// An event from `at`, with the guard as it is in that mode; nullptr: nothing in its guard moves.
+  /// Adds an event from `at`, with the guard in terms of that mode; nullptr: the guard is constant along the motion, or there
+  /// is no target mode.
   EventPiece* add(const Combination& at, const Contact& contact, const std::string& suffix, EventKind kind, Expression guard,
                   const std::vector<int>& to, bool may_rest = false) {
     const Expression here = graph_.substitute(guard, at.replacement);
@@ -571,7 +572,7 @@ class Mechanics {
     return &out_.events.back();
   }
 
-  /// The constraints and surfaces that a reset of the text may leave or cross.
+  /// Adds the constraints and surfaces that a reset of the text may leave or cross.
   void make_surfaces(const Combination& at, std::size_t c) {
     const Contact& contact = contacts_[c];
     if (contact.is_stop) {
@@ -636,10 +637,10 @@ class Mechanics {
     const Expression jump = graph_.multiply(graph_.add(graph_.constant(1.0), stop.restitution), stop.rate);
     for (std::size_t i = 0; i < n_; ++i) map.push_back(graph_.subtract(v(i), graph_.multiply(stop.share[i], jump)));
     for (std::size_t i = 0; i < 2 * n_; ++i) {
-      // A state that is given and not changed by the impulse stays as it is.
+      // A state that a constraint determines and the impulse does not change stays unchanged.
       if (map[i] != graph_.state(i)) map[i] = graph_.substitute(map[i], at.replacement);
     }
-    // Contacts that the impulse reaches through M: closed rigid stops open, friction goes on with the sign of its speed.
+    // Contacts that the impulse reaches through M: closed rigid stops open; friction continues with the sign of its speed.
     std::vector<int> to = at.status;
     std::vector<std::size_t> slipping;
     for (std::size_t other = 0; other < contacts_.size(); ++other) {
@@ -669,7 +670,8 @@ class Mechanics {
     }
   }
 
-  /// Between the impacts of a series the stops that were closed before are closed again: they carry what presses.
+  /// Adds the accumulation of an impact. Between the impacts of a series, the stops that were closed before are closed again
+  /// and carry the load.
   void accumulate(EventPiece& event, const Combination& before, const Combination& behind, std::size_t c) {
     const Contact& stop = contacts_[c];
     const Combination* between = &behind;
@@ -697,11 +699,11 @@ class Mechanics {
     const Combination* free = find(to);
     if (!free) return;
     const Expression opening = rate_along(graph_, stop.rate, field_of(free->acceleration));
-    // At release the contact force is zero: state and field go over continuously.
+    // At release the contact force is zero: state and field are continuous.
     EventPiece* event = add(at, stop, " release", EventKind::release, opening, to, true);
     if (!event) return;
     event->continuous = true;
-    // Rounding has moved a body off a moving stop: left there it would hit the stop at once.
+    // Rounding moves a body off a moving stop: without this reset it would hit the stop at once.
     for (const Solution& one : at.solved)
       if (dependence(graph_, one.value).time) event->map[one.state] = one.value;
   }

@@ -10,7 +10,7 @@ namespace graze::equations {
 
 namespace {
 
-/// A nonsmooth function on the branch that a sign gives: s is the sign, h is 1 if it is not negative and else 0.
+/// A nonsmooth function on the branch of a given sign: s is the sign, h is 1 if it is not negative and 0 otherwise.
 Expression branch(Graph& graph, const Node& node, Expression s, Expression h) {
   switch (node.operation) {
   case Operation::abs:
@@ -30,7 +30,7 @@ Expression branch(Graph& graph, const Node& node, Expression s, Expression h) {
 }  // namespace
 
 MotionFunctions::MotionFunctions(Graph& graph, std::vector<Expression> of, std::size_t states) : size_(of.size()) {
-  // A sign keeps its value.
+  // The symbols of the signs are constant in time.
   const auto rate = [&](Expression e) {
     return rate_along(graph, e, [&](std::size_t i) { return i < 3 * states ? graph.state(states + i) : graph.constant(0.0); });
   };

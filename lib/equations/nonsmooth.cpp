@@ -17,9 +17,9 @@ namespace {
 
 using Signs = std::vector<int>;
 
-/// Sign combinations that are looked at before those that make no difference are joined.
+/// Largest number of sign combinations before equivalent ones are merged.
 constexpr std::size_t most_combinations = 512;
-/// Of an argument in the name of a mode.
+/// Longest text of an argument in the name of a mode.
 constexpr std::size_t longest_argument = 40;
 
 bool is_jump(Operation operation) { return operation == Operation::sign || operation == Operation::step; }
@@ -29,7 +29,7 @@ struct Switch {
   Expression argument;
   bool jumps = false;
 };
-/// One of these functions; side -1: of the negative of the argument.
+/// A nonsmooth function; side -1: its argument is the negative of the switch's argument.
 struct Bend {
   Expression node;
   std::size_t number = 0;
@@ -75,12 +75,12 @@ Signs flipped(Signs signs, std::size_t i) {
   return signs;
 }
 
-/// A mode of the text and what it becomes.
+/// A mode of the text and the modes made from it.
 struct SplitMode {
   Splitter splitter;
-  std::vector<Signs> representatives;       ///< of each new mode
-  std::map<Signs, std::size_t> class_of;    ///< the new mode of a combination, counted within this mode
-  std::vector<std::vector<bool>> decisive;  ///< which signs lead from a new mode to another one
+  std::vector<Signs> representatives;       ///< for each new mode
+  std::map<Signs, std::size_t> class_of;    ///< number of the new mode of a combination, within this mode
+  std::vector<std::vector<bool>> decisive;  ///< for each new mode: the signs whose change leads to another one
   std::size_t first = 0;                    ///< index of the first new mode
 };
 
@@ -122,7 +122,7 @@ class Separation {
       const Node n = graph_.node(part);
       if (!is_nonsmooth(n.operation)) continue;
       const Expression argument = switching_argument(graph_, n);
-      if (!dependence(graph_, argument).moves()) continue;  // a parameter's sign is no event
+      if (!dependence(graph_, argument).moves()) continue;  // the sign of a parameter is not an event
       for (const Expression inner : reachable(graph_, argument))
         if (is_jump(graph_.node(inner).operation) && dependence(graph_, inner).moves())
           throw EquationError(source_, pieces_.modes[m].place,
@@ -148,7 +148,7 @@ class Separation {
     return out;
   }
 
-  /// All combinations of signs that bounds do not refute.
+  /// Collects all combinations of signs that bounds do not exclude.
   void combine(const Splitter& splitter, Signs& signs, std::vector<Expression>& arguments, std::vector<Signs>& out,
                std::size_t m) {
     const std::size_t i = signs.size();
@@ -160,9 +160,9 @@ class Separation {
     const Expression argument = splitter.argument(i, signs);
     for (const int sign : {1, -1}) {
       const Expression own = sign > 0 ? argument : graph_.negate(argument);
-      // A motion in the mode has sign * argument >= 0, and so for the earlier ones.
+      // A motion in the mode has sign * argument >= 0, also for the earlier arguments.
       if (bounds(graph_, own, parameters_).upper < 0.0) continue;
-      if (sign < 0 && graph_.is_constant(own, 0.0)) continue;  // it vanishes here: both branches are the same
+      if (sign < 0 && graph_.is_constant(own, 0.0)) continue;  // it vanishes here: both branches coincide
       const bool refuted = std::any_of(arguments.begin(), arguments.end(), [&](Expression earlier) {
         return bounds(graph_, normal_form(graph_, graph_.add(earlier, own)), parameters_).upper < 0.0;
       });
@@ -194,7 +194,7 @@ class Separation {
     for (const Signs& one : combinations)
       for (const Expression part : parts) values[one].push_back(splitter.resolved(part, one));
     const std::size_t count = splitter.switches.size();
-    // A sign matters if it changes an expression of the mode anywhere, or the argument of another one that matters.
+    // A sign matters if it changes an expression of the mode anywhere, or the argument of another sign that matters.
     std::vector<bool> matters(count, false);
     for (bool changed = true; changed;) {
       changed = false;
@@ -208,7 +208,8 @@ class Separation {
           if (makes_difference) matters[i] = changed = true;
         }
     }
-    // Combinations are one mode if they have the same expressions and arguments, and the same modes behind each sign.
+    // Combinations form one mode if they have the same expressions and arguments, and the same neighbouring modes across each
+    // sign.
     std::map<Signs, std::size_t> part_of;
     std::map<std::vector<Expression>, std::size_t> with_expressions;
     for (const Signs& at : combinations) {
@@ -233,7 +234,7 @@ class Separation {
       part_of = std::move(finer);
     }
     for (const Signs& one : combinations) {
-      if (part_of[one] < mode.representatives.size()) continue;  // they are numbered as they are met
+      if (part_of[one] < mode.representatives.size()) continue;  // numbered in order of appearance
       mode.representatives.push_back(one);
       mode.decisive.emplace_back(count, false);
       for (std::size_t i = 0; i < count; ++i) {
@@ -257,7 +258,7 @@ class Separation {
     }
   }
 
-  /// What is known to be positive, or zero, at an event in a mode.
+  /// Expressions known to be nonnegative at an event in a mode.
   std::vector<Expression> certain(const EventPiece& event, const SplitMode& mode, const Signs& signs,
                                   const std::vector<Expression>& field) {
     std::vector<Expression> list;
@@ -265,7 +266,7 @@ class Separation {
       const Expression argument = mode.splitter.argument(i, signs);
       list.push_back(signs[i] > 0 ? argument : graph_.negate(argument));
     }
-    // The guard rises.
+    // The rate of the guard: it rises.
     Expression rate = graph_.derivative(event.guard, graph_.time());
     for (const std::size_t i : dependence(graph_, event.guard).states)
       rate = graph_.add(rate, graph_.multiply(graph_.derivative(event.guard, graph_.state(i)), field[i]));
@@ -273,7 +274,7 @@ class Separation {
     return list;
   }
 
-  /// The sign of an expression where those of the list are not negative; 0: not known.
+  /// The sign of an expression if those of the list are nonnegative; 0: unknown.
   int sign_of(Expression e, const std::vector<Expression>& nonnegative) {
     const auto by_bounds = [&](Expression of) {
       const Bounds b = bounds(graph_, of, parameters_);
@@ -284,7 +285,7 @@ class Separation {
     for (const Expression one : nonnegative) {
       const Expression base = normal_form(graph_, one);
       if (graph_.is_constant(base, 0.0)) continue;
-      // e = q one, or e - one and e + one have a sign.
+      // Known by the sign of e / one, e - one or e + one.
       if (const int sign = by_bounds(normal_form(graph_, graph_.divide(normal, base))); sign != 0) return sign;
       if (by_bounds(normal_form(graph_, graph_.subtract(normal, base))) > 0) return 1;
       if (by_bounds(normal_form(graph_, graph_.add(normal, base))) < 0) return -1;
@@ -292,7 +293,7 @@ class Separation {
     return 0;
   }
 
-  /// Signs that a state may have behind an event, and what tells them: positive where it has them.
+  /// A mode that the state may reach after an event, and the conditions that are positive if it does.
   struct Reached {
     std::size_t mode = 0;
     std::vector<Expression> conditions;
@@ -337,7 +338,7 @@ class Separation {
     }
   }
 
-  /// The new modes that a state may be in behind an event with this map; the last needs no condition.
+  /// The new modes that a state may reach after an event with this map; the last one needs no condition.
   std::vector<Reached> reached(const EventPiece& piece, const std::vector<Expression>& map, const SplitMode& to,
                                const SplitMode& from, const Signs& signs) {
     if (to.representatives.size() == 1) return {{to.first, {}}};
@@ -382,7 +383,7 @@ class Separation {
     }
   }
 
-  /// The events by which the arguments change their signs.
+  /// Adds the events at which the arguments change their signs.
   void switch_branches(std::size_t m) {
     const SplitMode& mode = split_[m];
     for (std::size_t number = 0; number < mode.representatives.size(); ++number) {
@@ -412,8 +413,8 @@ class Separation {
   const Symbols& symbols_;
   const Source& source_;
   std::vector<SplitMode> split_;
-  std::vector<std::vector<std::size_t>> first_of_event_;       // among the new ones, for each branch of its mode
-  std::vector<std::pair<std::size_t, std::size_t>> to_group_;  // new events whose alternative is an old number, and their branch
+  std::vector<std::vector<std::size_t>> first_of_event_;       // index among the new events, for each branch of its mode
+  std::vector<std::pair<std::size_t, std::size_t>> to_group_;  // new events with an old alternative, and their branch
   Pieces out_;
 };
 

@@ -12,7 +12,7 @@ namespace graze::equations {
 
 namespace {
 
-/// Of an expression in a message.
+/// Longest text of an expression in a message.
 constexpr std::size_t longest_part = 60;
 
 double value_of(const Graph& graph, Expression e, double t, const Vector& x, const Vector& p) {
@@ -107,7 +107,7 @@ EquationError not_finite_error(const TextSystem& text, const NotFinite& found, d
 
 std::optional<NotFinite> find_not_finite_derivative(const TextSystem& text, std::size_t mode, double t, const Vector& x,
                                                     const Vector& p) {
-  Graph graph = *text.graph;  // that of the text belongs to one thread
+  Graph graph = *text.graph;  // a copy: the graph of the text belongs to one thread
   const Written written{graph, text.symbols, text.hazards};
   const ModeExpressions& own = text.modes[mode];
   for (std::size_t i = 0; i < own.field.size(); ++i)

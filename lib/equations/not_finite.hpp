@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where an expression of a system's text is not finite: the innermost part at fault, its place and what it is, such as
-// "the divisor x is zero".
+// Diagnosis of an expression of a system's text that is not finite: the innermost part at fault, its place and the reason, such
+// as "the divisor x is zero".
 #pragma once
 
 #include <graze/lib/equations/system_text.hpp>
@@ -11,28 +11,28 @@ namespace graze::equations {
 
 struct NotFinite {
   Place place;
-  std::string sentence;  ///< without an end: where it is so is not in it
-  bool moves = false;    ///< it depends on the motion, not only on the parameters
+  std::string sentence;  ///< reason, without the place or state at which it occurs
+  bool moves = false;    ///< the part depends on the motion, not only on the parameters
 };
 
-/// Where the expressions stand.
+/// The graph of the expressions, with names and places for messages.
 struct Written {
   const Graph& graph;
   const Symbols& symbols;
   const std::vector<Hazard>& hazards;
 };
 
-/// Of one expression; `otherwise` is the place of what is not found among the hazards. nullopt: it is finite.
+/// Diagnosis of one expression; `otherwise` is the place if the part is not among the hazards. nullopt: it is finite.
 std::optional<NotFinite> find_not_finite(const Written& written, Expression root, double t, const Vector& x, const Vector& p,
                                          const Place& otherwise);
 
-/// Of a mode's field and guards.
+/// Diagnosis of a mode's field and guards.
 std::optional<NotFinite> find_not_finite(const TextSystem& text, std::size_t mode, double t, const Vector& x, const Vector& p);
 
-/// Of all guards.
+/// Diagnosis of all guards.
 std::optional<NotFinite> find_not_finite_guard(const TextSystem& text, double t, const Vector& x, const Vector& p);
 
-/// Of the derivatives of a mode's field in the states, where the field itself is finite.
+/// Diagnosis of the derivatives of a mode's field in the states, for a finite field.
 std::optional<NotFinite> find_not_finite_derivative(const TextSystem& text, std::size_t mode, double t, const Vector& x,
                                                     const Vector& p);
 
@@ -40,7 +40,7 @@ std::optional<NotFinite> find_not_finite_derivative(const TextSystem& text, std:
 std::optional<NotFinite> find_pole(const TextSystem& text, std::size_t mode, double t0, const Vector& x0, double t1,
                                    const Vector& x1, const Vector& p);
 
-/// Of the reset of an event.
+/// Diagnosis of the reset of an event.
 std::optional<NotFinite> find_not_finite_reset(const TextSystem& text, std::size_t event, double t, const Vector& x,
                                                const Vector& p);
 

@@ -24,7 +24,7 @@ struct Token {
   double value = 0.0;
 };
 
-/// A token beyond it is shortened in messages.
+/// Longer tokens are shortened in messages.
 constexpr std::size_t longest_shown = 40;
 
 struct Character {
@@ -48,12 +48,12 @@ Character character_at(std::string_view text, std::size_t at) {
 
 bool is_letter(char32_t c) {
   if (c < 0x80) return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
-  // Latin with accents (without the signs of multiplication and division), Greek, Cyrillic, lowered digits.
+  // Latin with accents (without the signs of multiplication and division), Greek, Cyrillic, subscript digits.
   return (c >= 0xC0 && c <= 0x24F && c != 0xD7 && c != 0xF7) || (c >= 0x370 && c <= 0x4FF) || (c >= 0x2080 && c <= 0x2089);
 }
 bool is_digit(char32_t c) { return c >= '0' && c <= '9'; }
 
-/// What is easily typed or pasted in place of a sign.
+/// The ASCII sign for a character often typed or pasted in its place.
 std::string_view ascii_of(char32_t c) {
   switch (c) {
   case 0x2212:
@@ -208,7 +208,7 @@ class Parser {
   void skip_breaks() {
     while (peek().kind == Kind::line_break) ++at_;
   }
-  /// Line breaks inside an expression mean nothing; the caller has cut the block into equations.
+  /// Skips line breaks: the caller has already cut the block into equations.
   const Token& next() {
     skip_breaks();
     const Token& token = tokens_[at_];
@@ -254,7 +254,7 @@ class Parser {
       ++at_;
       skip_breaks();
       const Token first = peek();
-      // The exponent may have a sign of its own, and takes in all powers to its right.
+      // The exponent may have its own sign, and includes all powers to its right.
       const Expression right = expression(sign == '^' ? powers - 1 : own);
       left = combine(sign, left, right, first, token);
     }
@@ -447,7 +447,7 @@ const std::vector<std::string>& reserved_names() {
 }
 
 std::string suggestion(std::string_view name, const std::vector<std::string>& candidates) {
-  constexpr std::size_t longest_name = 100;  // the distance takes the product of the lengths
+  constexpr std::size_t longest_name = 100;  // the cost of the distance is the product of the lengths
   if (characters(name) < 2 || name.size() > longest_name) return {};
   const std::string nearest = nearest_name(name, candidates);
   return nearest.empty() ? std::string() : fmt::format("; did you mean '{}'?", nearest);
@@ -511,8 +511,8 @@ std::vector<Assignment> parse_block(Graph& graph, const Source& source, const Te
     one.primed = kind(at + 1) == Kind::prime;
     one.place = reader.place(name, name);
     at += one.primed ? 3 : 2;
-    // The equation goes on until a line break behind which another one begins, or until a ; or a line break that nothing asks to
-    // bridge.
+    // The equation ends at a ;, at a line break before the next assignment, or at a line break that no operator or parenthesis
+    // continues.
     std::size_t end = at, depth = 0;
     for (; kind(end) != Kind::end; ++end) {
       const std::string_view sign = reader.view(tokens[end]);
@@ -546,7 +546,7 @@ std::vector<Expression> parse_definitions(Graph& graph, const Source& source, st
   const auto where = [&](std::size_t i) { return fmt::format("in the {} {}", kind, definitions[i].name.text); };
   std::unordered_map<std::string, std::size_t> number;
   for (std::size_t i = 0; i < definitions.size(); ++i) number.emplace(definitions[i].name.text, i);
-  // Which definitions each one names, to read them in an order in which all of these are known.
+  // The definitions that each definition names, to read them in an order in which all of these are known.
   struct Use {
     std::size_t of;
     Place place;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Modes and events as expressions: what a system is between its text and its functions. Internal.
+// Modes and events as expressions: the form of a system between its text and its functions. Internal.
 #pragma once
 
 #include <graze/lib/equations/expression.hpp>
@@ -10,7 +10,7 @@
 
 namespace graze::equations {
 
-/// In EventPiece::text: an event that no text gives, made from a nonsmooth function.
+/// In EventPiece::text: the event is not in the text, but made from mechanics, a surface or a nonsmooth function.
 inline constexpr std::size_t made_event = static_cast<std::size_t>(-1);
 
 /// See Constraint.
@@ -22,7 +22,7 @@ struct ConstraintPiece {
 struct ModePiece {
   std::string name;
   std::vector<Expression> field;
-  std::vector<Place> equation;  ///< of each state
+  std::vector<Place> equation;  ///< for each state
   Place place;                  ///< of its name
   std::vector<ConstraintPiece> constraints = {};
 };
@@ -33,7 +33,7 @@ struct AccumulationPiece {
   std::vector<Expression> map;
   Expression pressing;
 };
-/// See Alternative: where one of the conditions is not positive, `event` fires instead.
+/// See Alternative: if one of the conditions is not positive, `event` fires instead.
 struct AlternativePiece {
   std::vector<Expression> conditions;
   std::size_t event = 0;
@@ -42,28 +42,28 @@ struct AlternativePiece {
 struct EventPiece {
   std::string name;
   std::size_t text = 0;   ///< number in SystemText::events
-  std::size_t count = 0;  ///< as SystemText has it
+  std::size_t count = 0;  ///< as in EventText
   EventKind kind = EventKind::other;
   std::size_t from = 0, to = 0;
   Expression guard;
   std::vector<Expression> map;  ///< x+ of every state
-  bool continuous = false;      ///< known from its making
-  bool decided = false;         ///< it is known that it is not, too
+  bool continuous = false;      ///< known by construction
+  bool decided = false;         ///< `continuous` is final, also if it is false
   Place when, reset;
   std::optional<AccumulationPiece> accumulation = {};
   std::optional<AlternativePiece> otherwise = {};
   std::optional<Expression> effective_mass = {};
   std::optional<Expression> opening_rate = {};
-  std::optional<Expression> restitution = {};  ///< of the parameters: the volume changes by its square
+  std::optional<Expression> restitution = {};  ///< depends on parameters only: the volume changes by its square
 };
 
-/// Modes that a surface h = 0 parts, so that a reset which changes h leads to the side where it ends. A constraint that only one
-/// mode keeps has the same mode on both sides, that without it.
+/// Modes separated by a surface h = 0: a reset that changes h leads to the side on which it ends. For a constraint that only
+/// one mode preserves, `below` and `above` are the same mode, the one without it.
 struct SurfacePiece {
   Expression h;
   std::size_t below = 0, above = 0;
   std::optional<std::size_t> sliding = {};
-  Replacement on_it = {};  ///< a state as a function of the others where h = 0, if it is known
+  Replacement on_it = {};  ///< a state as a function of the others on h = 0, if known
   bool parts(std::size_t mode) const { return mode == sliding || (below != above && (mode == below || mode == above)); }
 };
 

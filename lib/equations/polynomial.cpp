@@ -9,7 +9,7 @@ namespace graze::equations {
 
 namespace {
 
-/// Longer sums are not multiplied out.
+/// Sums with more terms are not multiplied out.
 constexpr std::size_t most_terms = 400;
 constexpr int largest_expanded_power = 12;
 
@@ -137,7 +137,7 @@ std::optional<Polynomial> Expander::make(const Node& n, Expression self) {
   }
   default: {
     const Expression with_normal = graph_.with_operands(n, normal(n.a), count > 1 ? normal(n.b) : Expression{});
-    // It may have become a number, or lost a sign.
+    // Simplification may have made it a number, or moved a sign out.
     const Node& m = graph_.node(with_normal);
     if (m.operation == constant) return m.value == 0.0 ? Polynomial{} : Polynomial{{Monomial{}, with_normal}};
     if (m.operation == negate) return Polynomial{{Monomial{{m.a.index, 1.0}}, graph_.constant(-1.0)}};
@@ -258,7 +258,7 @@ Bounds bounds(const Graph& graph, Expression e, const std::vector<ParameterInfo>
     case hypot:
     case cosh:
       out = {n.operation == cosh ? 1.0 : 0.0, infinity};
-      // A root or a power of something that stays away from zero does so too.
+      // A root or hypot of values bounded away from zero is bounded away from zero.
       if (n.operation == sqrt || n.operation == hypot) {
         const auto least = [](Bounds of) { return of.lower > 0.0 ? of.lower : of.upper < 0.0 ? -of.upper : 0.0; };
         out.lower = n.operation == sqrt ? std::sqrt(std::max(0.0, a.lower)) : std::max(least(a), least(b));

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Expressions as sums of products: a normal form in which equal polynomials are equal, and what is read from it.
+// Expressions as sums of products: a normal form in which equal polynomials are equal, and conclusions from it.
 //
-// A generator is a state, the time, a parameter or anything that is no sum or product (cos(eta t), 1/(1 + x), a root); a term is
-// a coefficient times a product of powers of generators. What is proved here is proved for all values; what is not proved may
-// still be true.
+// A generator is a state, the time, a parameter or any expression that is not a sum or product (cos(eta t), 1/(1 + x), a root).
+// A term is a coefficient times a product of powers of generators. A property proved here holds for all values; an unproved one
+// may still be true.
 #pragma once
 
 #include <graze/lib/equations/expression.hpp>
@@ -17,20 +17,20 @@ namespace graze::equations {
 
 /// Generator -> exponent, in the order of the generators.
 using Monomial = std::vector<std::pair<std::uint32_t, double>>;
-/// Without terms: zero.
+/// Monomial -> coefficient. Empty: zero.
 using Polynomial = std::map<Monomial, Expression>;
 
-/// What counts as a coefficient: numbers, or all that depends on the parameters only.
+/// Allowed coefficients: numbers, or all expressions of the parameters only.
 enum class Coefficients { numbers, parameters };
 
 class Expander {
  public:
   Expander(Graph& graph, Coefficients coefficients) : graph_(graph), coefficients_(coefficients) {}
-  /// nullopt: it has more terms than are worth while.
+  /// The polynomial of e; nullopt: it has too many terms.
   const std::optional<Polynomial>& expand(Expression e);
-  /// The sum of the terms of e, with numbers as coefficients; e itself where it is too long.
+  /// The sum of the terms of e, with numbers as coefficients; e itself if it is too long.
   Expression normal(Expression e);
-  /// A generator as it stood in the text, where its arguments are not in normal form.
+  /// The original form of a generator, before its arguments were brought to normal form.
   Expression original(std::uint32_t generator) const;
 
  private:
@@ -42,19 +42,19 @@ class Expander {
   std::unordered_map<std::uint32_t, std::optional<Polynomial>> known_;
   std::unordered_map<std::uint32_t, bool> is_coefficient_;
   std::unordered_map<std::uint32_t, Expression> original_, normal_;
-  std::unique_ptr<Expander> numbers_;  // for normal forms, where the coefficients are parameters
+  std::unique_ptr<Expander> numbers_;  // for normal forms, if the coefficients are parameters
 };
 
 /// The sum of the terms as an expression.
 Expression assemble(Graph& graph, const Polynomial& polynomial);
-/// The same for equal polynomials; the expression itself where it is too long.
+/// An expression that is the same for equal polynomials; e itself if it is too long.
 Expression normal_form(Graph& graph, Expression e);
-/// Whether it is proved to vanish identically.
+/// True if e is proved to vanish identically.
 bool is_zero(Graph& graph, Expression e);
-/// The number of the parameter that it is equal to.
+/// The number of the parameter to which e is equal; nullopt: none.
 std::optional<std::size_t> as_parameter(Graph& graph, Expression e);
 
-/// Bounds of a value over all states and times and over the parameters' ranges.
+/// Bounds of a value over all states, times and parameters in their ranges.
 struct Bounds {
   double lower, upper;
 };

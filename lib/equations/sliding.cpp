@@ -43,7 +43,7 @@ class Surfaces {
         EventPiece& event = push(text, name + (upwards ? " from below" : " from above"), EventKind::stick, from, *sliding, guard);
         event.map = stay;
         event.count = text.count;
-        // It stays where the field beyond points back.
+        // It slides if the field on the other side points back.
         const Expression back = upwards ? graph_.negate(rate_above) : rate_below;
         event.otherwise = AlternativePiece{{on_surface(back)}, pieces_.events.size()};
       }
@@ -106,14 +106,14 @@ class Surfaces {
     ConstraintPiece& constraint = mode.constraints.emplace_back(ConstraintPiece{h});
     for (std::size_t i = 0; i < f.size(); ++i) constraint.direction.push_back(graph_.subtract(f[i], g[i]));
     mode.equation = pieces_.modes[below].equation;
-    const Expression weight = graph_.divide(rate_below, sum);  // of the field above
+    const Expression weight = graph_.divide(rate_below, sum);  // weight of the field above
     for (std::size_t i = 0; i < f.size(); ++i) {
       const Expression both = f[i] == g[i] ? f[i] : graph_.add(f[i], graph_.multiply(weight, graph_.subtract(g[i], f[i])));
       mode.field.push_back(solution_ ? graph_.substitute(both, {{graph_.state(solution_->state).index, solution_->value}})
                                      : both);
     }
     if (solution_) {
-      mode.field[solution_->state] = graph_.constant(0.0);  // not in its own value
+      mode.field[solution_->state] = graph_.constant(0.0);  // its own value does not contain it
       mode.field[solution_->state] = rate_along(graph_, solution_->value, mode.field);
     }
     return mode;

@@ -9,7 +9,7 @@ namespace graze::equations {
 
 namespace {
 
-/// Of a line that is longer, only the part around the place is shown.
+/// Of a longer line only the part around the place is shown.
 constexpr std::size_t widest_line = 120;
 
 bool continues_character(char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; }

@@ -24,7 +24,7 @@ Spline make_spline(Table table) {
   }
   if (table.periodic && table.y.front() != table.y.back())
     refuse(fmt::format("it is periodic, but its first value {} is not its last {}", table.y.front(), table.y.back()));
-  // Continuity of the second derivative at each knot, with the slopes as unknowns.
+  // Equations: continuity of the second derivative at each knot. Unknowns: the slopes.
   const auto n = static_cast<Eigen::Index>(table.periodic ? knots - 1 : knots);
   std::vector<Eigen::Triplet<double>> entries;
   Vector right(n);

@@ -2,7 +2,7 @@
 // A cubic spline through a table (u_i, y_i), twice continuously differentiable.
 //
 // Periodic: y_0 = y_n, and the spline repeats with period u_n - u_0. Clamped: the slopes at both ends are given (zero by
-// default); beyond its ends the spline goes on along its end tangents, so that its second derivative jumps there.
+// default); beyond its ends the spline continues along its end tangents, so that its second derivative jumps there.
 #pragma once
 
 #include <algorithm>

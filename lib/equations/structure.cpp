@@ -19,11 +19,11 @@ using H = HertzContact;
 /// The acceleration's coefficients as functions of the parameters, in the order of CubicOscillator.
 struct Oscillator {
   std::array<Expression, C::count> coefficient;
-  // -k_H (x - r)^(3/2) (1 + b_H v), if there is a contact.
+  // Of the contact force -k_H (x - r)^(3/2) (1 + b_H v), if there is one.
   std::optional<Expression> depth = {}, contact = {}, contact_speed = {};
 };
 
-/// v' = f(x, v, t) by its terms; nullopt: there is another one.
+/// The terms of v' = f(x, v, t); nullopt: there is a term of another form.
 std::optional<Oscillator> read_oscillator(Graph& graph, const std::vector<Expression>& field,
                                           std::optional<std::size_t> forcing_frequency) {
   if (field.size() != 2 || field[0] != graph.state(1)) return std::nullopt;
@@ -46,7 +46,7 @@ std::optional<Oscillator> read_oscillator(Graph& graph, const std::vector<Expres
     } else if (monomial == Monomial{{x, 3.0}}) {
       out.coefficient[C::cubic] = graph.negate(coefficient);
     } else {
-      // The other factors are cos(w t), or a contact force and a speed.
+      // The remaining terms contain cos(w t), or a contact force with or without the speed.
       bool with_speed = false;
       std::optional<Expression> factor;
       for (const auto& [generator, exponent] : monomial) {
@@ -111,7 +111,7 @@ class CoefficientFunctions {
   std::shared_ptr<const Tape> tape_;
 };
 
-/// a / b of two coefficients: a parameter as it stands where the quotient is one.
+/// The quotient a / b of two coefficients; the parameter itself if the quotient equals one.
 Expression quotient(Graph& graph, Expression a, Expression b, std::size_t parameters) {
   for (std::size_t i = 0; i < parameters; ++i)
     if (is_zero(graph, graph.subtract(a, graph.multiply(b, graph.parameter(i))))) return graph.parameter(i);
@@ -139,7 +139,7 @@ StructureAt hertz_structure(Graph& graph, const Oscillator& oscillator, std::siz
   return [functions = CoefficientFunctions(graph, coefficient)](const Vector& p) -> ModeStructure {
     H hertz;
     functions.evaluate(p, hertz.value, hertz.dp);
-    if (!std::isfinite(hertz.value[H::contact_damping])) return GeneralField{};  // the quotient of two coefficients that vanish
+    if (!std::isfinite(hertz.value[H::contact_damping])) return GeneralField{};  // a quotient 0/0
     return hertz;
   };
 }
@@ -215,7 +215,7 @@ std::optional<Solution> solve_guard(Graph& graph, Expression guard, std::size_t 
 
 namespace {
 
-/// The polynomial with value for g^unit, in terms where the exponent of g is a multiple of that.
+/// The polynomial with g^unit replaced by `value`, in terms in which the exponent of g is a multiple of `unit`.
 Expression with_power_replaced(Graph& graph, const Polynomial& polynomial, std::uint32_t g, double unit, Expression value) {
   Expression sum = graph.constant(0.0);
   for (const auto& [monomial, coefficient] : polynomial) {
@@ -231,7 +231,7 @@ Expression with_power_replaced(Graph& graph, const Polynomial& polynomial, std::
   return sum;
 }
 
-/// Whether e vanishes where h = c g^q + rest does, with c g^q replaced by -rest: g may be a state, or what a root is taken of.
+/// True if e vanishes where h = c g^q + rest does, with c g^q replaced by -rest; g is a state or the argument of a root.
 bool vanishes_with_term_replaced(Graph& graph, Expression e, Expression guard) {
   Expander numbers(graph, Coefficients::numbers);
   const std::optional<Polynomial> terms = numbers.expand(guard), of_e = numbers.expand(e);
@@ -252,7 +252,7 @@ bool vanishes_with_term_replaced(Graph& graph, Expression e, Expression guard) {
 
 bool vanishes_on(Graph& graph, Expression e, Expression guard, const std::vector<ParameterInfo>& parameters) {
   if (is_zero(graph, e) || vanishes_with_term_replaced(graph, e, guard)) return true;
-  // e c = h d, where c and d are the coefficients of one term of the guard h and of e, and c vanishes nowhere.
+  // Tests e c = h d, where c and d are the coefficients of one term of the guard h and of e, and c vanishes nowhere.
   for (const Coefficients coefficients : {Coefficients::numbers, Coefficients::parameters}) {
     Expander expander(graph, coefficients);
     const auto of_guard = expander.expand(guard), of_e = expander.expand(e);
@@ -270,7 +270,7 @@ bool vanishes_on(Graph& graph, Expression e, Expression guard, const std::vector
 std::optional<Rebound> recognise_rebound(Graph& graph, const std::vector<Expression>& map,
                                          const std::optional<LevelGuard>& level) {
   if (!level) return std::nullopt;
-  // On the guard x is the level: a reset that leaves x as it is puts it there.
+  // On the guard x equals the level: a reset that leaves x unchanged sets it to the level.
   const std::size_t x = level->coordinate;
   if (map[x] != graph.state(x) && as_parameter(graph, map[x]) != level->level) return std::nullopt;
   std::optional<std::size_t> velocity;

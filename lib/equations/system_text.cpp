@@ -24,28 +24,29 @@ namespace {
 constexpr std::array event_kinds = {EventKind::impact, EventKind::enter,   EventKind::leave,
                                     EventKind::stick,  EventKind::release, EventKind::other};
 
-/// States tried on a guard, besides the start, to see what its reset does.
+/// Number of states on a guard at which its reset is tested, including one from the start.
 constexpr int reset_trials = 40;
-/// The field repeats with the period up to this, relative to its size: far above rounding, far below any other period.
+/// Tolerance for the periodicity of the field, relative to its size: far above rounding, far below the effect of a wrong
+/// period.
 constexpr double period_tolerance = 1e-8;
 
-/// A state lies on the constraint of a sticking or sliding mode up to this, relative to 1 + |x|: what integration along a moving
-/// or curved one leaves over many periods.
+/// A state lies on the constraint of a sticking or sliding mode within this tolerance, relative to 1 + |x|: the drift of
+/// integration along a moving or curved constraint over many periods.
 constexpr double constraint_tolerance = 1e-10;
 
-/// A constraint of a mode, and how far from it a state may be, relative to 1 + |x|.
+/// A constraint of a mode and its tolerance, relative to 1 + |x|.
 struct Constraint {
   ScalarFunction value;
   double tolerance = constraint_tolerance;
 };
 
-/// The mode of a state by the guards of each mode (see system_text.hpp).
+/// Determines the mode of a state from the guards of each mode (see system_text.hpp).
 InitialMode mode_by_guards(const HybridSystem& system, const std::vector<std::vector<Constraint>>& constraints) {
   std::vector<VectorFunction> fields;
   std::vector<std::vector<Guard>> guards(system.modes.size());
   for (const Mode& mode : system.modes) fields.push_back(mode.field);
   for (const Event& event : system.events) guards[event.from].push_back(event.guard);
-  // A mode with constraints is asked before those without: on its constraint a rounding error decides between the latter.
+  // Modes with constraints are tested before those without: on a constraint, rounding would decide between the latter.
   std::vector<std::size_t> order(system.modes.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
@@ -191,7 +192,7 @@ class Builder {
     for (const Table& table : text_.tables) tables_.emplace(table.name, graph_.add_table(table));
   }
 
-  /// What is known so far; names that are declared but not known yet are refused with `refusal` behind them.
+  /// The names known so far; declared names that are not known yet are refused with the message of `refusal`.
   Scope scope(bool with_time) {
     Scope out;
     out.find = [this](std::string_view name) -> std::optional<Expression> {
@@ -231,7 +232,7 @@ class Builder {
   /// The value at the default parameters.
   double value_of(Expression e) const { return values(graph_, {&e, 1}, 0.0, Vector::Zero(states()), defaults_)[0]; }
 
-  /// Of an expression of parameters only.
+  /// The function of an expression of parameters only.
   std::function<double(const Vector& p)> function_of_parameters(Expression e) {
     return [value = scalar_function(graph_, e)](const Vector& p) { return value(0.0, {}, p); };
   }
@@ -269,7 +270,7 @@ class Builder {
     if (text.above) info.lower = bound(*text.above, "above");
     info.lower_open = text.above.has_value();
     if (text.max) info.upper = bound(*text.max, "max");
-    // The largest number below it: ranges have no open upper end.
+    // The next smaller number: ranges have no open upper end.
     if (text.below) info.upper = std::nextafter(bound(*text.below, "below"), -std::numeric_limits<double>::infinity());
     if (info.upper < info.lower)
       refuse(text.name.place,
@@ -328,7 +329,7 @@ class Builder {
 
   // Modes and events ---------------------------------------------------------------------------------------------------------
 
-  /// Rates become expressions of the mode's field.
+  /// Replaces rates by expressions of the mode's field.
   class Rates {
    public:
     Rates(Builder& builder, const ModePiece& mode)
@@ -406,7 +407,7 @@ class Builder {
     for (std::size_t m = 0; m < pieces_.modes.size(); ++m) pieces_.modes[m].field = resolved[m];
   }
 
-  /// From the text, from mechanics, from surfaces.
+  /// Makes the modes from the text, from mechanics and from surfaces.
   void make_modes() {
     const Reading reading{graph_, text_, scope(true), &hazards_, symbols_, out_.system.parameters, defaults_, out_.start};
     if (text_.mechanics) {
@@ -427,13 +428,14 @@ class Builder {
     refuse(name.place, fmt::format("the event {} names an unknown mode '{}'{}", event, name.text, suggestion(name.text, names)));
   }
 
-  /// A mode that a reset may lead to; it does where the conditions are positive.
+  /// A mode to which a reset may lead; it does if the conditions are positive.
   struct Side {
     std::size_t mode = 0;
     std::vector<Expression> conditions;
   };
 
-  /// A reset that names no mode stays in its mode, but goes to the side of a surface where it ends.
+  /// Finds the modes after a reset that names no mode: it stays in its mode, but goes to the side of a surface on which it
+  /// ends.
   void find_sides(const Side& side, const std::vector<Expression>& decided, const std::vector<Expression>& map,
                   std::vector<Side>& out) {
     Replacement after;
@@ -519,7 +521,7 @@ class Builder {
 
   // Forcing ------------------------------------------------------------------------------------------------------------------
 
-  /// False: there is none.
+  /// False: the system is not forced.
   bool read_forcing() {
     if (text_.forcing && text_.period) refuse(text_.period->place, "both a forcing frequency and a period are given");
     if (!text_.forcing && !text_.period) return false;
@@ -557,7 +559,7 @@ class Builder {
     return true;
   }
 
-  /// An autonomous system does not know the time.
+  /// Refuses the time in an autonomous system.
   void refuse_time() const {
     for (const EventPiece& event : pieces_.events) {
       if (dependence(graph_, event.guard).time)
@@ -630,7 +632,7 @@ class Builder {
     }
   }
 
-  /// NaN: it is no constant.
+  /// The value of a constant expression; NaN: it is not constant.
   double value_of_constant(Expression e) const {
     const Dependence on = dependence(graph_, e);
     return on.moves() || !on.parameters.empty() ? std::nan("") : value_of(e);
@@ -642,8 +644,8 @@ class Builder {
     return true;
   }
 
-  /// A state that a reset leaves as it is lies on the guard exactly, if the guard is linear in it: rounding would leave it
-  /// beyond.
+  /// Sets one state that a reset leaves unchanged to its exact value on the guard, if the guard is linear in it: rounding could
+  /// leave the state beyond the guard.
   void finish_resets() {
     for (EventPiece& event : pieces_.events) {
       if (is_identity(event)) continue;
@@ -653,7 +655,7 @@ class Builder {
     }
   }
 
-  /// Whether the fields of both modes agree where the guard vanishes.
+  /// True if the fields of both modes agree where the guard vanishes.
   bool fields_agree(const EventPiece& event) {
     const auto& f = pieces_.modes[event.from].field;
     const auto& g = pieces_.modes[event.to].field;
@@ -664,7 +666,7 @@ class Builder {
   }
 
   void build_modes() {
-    std::map<Expression, std::size_t> numbers;  // of the constraints
+    std::map<Expression, std::size_t> numbers;  // numbers of the constraints
     for (const ModePiece& piece : pieces_.modes) {
       Mode mode;
       mode.name = piece.name;
@@ -676,7 +678,7 @@ class Builder {
       mode.structure = recognise_structure(graph_, piece.field, out_.system.forcing_frequency, out_.system.parameters.size());
       constraints_.emplace_back();
       for (const ConstraintPiece& one : piece.constraints) {
-        // One state has a value that stands still: the motion in the mode keeps it exactly.
+        // If the constraint fixes one state at a constant value, the motion in the mode preserves it exactly.
         const auto fixed = solve_guard(graph_, one.value, states(), [](std::size_t) { return true; });
         const bool exact = fixed && !dependence(graph_, fixed->value).moves();
         constraints_.back().push_back({scalar_function(graph_, one.value), exact ? guard_tolerance : constraint_tolerance});
@@ -696,7 +698,8 @@ class Builder {
       event.from = piece.from;
       event.to = piece.to;
       event.kind = piece.kind;
-      // In a mode with constraints the level would say too much: what is continuous on it is so only where they hold.
+      // In a mode with constraints the guard is not marked as a level: continuity on the whole level would be tested, but it
+      // holds only on the constraints.
       const auto level = pieces_.modes[piece.from].constraints.empty() ? recognise_level(graph_, piece.guard) : std::nullopt;
       if (level) {
         event.guard = make_level_guard(*level);
@@ -731,7 +734,7 @@ class Builder {
     return reset;
   }
 
-  /// What mechanics and surfaces know of an event.
+  /// Adds the properties of an event that come from mechanics and surfaces.
   void add_contact(const EventPiece& piece, Event& event) {
     if (piece.effective_mass) event.effective_mass = scalar_function(graph_, *piece.effective_mass);
     if (piece.opening_rate) event.opening_rate = scalar_function(graph_, *piece.opening_rate);
@@ -820,12 +823,12 @@ class Builder {
     out_.start = x;
   }
 
-  /// Divisions, roots, logarithms: of parameters in every mode, of the motion in the mode of the start.
+  /// Checks divisions, roots and logarithms: those of parameters in every mode, those of the motion in the mode of the start.
   void check_values() const {
     const Vector zero = Vector::Zero(states());
     std::optional<std::size_t> start_mode;
     if (out_.start) {
-      // Before the mode is asked for: a guard may divide by zero, too.
+      // Checked before the mode is determined: a guard may divide by zero, too.
       for (const EventPiece& event : pieces_.events) check_values(event.guard, *out_.start, true, event.when);
       start_mode = mode_at(out_.system, 0.0, *out_.start, defaults_);
       if (!start_mode) {
@@ -855,7 +858,7 @@ class Builder {
     if (with_motion) check(root);
   }
 
-  /// A reset within a mode has to leave its guard. Seen at states on the guard, near the start and at random ones.
+  /// Checks that a reset within a mode leaves its guard, at states on the guard near the start and at random ones.
   void check_resets() const {
     std::mt19937 engine(1);
     std::uniform_real_distribution<double> any(-1.0, 1.0);
@@ -911,7 +914,7 @@ class Builder {
   std::vector<std::vector<Constraint>> constraints_;  // of each mode
   TextSystem out_;
   Graph& graph_;
-  std::map<std::string, std::string, std::less<>> kinds_;  // name -> state, parameter, definition, output
+  std::map<std::string, std::string, std::less<>> kinds_;  // name -> "state", "parameter", "definition" or "output"
   std::map<std::string, Expression, std::less<>> names_;
   std::map<std::string, std::size_t, std::less<>> tables_;
   std::vector<Hazard> hazards_;

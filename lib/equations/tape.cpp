@@ -11,7 +11,7 @@ namespace graze::equations {
 Tape::Tape(const Graph& graph, std::span<const Expression> outputs) {
   const std::vector<Expression> nodes = reachable(graph, outputs);
   std::unordered_map<std::uint32_t, Part> part_of;
-  // argument -> the sine and the cosine of it
+  // argument -> its sine and cosine
   std::unordered_map<std::uint32_t, std::pair<std::optional<Expression>, std::optional<Expression>>> turns;
   for (const Expression e : nodes) {
     const Node& n = graph.node(e);

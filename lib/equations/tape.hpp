@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Tape: several expressions as one straight-line program on a number type (double, long double, a pack of them).
+// Tape: several expressions as one straight-line program on a number type (double, long double, a SIMD pack of them).
 //
-// Each common part is computed once, what no output needs is left out, integer powers are products, and the sine and the cosine
-// of one argument are taken together. The program has three parts: what depends on p only, on (t, p), and on x as well; who
-// evaluates it many times at the same p (or t) may run the earlier parts once. A Tape is constant; the numbers live in a
-// workspace of the caller, so that one tape serves any number of threads.
+// Common parts are computed once, unused parts are omitted, integer powers are products, and sine and cosine of the same
+// argument are computed together. The program has three parts: instructions that depend on p only, on (t, p), and also on x. A
+// caller that evaluates it many times at the same p (or t) may run the earlier parts once. A Tape is constant; the numbers are
+// in a workspace of the caller, so that any number of threads may share one tape.
 #pragma once
 
 #include <graze/lib/equations/expression.hpp>
@@ -24,16 +24,16 @@ class Tape {
   Tape(const Graph& graph, std::span<const Expression> outputs);
 
   std::size_t outputs() const { return outputs_.size(); }
-  /// Numbers that a workspace has to hold.
+  /// Size of the workspace, in numbers.
   std::size_t workspace() const { return leaves_.size() + instructions_.size(); }
-  /// Instructions of one part.
+  /// Number of instructions of one part.
   std::size_t length(Part part) const { return begin_[part + 1] - begin_[part]; }
 
-  /// Evaluates one part; the earlier parts must stand in the workspace.
+  /// Evaluates one part; the workspace must contain the results of the earlier parts.
   template <class Number> void run(Part part, Number t, const Number* x, const Number* p, Number* workspace) const;
   template <class Number> const Number& output(std::size_t i, const Number* workspace) const { return workspace[outputs_[i]]; }
 
-  /// All parts; writes outputs() numbers.
+  /// Evaluates all parts and writes outputs() numbers.
   template <class Number> void evaluate(Number t, const Number* x, const Number* p, Number* workspace, Number* out) const {
     for (const Part part : {of_parameters, of_time, of_states}) run(part, t, x, p, workspace);
     for (std::size_t i = 0; i < outputs_.size(); ++i) out[i] = workspace[outputs_[i]];
@@ -42,19 +42,19 @@ class Tape {
  private:
   struct Instruction {
     Operation operation = Operation::constant;
-    bool with_cosine = false;  ///< a sine whose cosine goes into the next number
+    bool with_cosine = false;  ///< a sine whose cosine is stored in the next number
     std::uint32_t a = 0, b = 0, index = 0;
     double value = 0.0;
   };
-  /// A number of the workspace that is copied: constants, pi, parameters, then the time, then states.
+  /// A number copied into the workspace. Order: pi, constants, parameters, the time, states.
   struct Leaf {
     std::uint32_t index = 0;
     double value = 0.0;
   };
   std::vector<Leaf> leaves_;
-  std::size_t constants_ = 0, parameters_ = 0, times_ = 0;  ///< leaves before which these end
-  bool has_pi_ = false;                                     ///< the first leaf
-  std::vector<Instruction> instructions_;                   ///< their results stand behind the leaves
+  std::size_t constants_ = 0, parameters_ = 0, times_ = 0;  ///< end of each kind in `leaves_`
+  bool has_pi_ = false;                                     ///< then pi is the first leaf
+  std::vector<Instruction> instructions_;                   ///< their results follow the leaves
   std::array<std::size_t, parts + 1> begin_{};
   std::vector<std::uint32_t> outputs_;
   std::vector<Spline> splines_;
@@ -74,7 +74,7 @@ template <class Number> Number integer_power(Number a, int n) {
   return result;
 }
 
-/// max(a, 0)^e; the exponents of contact laws, which are half integers, by a root and products.
+/// max(a, 0)^e. The exponents of contact laws are half integers: a root and products.
 template <class Number> Number contact_power(Number a, double e) {
   using std::pow;
   using std::sqrt;
