@@ -12,12 +12,12 @@ enum class BranchOrigin { seed, doubled, crossing, beyond_grazing, multiple };
 /// A branch to be followed.
 struct BranchTask {
   BranchOrigin origin = BranchOrigin::seed;
-  PeriodicOrbit orbit;                  ///< seed
+  PeriodicOrbit orbit;                  ///< start orbit of a seed
   int direction = 1;                    ///< seed: direction of the parameter; crossing: side of the branch point
   std::size_t parent = 0, special = 0;  ///< places of the accepted branch and of its special point
   int generation = 0;
   int seed = 0;              ///< number of the seed, from 1 (the same for both directions); 0: none
-  TurnPattern pattern = {};  ///< multiple
+  TurnPattern pattern = {};  ///< of a multiple
 };
 
 struct BranchOutcome {

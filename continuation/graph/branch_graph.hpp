@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// BranchGraph: connected branches: for each branch the special point on which it was born, and a list of what was not followed.
+// BranchGraph: branches with their connections: the special point on which each branch was born, and a list of the tasks that
+// were not followed.
 //
 // From its seeds the graph follows everything connected with them: doubled branches (and from a doubled branch the one on which
 // it was born), branches that cross at a branch point, and the orbits beyond a grazing of a hard contact. The last are the
 // orbits with one impact more or less, and up to max_multiple the families of m times their period that are born there, with
-// the weak impact once in m turns or in all but one of them. (Families with the impact in some of the turns are counted and
-// listed as not followed.) Of two branches that are mirror images of each other (floquet/orbit/mirror.hpp) one is kept, and
-// marked as mirrored. A family of orbits is kept once, independent of the way to it: a new branch is compared with the known
-// ones, orbit by orbit and up to a shift in time.
+// the weak impact once in m turns or in all but one turn. (Families with the impact in other sets of turns are counted and
+// listed as not followed.)
 //
-// FamilyChoice restricts what is followed and kept.
+// Of two branches that are mirror images of each other (floquet/orbit/mirror.hpp) one is kept, and marked as mirrored. A family
+// of orbits is kept once, independent of the way to it: a new branch is compared with the known ones, orbit by orbit and up to
+// a shift in time.
+//
+// FamilyChoice restricts the branches that are followed and kept.
 //
 // Work is done in rounds of a fixed size, and the results of a round are accepted in order: the result does not depend on the
 // number of threads.
@@ -46,8 +49,8 @@ struct BranchGraph {
 /// Choice of the families that are followed and kept.
 struct FamilyChoice {
   /// If false, these branches are kept: branches that are stable somewhere, all of their ancestors, branches born where a
-  /// stable stretch ends, and the family on the other side of a grazing that ends a stable stretch. Not everything that may
-  /// lead to more of them is followed; the limits below apply.
+  /// stable stretch ends, and the family on the other side of a grazing that ends a stable stretch. The search for them is then
+  /// limited by the members below.
   bool all = true;
   /// Branches beyond unstable orbits are followed until this many branches in a row were stable nowhere. (In the six shipped
   /// problems the longest such run that leads to a stable branch has 37.)

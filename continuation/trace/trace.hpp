@@ -55,7 +55,7 @@ using OriginsOf = std::function<std::vector<CurvePoint>(const CurvePoint& first)
 Curve trace(const ZeroProblem& problem, const Vector& u0, const Vector& orientation, const TraceOptions& options = {},
             const Monitor& monitor = {}, const OriginsOf& origins_of = {});
 
-/// Newton on H(u) = 0 with (u - u_predicted) . W direction = 0; u is changed in place.
+/// Newton's method on H(u) = 0 with (u - u_predicted) . W direction = 0, from u = u_predicted; u is changed in place.
 NewtonReport correct(const ZeroProblem& problem, const Vector& direction, Vector& u, const TraceOptions& options);
 
 /// Unit tangent of the curve at u (null vector of the Jacobian), oriented along `orientation`; empty if it cannot be formed.

@@ -154,7 +154,7 @@ struct ModeExpressions {
 struct EventExpressions {
   Expression guard;
   std::vector<Expression> map;  ///< x+ for each state
-  std::size_t text = 0;         ///< number in SystemText::events; SIZE_MAX: made from a nonsmooth function
+  std::size_t text = 0;         ///< number in SystemText::events; SIZE_MAX: the event is not in the text
   std::size_t count = 0;
   Place when = {}, reset = {};
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Tape: several expressions as one straight-line program on a number type (double, long double, a SIMD pack of them).
+// Tape: several expressions as one straight-line program on a number type (double, long double, or a SIMD pack).
 //
 // Common parts are computed once, unused parts are omitted, integer powers are products, and sine and cosine of the same
 // argument are computed together. The program has three parts: instructions that depend on p only, on (t, p), and also on x. A

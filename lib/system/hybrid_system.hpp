@@ -135,8 +135,8 @@ struct Event {
   bool continuous = false;
   std::optional<Accumulation> accumulation;
   std::optional<Alternative> otherwise = {};
-  /// Effective mass at the barrier, 1 / (W^T M^-1 W) with the gap's gradient W: the energy of an impact is half of it times the
-  /// square of the normal speed. Empty: 1, and energies are per unit mass.
+  /// Effective mass m at the barrier, m = 1 / (W^T M^-1 W) with the gap's gradient W: energies are m (normal speed)^2 / 2.
+  /// Empty: m = 1, and energies are per unit mass.
   ScalarFunction effective_mass;
   /// For an event that ends a soft contact: the rate at which its gap opens. Empty: the rate of the guard, which is the gap.
   ScalarFunction opening_rate = {};
@@ -195,7 +195,7 @@ void validate(const HybridSystem& system);
 /// The mode that `x` belongs to; nullopt: no motion begins there, because `x` is not finite or lies inside a barrier.
 std::optional<std::size_t> mode_at(const HybridSystem& system, double t, const Vector& x, const Vector& p);
 
-/// The same. @throws std::invalid_argument if the state is not finite, has the wrong size or is not
+/// The mode that `x` belongs to. @throws std::invalid_argument if the state is not finite, has the wrong size or is not
 /// admissible.
 std::size_t initial_mode(const HybridSystem& system, double t, const Vector& x, const Vector& p);
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// SaltationMatrix: the first-order map of a perturbation across one event (Aizerman & Gantmakher 1958; Mueller,
-// Chaos Solitons Fractals 5 (1995) 1671; DESIGN section 2).
+// SaltationMatrix: the first-order map of a perturbation across one event (Aizerman & Gantmakher 1958; Mueller, Chaos Solitons
+// Fractals 5 (1995) 1671; DESIGN section 2).
 //
 // With guard h(t, x, p) = 0, reset x+ = g(t, x-, p), field f- before and f+ after:
 //     S   = D_x g + (f+ - D_x g f- - D_t g) D_x h / c,        c = D_t h + D_x h f-   (the transversality),
 //     S_p = D_p g + (f+ - D_x g f- - D_t g) D_p h / c.
-// At grazing c -> 0 and S does not exist: `regular` is then false and S, S_p hold no meaning (NaN).
+// At grazing c -> 0 and S does not exist: `regular` is then false, and S and S_p are NaN.
 #pragma once
 
 #include <graze/lib/system/hybrid_system.hpp>
