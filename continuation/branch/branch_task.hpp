@@ -25,7 +25,7 @@ struct BranchOutcome {
   std::optional<GrazingEnd> grazing;        ///< at which it ended
   std::optional<PeriodicOrbit> half;        ///< orbit of half the period to which it returned
   std::optional<GrazingEdge> begins, ends;  ///< edges of the branch at grazings
-  std::string nothing;                      ///< why no orbit was found beyond the start
+  std::string nothing;                      ///< why no branch was found there; empty: one was found, or it is already known
   bool none = false;                        ///< no orbit exists there (as opposed to: the grazing was not found again)
 };
 

@@ -23,8 +23,8 @@ struct ContinuationOptions {
   int max_multiple = 1;
   int max_branches = 64;
   int max_period = 0;            ///< branches of longer period are not followed; 0: no limit
-  bool follow_parents = false;   ///< follow the orbit of half the period to which a doubled branch returns, too
-  int threads = 1;               ///< branches are followed in parallel; the result does not depend on it
+  bool follow_parents = false;   ///< also follow the orbit of half the period to which a doubled branch returns
+  int threads = 1;               ///< number of branches followed in parallel; the result does not depend on it
   bool both_directions = false;  ///< also follow the first branch in the other direction, to the end of the range
   TraceOptions trace = {};
   ShootingOptions shooting = {};

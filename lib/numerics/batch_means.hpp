@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// BatchMeans: mean of a correlated series with its standard error. The series is cut into batches of equal length. When there
-// are 64 batches, neighbours are merged to 32 and the length doubles. The means of batches much longer than the correlation
-// time are practically independent: error^2 = variance of the batch means / number of batches.
+// BatchMeans: mean of a correlated series with its standard error. The series is cut into batches of equal length, 32 to 64 of
+// them in a long series: when there are 64, neighbours are merged and the length doubles. The means of batches much longer than
+// the correlation time are practically independent: error^2 = variance of the batch means / number of batches.
 #pragma once
 
 #include <algorithm>

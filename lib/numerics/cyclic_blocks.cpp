@@ -53,7 +53,7 @@ void CyclicBlocks::solve(const std::vector<Square>& Phi, const std::vector<Pair>
   const std::size_t n = Phi.size();
   d.resize(n);
   rows_.resize(n);
-  // The eliminated equations so far: P d_0 + Q d_k = g.
+  // The remainder of the equations eliminated so far: P d_0 + Q d_k = g.
   Square P = Phi[0], Q = {-1.0, 0.0, 0.0, -1.0};
   Pair g = {-r[0][0], -r[0][1]};
   for (std::size_t k = 1; k < n; ++k) {
