@@ -25,7 +25,7 @@ struct BranchOutcome {
   std::optional<GrazingEnd> grazing;        ///< at which it ended
   std::optional<PeriodicOrbit> half;        ///< orbit of half the period to which it returned
   std::optional<GrazingEdge> begins, ends;  ///< edges of the branch at grazings
-  std::string nothing;                      ///< why no branch was found there; empty: one was found, or it is already known
+  std::string nothing;                      ///< why no branch was found there, if that is to be reported
   bool none = false;                        ///< no orbit exists there (as opposed to: the grazing was not found again)
 };
 

@@ -13,7 +13,7 @@ std::string_view newton_status_text(NewtonStatus status);
 
 struct NewtonReport {
   NewtonStatus status = NewtonStatus::not_run;
-  std::vector<double> residual_history;  ///< largest residual before each step and after the last, relative to 1 + |x|
+  std::vector<double> residual_history;  ///< largest residual before each step and after the last, as its method scales it
   bool converged() const { return status == NewtonStatus::converged; }
   int iterations() const { return residual_history.empty() ? 0 : static_cast<int>(residual_history.size()) - 1; }
   double residual() const { return residual_history.empty() ? -1.0 : residual_history.back(); }
