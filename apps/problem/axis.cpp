@@ -23,7 +23,7 @@ std::vector<std::string> parts_of(const std::string& text) {
   return parts;
 }
 
-/// a, b and, where it is given, n. Messages begin with `given`, the option as it was given.
+/// An axis from the parts a, b and, if given, n. Messages begin with `given`, the option as it was given.
 Axis axis_from(const std::vector<std::string>& parts, const std::string& given, const std::string& form) {
   const auto refuse = [&given](const std::string& why) { return std::invalid_argument(given + ": " + why); };
   const auto from = parse_number(parts[0]), to = parse_number(parts[1]);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Axis: equally spaced values of one coordinate, as they are given on the command line: a:b:n.
+// Axis: equally spaced values of one coordinate, in the form of the command line: a:b:n.
 #pragma once
 
 #include <string>
@@ -8,14 +8,14 @@
 
 namespace graze::apps {
 
-/// Values from, to, and how many.
+/// First value, last value, and number of values.
 struct Axis {
   double from = 0.0, to = 0.0;
   int count = 64;
   double at(int i) const { return count == 1 ? from : i == count - 1 ? to : from + i * ((to - from) / (count - 1)); }
 };
 
-/// "a:b:n", or "a:b" for 64 values; not `counted`: a range "a:b" alone. `option` is what messages call it.
+/// "a:b:n", or "a:b" for 64 values; not `counted`: only a range "a:b". `option` is the name used in messages.
 /// @throws std::invalid_argument in one sentence.
 Axis parse_axis(std::string_view option, const std::string& text, bool counted);
 

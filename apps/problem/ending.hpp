@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Why a motion ended, in words that name the place in the problem's file if an expression of it is at fault.
+// Why a motion ended, in words. If an expression of the problem's file is at fault, the text names its place there.
 #pragma once
 
 #include <graze/apps/problem/problem.hpp>
@@ -10,11 +10,11 @@
 
 namespace graze::apps {
 
-/// The sentence with its line of the file for a motion that could not be carried on from `state` at forcing phase 0 (or behind a
-/// return) through the next period; empty if no expression of the file is at fault.
+/// Why a motion from `state` at forcing phase 0 (or just after a return) could not be carried through the next period: a
+/// sentence with the line of the file. Empty if no expression of the file is at fault.
 std::string singularity_text(const Problem& problem, Termination reason, const Vector& state);
 
-/// That, else the sentence of the termination.
+/// singularity_text(), or the sentence of the termination if that is empty.
 std::string ending_text(const Problem& problem, Termination reason, const Vector& state);
 
 }  // namespace graze::apps

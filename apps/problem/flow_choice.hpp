@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// FlowChoice: --flow, what carries the motions (FlowKind), so that a user can compare the fast paths with slower, independent
-// ones.
+// FlowChoice: the option --flow. It selects the propagation (FlowKind), so that a user can compare the fast paths with slower,
+// independent ones.
 #pragma once
 
 #include <graze/apps/console/arguments.hpp>
@@ -19,13 +19,13 @@ struct FlowChoice {
   FlowKind kind() const;
 };
 
-/// --flow.
+/// Adds the option --flow.
 void add_flow_option(CLI::App& app, FlowChoice& choice);
 
-/// Puts it among a result's options as "flow", unless it is automatic.
+/// Adds the flow to a result's options as "flow", unless it is automatic.
 void put_flow(Json& options, FlowKind kind);
 
-/// What stands there. @throws Json::exception, std::invalid_argument if it is none.
+/// The flow in a result's options. @throws Json::exception, std::invalid_argument if it is not a flow.
 FlowKind flow_from(const Json& options);
 
 }  // namespace graze::apps

@@ -39,7 +39,7 @@ Eigen::Index index_of(const Problem& problem, std::string_view name) {
   }
 }
 
-/// Whether a section [physical] may give it.
+/// Whether a section [physical] may contain this quantity.
 bool is_physical(std::string_view name) {
   const auto named = [name](const ParameterInfo& info) { return info.name == name; };
   return std::any_of(
@@ -49,7 +49,8 @@ bool is_physical(std::string_view name) {
                      [&](const ContactQuantity& quantity) { return named(quantity.info); });
 }
 
-/// Takes a built-in system. Motions could be computed for slower forcing than eta then has, if anybody waited for them.
+/// Stores a built-in system, with the lower bound of eta raised to `slowest_forcing`: slower motions could be computed, but
+/// would take too long.
 void take_system(Problem& problem, equations::TextSystem written) {
   const auto bound = [](ParameterInfo& info) {
     if (info.name != "eta") return;
@@ -75,7 +76,7 @@ Problem make_problem(const std::string& oscillator, const std::string& contact) 
 
 namespace {
 
-/// At other values than the problem's own.
+/// A parameter's value at other parameter values than the problem's own.
 double parameter_at(const Problem& problem, const Vector& parameters, std::string_view name) {
   const equations::TiedParameter* const tied = find_tied(problem, name);
   return tied ? tied->value(parameters) : parameters[index_of(problem, name)];
@@ -162,7 +163,7 @@ std::string owner_of(std::string_view parameter, const std::string& contact) {
 
 namespace {
 
-/// A physical quantity that the file gives; null: it gives none of this name, or it is a parameter of the system, too.
+/// A physical quantity that the file gives; null: the file gives none of this name, or it is also a parameter of the system.
 std::pair<std::string, double>* given_quantity(Problem& problem, const std::string& name) {
   if (!problem.converted_from) return nullptr;
   for (const ParameterInfo& info : problem.system.parameters)
@@ -172,7 +173,7 @@ std::pair<std::string, double>* given_quantity(Problem& problem, const std::stri
   return nullptr;
 }
 
-/// Converts anew; parameters that do not depend on the quantity stay, as an earlier setting may have left them.
+/// Converts again. Parameters that do not depend on the quantity keep the value of an earlier setting.
 void set_quantity(Problem& problem, std::pair<std::string, double>& quantity, double value) {
   ConvertedFrom& from = *problem.converted_from;
   const ExcitationKind& kind = excitation_kind(from.excitation);
@@ -235,11 +236,11 @@ void apply_settings(Problem& problem, const std::vector<std::string>& settings) 
         set_quantity(problem, *quantity, *value);
         continue;
       }
-      index_of(problem, name);  // a wrong name is the better thing to say where both are wrong
+      index_of(problem, name);  // if name and value are both wrong, report the name
       if (!value) throw std::invalid_argument(no_number(setting.substr(equals + 1)));
       problem.parameters = changed(problem, name, *value);
       std::erase(problem.defaulted, name);
-      if (&setting == &settings.back()) check_tied(problem, problem.parameters);  // when all are set
+      if (&setting == &settings.back()) check_tied(problem, problem.parameters);  // once all are set
     } catch (const std::invalid_argument& error) {
       throw std::invalid_argument(fmt::format("--set {}: {}", setting, error.what()));
     }
@@ -248,7 +249,7 @@ void apply_settings(Problem& problem, const std::vector<std::string>& settings) 
 
 namespace {
 
-/// @throws EquationError for a guard, or an equation of the mode of the state, that is not finite there.
+/// @throws EquationError for a guard, or an equation of the mode at this state, that is not finite there.
 void check_finite(const Problem& problem, const Vector& state) {
   if (!problem.written || state.size() != static_cast<Eigen::Index>(problem.system.states) || !state.allFinite()) return;
   const auto mode = mode_at(problem.system, 0.0, state, problem.parameters);
@@ -347,7 +348,7 @@ std::string state_text(const Problem& problem, const Vector& state, int digits) 
 
 namespace {
 
-/// Whether a tied parameter changes with the one of that name.
+/// Whether a tied parameter depends on the parameter `name`.
 bool follows(const equations::TiedParameter& tied, const Problem& problem, std::string_view name) {
   Vector dp = Vector::Zero(problem.parameters.size());
   tied.dp(problem.parameters, dp);
@@ -382,7 +383,7 @@ namespace {
 
 constexpr std::uintmax_t largest_file = 1000000;  // bytes
 
-/// A value in range, or one sentence. `info` carries name, range and unit.
+/// The value, if it is in range; otherwise an error in one sentence. `info` holds name, range and unit.
 double checked(const std::string& where, const ParameterInfo& info, double value) {
   try {
     check_parameters({info}, Vector{{value}});
@@ -404,7 +405,7 @@ void read_parameters(TomlSection& section, Problem& problem) {
   section.finish(problem.contact);
 }
 
-/// Physical quantities of the file, by name and in the order they are listed to users; and their conversion.
+/// Reads the physical quantities of the file, by name and in the order in which they are listed to users, and converts them.
 void read_physical(TomlSection& section, Problem& problem) {
   const std::optional<std::string> name = section.text("excitation");
   std::vector<std::string> names;
@@ -434,7 +435,7 @@ void read_physical(TomlSection& section, Problem& problem) {
     if (info.name != "k_3" || cubic) read(info, true);
 
   const std::vector<ContactQuantity>& contact = contact_quantities();
-  std::vector<std::string> dimensionless;  // those of the law that have no physical counterpart, such as k_r
+  std::vector<std::string> dimensionless;  // parameters of the law without a physical counterpart, such as k_r
   for (std::size_t i = oscillator_parameters().size(); i < problem.system.parameters.size(); ++i) {
     const ParameterInfo& info = problem.system.parameters[i];
     const auto quantity =
@@ -456,7 +457,7 @@ void read_physical(TomlSection& section, Problem& problem) {
     double& target = problem.parameters[static_cast<Eigen::Index>(i)];
     if (std::find(dimensionless.begin(), dimensionless.end(), info.name) != dimensionless.end()) {
       target = values.at(info.name);
-    } else if (info.name != "beta" || cubic) {  // the linear oscillator keeps beta = 0, as a beam too
+    } else if (info.name != "beta" || cubic) {  // the linear oscillator keeps beta = 0, also as a beam
       target = checked(section.where(), info, converted.at(info.name));
       from.obtained.push_back(info.name);
     }
@@ -464,7 +465,7 @@ void read_physical(TomlSection& section, Problem& problem) {
   problem.converted_from = std::move(from);
 }
 
-/// The name in [model], checked against the names there are.
+/// The name in [model], checked against the known names.
 std::string model_name(TomlSection& section, const std::string& key, const std::vector<std::string>& names) {
   const std::optional<std::string> name = section.text(key);
   if (!name)
@@ -478,7 +479,7 @@ std::string model_name(TomlSection& section, const std::string& key, const std::
 
 namespace {
 
-/// A file with a system of its own.
+/// Reads a file with a system of its own.
 Problem parse_system(const toml::table& root, std::string_view text, const std::string& file) {
   Problem problem;
   problem.file = file;
@@ -516,7 +517,7 @@ Problem parse_problem(std::string_view text, const std::string& file) {
   for (const OscillatorKind& kind : oscillator_kinds()) oscillators.push_back(kind.name);
   for (const ContactLaw& law : contact_laws()) contacts.push_back(law.name);
   for (const char* key : {"oscillator", "contact"}) model.text(key);
-  model.finish();  // a key with a typing error is the better thing to say than that another is missing
+  model.finish();  // report a misspelt key rather than another missing one
   const std::string oscillator = model_name(model, "oscillator", oscillators);
   const std::string contact = model_name(model, "contact", contacts);
 

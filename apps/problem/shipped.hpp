@@ -8,13 +8,13 @@
 
 namespace graze::apps {
 
-/// A file or folder of data/: installed beside the program, or in the tree it was built from. Empty: there is neither.
+/// A file or folder of data/, installed beside the program or in the source tree. Empty: neither exists.
 std::filesystem::path shipped(const std::string& name);
 
 /// Names of the models in data/models, sorted.
 std::vector<std::string> shipped_models();
 
-/// The text of one of them. @throws std::invalid_argument with the nearest name.
+/// The text of a shipped model. @throws std::invalid_argument with the nearest name.
 std::string shipped_model(const std::string& name);
 
 }  // namespace graze::apps

@@ -13,7 +13,7 @@ namespace {
 
 using namespace equations;
 
-/// Reads one file; every refusal has its place.
+/// Reads one file; every error carries its place in the file.
 class Reader {
  public:
   explicit Reader(Source source) : source_(std::move(source)) {}
@@ -117,7 +117,7 @@ class Reader {
     return string_of(need(parent, key, what), key);
   }
 
-  /// A number as it stands in the file, or a text.
+  /// A number as written in the file, or a text.
   Text value_of(const toml::node& node, std::string_view what) const {
     if (node.is_string()) return string_of(node, what);
     const Place where = place(node.source());
@@ -148,7 +148,7 @@ class Reader {
       }
       out_.parameters.push_back(std::move(parameter));
     }
-    // A table has lost the order of its keys, in which results list parameters.
+    // Results list parameters in the file's order, which a TOML table does not keep.
     std::sort(out_.parameters.begin(), out_.parameters.end(), before<ParameterText>);
   }
 
@@ -161,7 +161,7 @@ class Reader {
     std::sort(into.begin(), into.end(), before<Definition>);
   }
 
-  /// The entries of an array of tables, [[key]], if there are any.
+  /// Reads the entries of an array of tables, [[key]], if there are any.
   template <class Read> void each(const toml::table& root, const char* key, const Read& read) {
     const toml::node* node = root.get(key);
     if (!node) return;
@@ -178,7 +178,7 @@ class Reader {
     return value_of(need(table, key, where), key);
   }
 
-  /// Whether its events are the returns of an orbit.
+  /// The value of `count`, > 0 if an orbit's period counts these events.
   std::size_t count_of(const toml::table& table) const {
     const toml::node* count = table.get("count");
     if (!count) return 0;

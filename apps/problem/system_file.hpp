@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A system written as text in a TOML file, as the pieces that equations::make_system takes, each with its place in the file.
+// A system written as text in a TOML file, read as the pieces that equations::make_system takes, each with its place in the
+// file.
 //
 //   [system]         states = ["x", "v"], forcing = "eta" or period = "T" (neither: autonomous), name = "..."
 //   [parameters]     eta = 0.8, r = "36/35", xi = "A*eta^2", b = { value = 0.05, min = 0, unit = "mm", meaning = "damping" }
@@ -28,7 +29,7 @@ namespace graze::apps {
 /// Whether a file describes its own system, rather than naming a built-in one.
 bool has_system(const toml::table& root);
 
-/// @throws EquationError with file, line and column for everything that has no place in such a file.
+/// @throws EquationError with file, line and column for any entry that does not belong in such a file.
 equations::SystemText read_system(const toml::table& root, equations::Source source);
 
 }  // namespace graze::apps

@@ -12,7 +12,7 @@ namespace graze::apps {
 
 namespace {
 
-/// What a value looks like in a message.
+/// A value as shown in messages.
 std::string shown(const toml::node& node) {
   std::ostringstream text;
   node.visit([&](const auto& value) {
@@ -38,7 +38,7 @@ std::optional<Vector> as_state(const toml::node& node) {
   return x && v ? std::optional(Vector{{*x, *v}}) : std::nullopt;
 }
 
-/// The first line that is not UTF-8.
+/// The number of the first line that is not UTF-8.
 std::optional<std::size_t> not_utf8(std::string_view text) {
   std::size_t line = 1;
   for (std::size_t i = 0; i < text.size();) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// TomlSection: one table of a TOML file, read key by key. Every mistake is a std::invalid_argument with one sentence: file, line,
-// what was given, what is allowed. Included by the readers of files only: TOML's own header is a large one.
+// TomlSection: one table of a TOML file, read key by key. Every mistake is a std::invalid_argument with one sentence: file,
+// line, given value, allowed values. Included only by readers of files, because TOML's own header is large.
 #pragma once
 
 #include <graze/lib/numerics/vector.hpp>
@@ -16,18 +16,18 @@
 
 namespace graze::apps {
 
-/// Text in UTF-8 as a table; `file` is what messages call it.
+/// Text in UTF-8 as a table; `file` is the name used in messages.
 toml::table parse_toml(std::string_view text, const std::string& file);
 
 /// "file:line".
 std::string toml_position(const std::string& file, const toml::source_region& source);
 
-/// Keys are looked up by what may be there; finish() complains about all others.
+/// The reader looks up the keys that are allowed; finish() complains about all others.
 class TomlSection {
  public:
   /// The table [name] of a file; it may be missing.
   TomlSection(const std::string& file, const toml::table& root, std::string name);
-  /// A table that is there, such as one of an array [[name]].
+  /// An existing table, such as one of an array [[name]].
   TomlSection(const std::string& file, std::string name, const toml::table& table);
 
   bool present() const { return table_ != nullptr; }
@@ -39,20 +39,20 @@ class TomlSection {
   std::optional<Vector> state(const std::string& key);
   /// Numbers in square brackets, any number of them.
   std::optional<std::vector<double>> numbers(const std::string& key);
-  /// Pairs of numbers in square brackets; none where the key is missing.
+  /// Pairs of numbers in square brackets; empty if the key is missing.
   std::vector<Vector> states(const std::string& key);
   /// A table within this one; it may be missing.
   TomlSection table(const std::string& key);
-  /// The tables of an array ([[key]] in the file); none where the key is missing.
+  /// The tables of an array ([[key]] in the file); empty if the key is missing.
   std::vector<TomlSection> tables(const std::string& key);
   std::vector<std::string> keys() const;
 
-  /// `contact`: the law of the model, where the keys are its parameters. @throws for keys that nobody asked for.
+  /// `contact`: the law of the model, if the keys are its parameters. @throws for keys that were never looked up.
   void finish(const std::string& contact = {}) const;
 
-  /// Position of a key, or of the section where it is missing.
+  /// Position of a key, or of the section if the key is missing.
   std::string where(std::string_view key = {}) const;
-  /// That a key is missing, and what it should hold.
+  /// The error that a key is missing, with the value that it should hold.
   std::invalid_argument lacks(const std::string& key, const std::string& wanted) const;
 
  private:

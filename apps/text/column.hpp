@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Column: one field of a result: name, unit, meaning, how it is got, and how it is put back. What a type holds is one list of
-// them, from which follow its JSON (as a tree, or written straight into a text), the reader of that, its schema, and rows of
-// tables. A further field is one line of the list.
+// Column: one field of a result, with its name, unit, meaning, getter and setter. The fields of a type are one list of columns.
+// From this list follow its JSON (as a tree, or written straight into a text), the reader of that JSON, its schema, and the
+// rows of its tables. A new field is one line of the list.
 //
-// JsonForm<V> says how a value stands in JSON: json(), value() (the inverse, @throws Json::exception where it is of another kind)
-// and schema(); and in CSV: cells(), each after a comma, empty for what is not known. A number that may be missing is an optional
-// one; a plain one that is not finite is null nevertheless. A type with
-// a list of columns has it as its form by
+// JsonForm<V> defines the JSON form of a value: json(), value() (the inverse, @throws Json::exception for JSON of another kind)
+// and schema(). It also defines the CSV form: cells(), each after a comma, empty if unknown. A number that may be missing is a
+// std::optional; a plain number that is not finite becomes null as well. A type with a list of columns declares that list as
+// its form by
 //     template <> struct JsonForm<Contact> : RecordForm<Contact, contact_columns> {};
-// and a type of choices, of which each has a name, by
+// and an enumeration, each of whose values has a name, by
 //     template <> struct JsonForm<MapType> : ChoiceForm<MapType, map_type_name, MapType::undecided, MapType::periodic> {};
 #pragma once
 
@@ -29,16 +29,16 @@
 
 namespace graze::apps {
 
-/// A member of an object, as a JSON Schema (draft 2020-12) says it. `always`: it is not left out.
+/// A member of an object, as JSON Schema (draft 2020-12) describes it. `always`: the member is never left out.
 struct Member {
   std::string name, meaning;
   Json schema;
   bool always = true;
   std::string unit = {};
 };
-/// An object with these members and no others.
+/// The schema of an object with exactly these members.
 Json object_schema(const std::vector<Member>& members);
-/// The members of several objects in one.
+/// The members of several object schemas in one schema.
 Json merged_schemas(const std::vector<Json>& objects);
 Json list_schema(const Json& item);
 Json or_null(const Json& schema);
@@ -66,7 +66,7 @@ template <class V> struct JsonForm {
   }
 };
 
-/// A list of others.
+/// A list of values that have forms of their own.
 template <class List, class Item = typename List::value_type> struct ListForm {
   static Json json(const List& list) {
     Json out = Json::array();
@@ -116,7 +116,7 @@ template <class V> struct JsonForm<std::optional<V>> {
   { value ? JsonForm<V>::cells(*value, line) : void(line += ','); }
   static Json schema() { return or_null(JsonForm<V>::schema()); }
 };
-/// A number that may be infinite or unknown, which JSON has no word for.
+/// A number that may be infinite or unknown; JSON can express neither.
 struct MaybeFinite {
   double value = 0.0;
 };
@@ -127,7 +127,7 @@ template <> struct JsonForm<MaybeFinite> {
   static void cells(const MaybeFinite& number, std::string& line) { JsonForm<double>::cells(number.value, line); }
   static Json schema() { return or_null(JsonForm<double>::schema()); }
 };
-/// Values by their names, which can be any.
+/// Values by arbitrary names.
 template <class V> struct JsonForm<std::map<std::string, V>> {
   using Named = std::map<std::string, V>;
   static Json json(const Named& values) {
@@ -151,7 +151,7 @@ template <class V> struct JsonForm<std::map<std::string, V>> {
   static Json schema() { return {{"type", "object"}, {"additionalProperties", JsonForm<V>::schema()}}; }
 };
 
-/// A condition on a record, beside a column: there is one only where it holds.
+/// A condition on a record, passed after a column: the record has the column only if the condition holds.
 template <class Condition> struct Only { Condition holds; };
 template <class Condition> Only<Condition> only(Condition holds) { return {holds}; }
 
@@ -160,14 +160,14 @@ template <class T> struct Column {
   Json schema;
   std::function<Json(const T&)> json;
   std::function<void(const T&, JsonText&)> write;
-  std::function<void(const T&, std::string&)> cells = {};  ///< of a line of CSV; empty: what it holds are no cells
-  std::function<void(T&, const Json&)> set = {};           ///< empty: it follows from others, and is not read
-  std::function<bool(const T&)> applies = {};              ///< whether there is one at all; empty: always
-  bool needed = true;                                      ///< to a reader
+  std::function<void(const T&, std::string&)> cells = {};  ///< of a line of CSV; empty: the value has no CSV form
+  std::function<void(T&, const Json&)> set = {};           ///< empty: a derived value, not read back
+  std::function<bool(const T&)> applies = {};              ///< whether a record has this column; empty: always
+  bool needed = true;                                      ///< the reader requires it
 
   Column() = default;
-  /// `head`: the name, and behind it a unit in brackets: "duration [time]". `get`: a member, which is then read back, too, or
-  /// what a T is asked for. `put(T&, V)` puts the same kind of value back.
+  /// `head`: the name, followed by a unit in brackets: "duration [time]". `get`: a data member, which is then also read back,
+  /// or any callable on a T. `put(T&, V)` stores a value of the type that `get` returns.
   template <class Get> Column(const char* head, const char* says, Get get) : Column(head, says, get, nullptr) {}
   template <class Get, class Put> Column(const char* head, const char* says, Get get, Put put) : name(head), meaning(says) {
     if (const std::size_t bracket = name.find(" ["); bracket != std::string::npos) {
@@ -198,7 +198,7 @@ template <class T> struct Column {
     out.needed = false;
     return out;
   }
-  /// A reader does without: it is found in results of newer versions alone, or is of no use there.
+  /// The same column, optional for the reader: only results of newer versions have it, or the reader does not use it.
   Column not_needed() const {
     Column out = *this;
     out.needed = false;
@@ -224,7 +224,7 @@ template <class T> Json json_of(const Columns<T>& columns, const T& record) {
   return out;
 }
 
-/// @throws Json::exception, std::invalid_argument where something is missing or of another kind.
+/// @throws Json::exception, std::invalid_argument if a member is missing or of another kind.
 template <class T> void read(const Columns<T>& columns, const Json& json, T& record) {
   for (const Column<T>& one : columns)
     if (one.set && (one.needed || json.contains(one.name))) one.set(record, json.at(one.name));
@@ -268,7 +268,7 @@ template <class E, auto name, E... all> struct ChoiceForm {
 template <class V> Json json_of(const V& value) { return JsonForm<V>::json(value); }
 template <class V> V value_of(const Json& json) { return JsonForm<V>::value(json); }
 
-/// The same columns, of a part of a record.
+/// The columns of a part of a record, as columns of the record.
 template <class T, class Part> Columns<T> of_part(const Columns<Part>& columns, Part T::*part) {
   Columns<T> list;
   for (const Column<Part>& one : columns) {
@@ -287,7 +287,7 @@ template <class T, class Part> Columns<T> of_part(const Columns<Part>& columns, 
   return list;
 }
 
-/// Some fields of a record that stand in an object of their own.
+/// A column that groups several fields of a record in a JSON object of their own.
 template <class T> Column<T> object(const char* name, const char* meaning, const Columns<T>& columns) {
   Column<T> out;
   out.name = name;
@@ -309,18 +309,18 @@ template <class T> Columns<T> joined(std::initializer_list<Columns<T>> lists) {
   return out;
 }
 
-/// A column of a record in a table: the heads of its cells (one, or one for each item of a list), and digits for people; 0: exact
-/// numbers, real and imaginary part apart.
+/// A column of a record in a table: the headings of its cells (one, or one for each item of a list), and the number of
+/// significant digits for people. 0 digits: exact numbers, with real and imaginary part in separate cells.
 struct Shown {
   const char* column;
   std::vector<std::string> heads = {column};
   int digits = 0;
 };
 
-/// The cells of a value that stands in JSON: numbers, yes or no, text. What is missing is "-" for people, else empty.
+/// Appends the cells of a JSON value: numbers, yes or no, text. A missing value is "-" for people, otherwise empty.
 void add_cells(std::vector<std::string>& row, const Json& value, const Shown& shown);
 
-/// The heads, and the cells of a record.
+/// The headings of a table, and the cells of a record.
 void add_columns(Table& table, const std::vector<Shown>& shown);
 template <class T>
 void add_cells(std::vector<std::string>& row, const Columns<T>& columns, const std::vector<Shown>& shown, const T& record) {
@@ -335,7 +335,7 @@ template <class T> Table table_of(const Columns<T>& columns, const std::vector<S
   return table;
 }
 
-/// Goes on with a line of CSV: the cells of a column, as many as it has heads, each after a comma.
+/// Continues a line of CSV with the cells of a column, one for each heading, each after a comma.
 template <class T> void append_cells(std::string& line, const Column<T>& column, const T& record, std::size_t heads = 1) {
   const auto begin = static_cast<std::ptrdiff_t>(line.size());
   if (column.is_in(record)) column.cells(record, line);
@@ -351,7 +351,7 @@ void append_cells(std::string& line, const Columns<T>& columns, const std::vecto
 inline MaybeFinite finite(double value) { return {value}; }
 using MaybeNumbers = std::vector<MaybeFinite>;
 inline MaybeNumbers finite(const std::vector<double>& values) { return {values.begin(), values.end()}; }
-/// The inverse, with `otherwise` for what JSON does not have.
+/// The inverse; `otherwise` replaces numbers that JSON cannot express.
 inline std::vector<double> numbers(const MaybeNumbers& values, double otherwise) {
   std::vector<double> out;
   for (const MaybeFinite& one : values) out.push_back(std::isnan(one.value) ? otherwise : one.value);

@@ -65,7 +65,7 @@ std::string pretty(const Json& json) {
 }
 
 void pretty(const Json& json, const LongList& list, int threads, const TextSink& sink) {
-  // As many empty objects might stand on one line; of more, each has lines of its own.
+  // A list of at most this many empty objects might fit on one line; in a longer list each object has its own lines.
   constexpr std::size_t short_lists = json_line_width / 3;
   if (!list.name.empty() && list.size <= short_lists) return pretty(with_items(json, list, threads), {}, threads, sink);
   if (!json.is_object() || json.empty()) return sink(pretty(json));

@@ -11,7 +11,7 @@ class Layout {
  public:
   Layout(std::string_view flat, std::string& out) : flat_(flat), out_(out) {}
 
-  /// The value that comes next.
+  /// Lays out the next value.
   void value(std::size_t indent) {
     const char first = flat_[at_];
     if (first != '[' && first != '{') {
@@ -20,7 +20,7 @@ class Layout {
     }
     const char last = first == '[' ? ']' : '}';
     if (flat_[at_ + 1] == last) return take(2);
-    // Arrays of numbers stay on one line however long: a list of 5 multipliers is one thing to the eye.
+    // Arrays of numbers stay on one line, however long: a list of 5 multipliers is read as one item.
     std::size_t end = first == '[' ? behind_scalars(at_) : none;
     if (end == none && indent > 0 && indent < json_line_width) end = behind_bracket(at_, json_line_width - indent);
     if (end != none) return take(end - at_);
@@ -45,13 +45,13 @@ class Layout {
     out_.append(flat_, at_, size);
     at_ += size;
   }
-  /// The place behind a text in quotes that begins at `at`.
+  /// The position after a quoted text that begins at `at`.
   std::size_t behind_text(std::size_t at) const {
     for (++at; flat_[at] != '"'; ++at)
       if (flat_[at] == '\\') ++at;
     return at + 1;
   }
-  /// Behind an array; none: there are others inside, or objects.
+  /// The position after an array of scalars; none: it contains arrays or objects.
   std::size_t behind_scalars(std::size_t at) const {
     for (++at; flat_[at] != ']';) {
       if (flat_[at] == '[' || flat_[at] == '{') return none;
@@ -59,7 +59,7 @@ class Layout {
     }
     return at + 1;
   }
-  /// Behind an array or an object; none: it is longer than that.
+  /// The position after an array or an object; none: it is longer than `longest`.
   std::size_t behind_bracket(std::size_t at, std::size_t longest) const {
     const std::size_t end = std::min(flat_.size(), at + longest);
     for (std::size_t open = 0; at < end;) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// JsonText: JSON written straight into a text, on one line and without blanks (as Json::dump() does). For items of long lists,
-// where a tree of Json for each would take longer than to find what stands in it.
+// JsonText: JSON written straight into a text, on one line and without blanks (as Json::dump() does). For items of long lists:
+// building a Json tree for each item would take longer than computing its values.
 #pragma once
 
 #include <graze/apps/text/json.hpp>
@@ -26,14 +26,14 @@ class JsonText {
   void begin_list() { open('['); }
   void end_list() { close(']'); }
 
-  /// What comes next is the value of this member.
+  /// Begins a member; the next value written is its value.
   void key(std::string_view name) {
     separate();
     quoted(name);
     out_ += ':';
     first_ = true;
   }
-  /// A number (null where it is not finite), a truth value, a text, or a list of values; complex: [re, im]; nullopt: null.
+  /// A number (null if it is not finite), a truth value, a text, or a list of values; complex: [re, im]; nullopt: null.
   template <class T> void value(const T& what) {
     if constexpr (std::convertible_to<T, std::string_view>) {
       separate();
@@ -94,10 +94,10 @@ class JsonText {
       return;
     }
     if (digits_of(number, std::chars_format::general).find_first_of(".e") == std::string_view::npos)
-      out_ += ".0";  // it stays a double
+      out_ += ".0";  // so that it is read back as a double
   }
   std::string_view digits_of(auto number, auto... format) {
-    constexpr std::size_t most = 24;  // of a double
+    constexpr std::size_t most = 24;  // digits of a double
     const std::size_t size = out_.size();
     out_.resize(size + most);
     const char* const end = std::to_chars(out_.data() + size, out_.data() + size + most, number, format...).ptr;
@@ -106,10 +106,10 @@ class JsonText {
   }
 
   std::string& out_;
-  bool first_ = true;  ///< nothing stands before what comes next that a comma would have to part it from
+  bool first_ = true;  ///< no comma is needed before the next value
 };
 
-/// The same as Json: what write(JsonText&) writes.
+/// The Json tree of the text that write(JsonText&) writes.
 template <class Write> Json tree_of(const Write& write) {
   std::string text;
   JsonText json(text);

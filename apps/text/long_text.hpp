@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Long texts, which are handed on piece by piece while they are being made. Those of long lists are made on several threads.
+// Long texts, passed on piece by piece while they are produced. The texts of long lists are produced on several threads.
 #pragma once
 
 #include <graze/lib/numerics/parallel.hpp>
@@ -16,19 +16,19 @@
 
 namespace graze::apps {
 
-/// Takes the pieces of a text, one at a time and in their order. What it throws ends the making of the text.
+/// Receives the pieces of a text, one at a time and in order. An exception from the sink ends the production of the text.
 using TextSink = std::function<void(std::string_view piece)>;
-/// Hands its pieces to a sink.
+/// A text that passes its pieces to a sink.
 using LongText = std::function<void(const TextSink& sink)>;
 
-/// All of it.
+/// The whole text.
 inline std::string whole_text(const LongText& text) {
   std::string all;
   text([&all](std::string_view piece) { all += piece; });
   return all;
 }
 
-/// work(0) ... work(n - 1) on so many threads, in any order.
+/// Calls work(0) ... work(n - 1) on `threads` threads, in any order.
 template <class Work> void on_threads(int threads, std::size_t n, const Work& work) {
   if (threads > 1 && n > 1) {
     oneapi::tbb::task_arena arena(threads);
@@ -38,7 +38,7 @@ template <class Work> void on_threads(int threads, std::size_t n, const Work& wo
   }
 }
 
-/// Hands to `sink` what write(0, text) ... write(n - 1, text) append to a text.
+/// Passes the texts that write(0, text) ... write(n - 1, text) append to `sink`, in order.
 template <class Write> void hand_on_items(int threads, std::size_t n, const TextSink& sink, const Write& write) {
   constexpr std::size_t fewest = 16, most = 256, blocks_of_a_thread = 64, ahead_of_a_thread = 16;
   const auto width = static_cast<std::size_t>(std::max(threads, 1));

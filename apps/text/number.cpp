@@ -17,7 +17,7 @@ void skip_blanks(std::string_view& text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
 }
 
-/// Takes one factor, with its sign, off the front.
+/// Removes one factor, with its sign, from the front of the text.
 std::optional<double> take_factor(std::string_view& text, bool& beyond) {
   skip_blanks(text);
   double sign = 1.0;
@@ -38,7 +38,7 @@ std::optional<double> take_factor(std::string_view& text, bool& beyond) {
   return sign * value;
 }
 
-/// `beyond`: becomes true where a factor has the form of a number, but no double is so large or so small.
+/// `beyond` becomes true if a factor has the form of a number but is too large or too small for a double.
 std::optional<double> parse(std::string_view text, bool& beyond) {
   std::optional<double> value = take_factor(text, beyond);
   for (skip_blanks(text); value && !text.empty(); skip_blanks(text)) {

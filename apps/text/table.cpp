@@ -11,7 +11,7 @@ namespace graze::apps {
 
 namespace {
 
-/// Letters on the screen: UTF-8 continuation bytes take no room.
+/// Width on the screen in letters: UTF-8 continuation bytes take no room.
 std::size_t width(const std::string& text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
 }
@@ -42,7 +42,7 @@ std::string aligned(const Table& table, int indent) {
     widths[i] = width(table.columns[i]);
     for (const std::vector<std::string>& row : table.rows) {
       widths[i] = std::max(widths[i], width(row[i]));
-      // A complex number, a number that is missing or an empty cell goes with numbers.
+      // Complex numbers, missing numbers and empty cells are aligned like numbers.
       const bool complex = row[i].ends_with(" i"), missing = row[i] == "-" || row[i] == "..." || row[i] == "unknown";
       if (!row[i].empty() && !missing && !complex && !parse_number(row[i])) numeric[i] = false;
     }

@@ -12,7 +12,7 @@ struct Table {
   std::vector<std::vector<std::string>> rows;
 };
 
-/// Columns padded to their widest cell; numbers to the right, text to the left; `indent` blanks before each line.
+/// Columns padded to their widest cell; numbers right-aligned, text left-aligned; `indent` blanks before each line.
 std::string aligned(const Table& table, int indent = 2);
 
 /// RFC 4180, with a header line.

@@ -39,13 +39,13 @@ PoincareSection poincare_section(const HybridSystem& system, const Vector& p, co
   const bool impacts = options.kind == SectionKind::impact, events = options.kind == SectionKind::event;
   Vector state = start;
   int idle = 0;
-  double last_impact = 0.0;  // of an autonomous motion, since the start of the stretch
+  double last_impact = 0.0;  // of an autonomous motion, since the start of the current run
   bool has_struck = false;
   bool on_section = forced;  // the start of an autonomous motion is not
   while (section.points.size() < wanted && idle < options.patience && section.termination == Termination::time) {
     const Motion motion = run_motion(system, p, state, {.periods = stretch, .cancelled = options.cancelled});
     const std::size_t before = section.points.size();
-    // A run of n periods gives n points, the next run begins with the state at its end.
+    // A run of n periods gives n points; the next run begins with the state at its end.
     for (std::size_t k = on_section ? 0 : 1;
          !impacts && !events && k < static_cast<std::size_t>(motion.periods) && section.points.size() < wanted; ++k)
       section.points.push_back(motion.strobe[k]);
