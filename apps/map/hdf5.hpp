@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Handle: an identifier of the HDF5 library. Included by the sources that read and write maps, and by no others.
+// Handle: an identifier of the HDF5 library. Included only by the sources that read and write maps.
 #pragma once
 
 #include <hdf5.h>
@@ -9,7 +9,7 @@
 
 namespace graze::apps::hdf5 {
 
-/// An identifier of the HDF5 library, closed in the end.
+/// An identifier of the HDF5 library, closed on destruction.
 class Handle {
  public:
   using Close = herr_t (*)(hid_t);
@@ -22,19 +22,19 @@ class Handle {
   Handle(Handle&& other) noexcept : id_(other.id_), close_(other.close_) { other.id_ = -1; }
   Handle(const Handle&) = delete;
   Handle& operator=(const Handle&) = delete;
-  operator hid_t() const { return id_; }  // NOLINT(google-explicit-constructor): it stands for the number
+  operator hid_t() const { return id_; }  // it stands for the number
 
  private:
   hid_t id_;
   Close close_;
 };
 
-/// @throws std::runtime_error where the library has failed.
+/// @throws std::runtime_error if the library has failed.
 inline void check(herr_t result) {
   if (result < 0) throw std::runtime_error("the HDF5 library refuses");
 }
 
-/// Errors are reported by us.
+/// Switches off the library's own error messages: graze reports errors itself.
 inline void silence() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
 
 inline Handle space_of(const std::vector<hsize_t>& size) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Band: rows of a map as they stand in its HDF5 file, so many at a time, in both directions.
+// Band: consecutive rows of a map in the layout of its HDF5 file, for reading and writing.
 #pragma once
 
 #include <graze/apps/map/hdf5.hpp>
@@ -11,9 +11,9 @@
 
 namespace graze::apps::hdf5 {
 
-constexpr hsize_t cell = 64;  // a chunk of the file is so many rows and columns, or all
+constexpr hsize_t cell = 64;  // rows and columns of a chunk of the file, or all if there are fewer
 
-/// Places of the rows of a band: (layer, row, column) or (layer, row, column, component).
+/// Position of a band in the datasets: (layer, row, column) or (layer, row, column, component).
 struct Band {
   int first = 0, rows = 0, layers = 0, columns = 0, states = 0;
   std::size_t points() const {
@@ -29,10 +29,10 @@ struct Band {
     if (of_states) all.push_back(static_cast<hsize_t>(states));
     return all;
   }
-  /// A cell of the file has so many rows and columns, if this is the whole map.
+  /// Rows and columns of a chunk of the file, if this band is the whole map.
   int cell_rows() const { return std::min(static_cast<int>(cell), rows); }
   int cell_columns() const { return std::min(static_cast<int>(cell), columns); }
-  /// Index of a point in the dataset's own order, which has the layer first.
+  /// Index of a point in the dataset's own order, in which the layer comes first.
   std::size_t place(int layer, int row, int column) const {
     return (static_cast<std::size_t>(layer) * static_cast<std::size_t>(rows) + static_cast<std::size_t>(row)) *
                static_cast<std::size_t>(columns) +
@@ -44,8 +44,8 @@ struct Band {
 struct BandData {
   const std::vector<MapField>& fields;
   std::size_t states;
-  std::vector<std::string> memory;  ///< by field
-  /// `map_fields` outlive it.
+  std::vector<std::string> memory;  ///< one buffer per field
+  /// `map_fields` must outlive the object.
   BandData(const Band& band, const std::vector<MapField>& map_fields)
       : fields(map_fields), states(static_cast<std::size_t>(band.states)) {
     for (const MapField& field : fields) memory.emplace_back(band.points() * field.bytes(states), '\0');
@@ -60,7 +60,7 @@ struct BandData {
   }
 };
 
-/// Of the numbers of a field, in memory and in the file.
+/// The HDF5 type of a field's numbers, in memory and in the file.
 inline hid_t type_of(const MapField& field, hid_t attractor) {
   if (std::holds_alternative<MapType MapPoint::*>(field.member)) return attractor;
   return std::holds_alternative<int MapPoint::*>(field.member) ? H5T_NATIVE_INT : H5T_NATIVE_DOUBLE;

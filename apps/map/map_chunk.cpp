@@ -15,7 +15,7 @@ template <class Number> void put(std::string& bytes, Number value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
-/// Takes numbers off the front; the size was checked before.
+/// Reads numbers from the front; the caller has checked the size.
 class Reader {
  public:
   explicit Reader(std::string_view bytes) : rest_(bytes) {}

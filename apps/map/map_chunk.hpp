@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// MapChunk: some finished rows of a parameter map, and the bytes that they are kept and sent as:
+// MapChunk: finished rows of a parameter map, and the bytes in which they are stored and sent:
 //     "graze.map.chunk/1\n", fingerprint of the run (u64), first row, rows, layers, columns, states (i32 each), then each of
-//     the map's fields for all points (the types u8, whole numbers i32, others f64); at last a checksum (u64) of all before.
-// Numbers are those of the machine: chunks stay with it, results are HDF5. Whatever does not fit in any way is no chunk.
+//     the map's fields for all points (the types u8, integers i32, others f64); finally a checksum (u64) of all bytes before.
+// Numbers have the machine's own format: chunks stay on the machine, results are HDF5. Bytes that do not match in every respect
+// are rejected.
 #pragma once
 
 #include <graze/apps/map/map_plan.hpp>
@@ -20,7 +21,7 @@ struct MapChunk {
   std::vector<MapPoint> points;  ///< by row, layer, column
 };
 
-/// FNV-1a, 64 bits: it differs wherever a single byte does.
+/// FNV-1a, 64 bits: a change of any single byte changes it.
 std::uint64_t checksum(std::string_view bytes);
 
 std::string chunk_bytes(const MapChunk& chunk, const MapPlan& plan, std::uint64_t fingerprint);

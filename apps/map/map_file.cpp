@@ -36,7 +36,7 @@ bool begins_as_hdf5(const std::string& file) {
   return std::string_view(beginning, sizeof beginning) == "\x89HDF\r\n\x1a\n";
 }
 
-/// Number of values along each axis; empty where it is no dataset.
+/// Number of values along each axis; empty if it is not a dataset.
 std::vector<hsize_t> size_of(hid_t file, const char* name) {
   try {
     const Handle dataset(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose), space(H5Dget_space(dataset), H5Sclose);
@@ -67,7 +67,7 @@ struct MapFile::Open {
 
 MapFile::MapFile(const std::string& file) : name_(file) {
   silence();
-  if (!std::filesystem::is_regular_file(file)) read_whole(file);  // which says what is wrong with it
+  if (!std::filesystem::is_regular_file(file)) read_whole(file);  // throws with the reason
   try {
     open_ = std::make_unique<Open>(Open{Handle(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose)});
   } catch (const std::runtime_error&) {
@@ -143,11 +143,13 @@ using namespace hdf5;
 
 namespace {
 
-constexpr int deflation = 4;                                                                    // more takes longer than it saves
-constexpr std::size_t least_growth = std::size_t(1) << 16, most_growth = std::size_t(1) << 24;  // of the file in memory, in bytes
+constexpr int deflation = 4;  // a higher level takes more time than it saves
+constexpr std::size_t least_growth = std::size_t(1) << 16, most_growth = std::size_t(1) << 24;  // of the file in memory, in
+                                                                                                // bytes
 
-/// Of variable length, which h5py and MATLAB give as a string, not as bytes, and netCDF reads; of lists of texts of one length
-/// netCDF 4.9 reads the first alone. Octave reads only such ones, and all else if asked for by name.
+/// A text type of variable length, which h5py and MATLAB return as a string rather than bytes, and which netCDF can read. From
+/// a list of fixed-length texts netCDF 4.9 reads only the first. Octave reads only fixed-length texts, and everything else if
+/// requested by name.
 Handle text_type() {
   Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
   check(H5Tset_size(type, H5T_VARIABLE));
@@ -168,14 +170,14 @@ void set_attribute(hid_t object, const std::string& name, double value) {
   check(H5Awrite(attribute, H5T_NATIVE_DOUBLE, &value));
 }
 
-/// To make an object of a kind so that it keeps no times.
+/// Creation options for an object of this kind that stores no time stamps.
 Handle without_times(hid_t kind) {
   Handle options(H5Pcreate(kind), H5Pclose);
   check(H5Pset_obj_track_times(options, 0));
   return options;
 }
 
-/// A dataset without times. `chunk`: its chunks, compressed; empty: contiguous.
+/// A dataset without time stamps. `chunk`: its chunk size, compressed; empty: contiguous.
 Handle make_dataset(hid_t file, const std::string& name, hid_t type, const std::vector<hsize_t>& size,
                     const std::vector<hsize_t>& chunk) {
   const Handle space = space_of(size), options = without_times(H5P_DATASET_CREATE);
@@ -193,14 +195,14 @@ void describe(hid_t dataset, const std::string& meaning, const std::string& unit
 }
 
 void write_all(hid_t dataset, hid_t type, const void* data) {
-  // Texts are converted, in a buffer that is a megabyte unless one says otherwise.
+  // Texts are converted in a buffer, which by default takes a megabyte.
   const Handle options(H5Pcreate(H5P_DATASET_XFER), H5Pclose);
   constexpr std::size_t enough = 4096;
   check(H5Pset_buffer(options, enough, nullptr, nullptr));
   check(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, options, data));
 }
 
-/// A dataset that stands for a dimension.
+/// A dataset that serves as a dimension scale.
 Handle make_scale(hid_t file, const std::string& name, const std::vector<double>& values, const std::string& meaning) {
   Handle scale = make_dataset(file, name, H5T_IEEE_F64LE, {values.size()}, {});
   write_all(scale, H5T_NATIVE_DOUBLE, values.data());
@@ -265,7 +267,7 @@ void write_head(hid_t file, const MapPlan& plan, const Json& head) {
   for (const auto& [name, value] : head.at("parameters").items()) set_attribute(group, name, value.get<double>());
 }
 
-/// The numbers of a cell one after the other; beyond the edges of the map they are 0.
+/// The numbers of a cell in sequence; beyond the edges of the map they are 0.
 std::string numbers_of(const Band& band, const MapField& field, const std::string& memory, int cell_rows, int layer, int column) {
   const std::size_t of_point = field.bytes(static_cast<std::size_t>(band.states));
   const auto columns = static_cast<std::size_t>(band.cell_columns());
@@ -277,7 +279,7 @@ std::string numbers_of(const Band& band, const MapField& field, const std::strin
   return numbers;
 }
 
-/// `cell_rows`: of the map's cells, which the last band does not fill.
+/// `cell_rows`: the rows of the map's cells; the last band may have fewer.
 void write_band(const std::vector<Handle>& datasets, const Band& band, const BandData& data, int cell_rows, int threads) {
   struct Cell {
     std::size_t field;
@@ -321,7 +323,7 @@ void write_content(hid_t file, const MapPlan& plan, const Json& head, const MapR
   const Handle component = make_scale(file, "component", numbers_to(states), component_meaning(plan.problem));
   write_layers(file, plan, layer, component);
   const Handle attractor = attractor_type();
-  // With a name in the file, before those of the datasets: netCDF asks for both.
+  // Named in the file before the datasets are created: netCDF requires both.
   check(H5Tcommit2(file, "AttractorType", attractor, H5P_DEFAULT, without_times(H5P_DATATYPE_CREATE), H5P_DEFAULT));
   const Band all{0, grid.rows.count, plan.layers(), grid.columns.count, states};
   std::vector<Handle> datasets;
@@ -342,11 +344,11 @@ void write_content(hid_t file, const MapPlan& plan, const Json& head, const MapR
     check(H5DSattach_scale(dataset, columns, 2));
     if (field.of_states()) check(H5DSattach_scale(dataset, component, 3));
   }
-  // The enumeration once more, as CF has it, for readers that give it as bare numbers.
+  // The enumeration again, in the CF convention, for readers that return bare numbers.
   constexpr std::array<unsigned char, map_types - 1> flags = {0, 1, 2, 3, 4};
   check(H5LTset_attribute_uchar(datasets[0], ".", "flag_values", flags.data(), flags.size()));
   set_attribute(datasets[0], "flag_meanings", std::string("undecided periodic chaotic inadmissible lost"));
-  // Band by band, each a row of whole cells: little is held in memory.
+  // Band by band, each one row of whole cells: this keeps memory use small.
   for (int first = 0; first < grid.rows.count; first += static_cast<int>(cell)) {
     const Band band{first, std::min(static_cast<int>(cell), grid.rows.count - first), plan.layers(), grid.columns.count, states};
     BandData data(band, plan.fields);
@@ -360,7 +362,7 @@ void write_content(hid_t file, const MapPlan& plan, const Json& head, const MapR
   }
 }
 
-/// In memory alone, which grows by some of what the map takes without compression.
+/// A file in memory only. It grows in steps that depend on the map's uncompressed size.
 Handle make_file(const MapPlan& plan) {
   constexpr double bytes_of_a_point = 8.0;
   const double size = bytes_of_a_point * plan.points();
@@ -370,7 +372,7 @@ Handle make_file(const MapPlan& plan) {
   return {H5Fcreate("map", H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose};
 }
 
-/// The bytes of a file that was made in memory, where they are; valid until it changes.
+/// The bytes of a file built in memory, without a copy; valid until the file changes.
 std::string_view bytes_of(hid_t file) {
   check(H5Fflush(file, H5F_SCOPE_LOCAL));
   void* place = nullptr;

@@ -77,7 +77,7 @@ void check_plan(const MapPlan& plan) {
       for (std::size_t i = 0; i < plan.starts.size(); ++i)
         if (!plan.starts[i] || mode_at(problem.system, 0.0, *plan.starts[i], problem.parameters)) admissible[i] = true;
     }
-  for (std::size_t i = 0; i < plan.starts.size(); ++i)  // else it is a matter of the point
+  for (std::size_t i = 0; i < plan.starts.size(); ++i)  // a start admissible at one corner is judged point by point
     if (!admissible[i] || (plan.starts[i] && !plan.starts[i]->allFinite()))
       start_state(corner(plan, columns[1], rows[1]), plan.starts[i]);
   check_map(plan.problem.system, plan.problem.parameters, grid, layers_of(plan), plan.options);

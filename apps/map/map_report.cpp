@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t most_lines = 12;  // of the overview of a layer
 
-/// By how many points they have, most first.
+/// The kinds sorted by their number of points, largest first.
 template <class Counts> auto ranked(const Counts& counts) {
   std::vector<std::pair<typename Counts::key_type, std::size_t>> list(counts.begin(), counts.end());
   std::stable_sort(list.begin(), list.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
@@ -105,7 +105,7 @@ std::string map_overview(const MapPlan& plan, const std::vector<MapCounts>& coun
                                  exact(grid.rows.to), values(grid.rows));
   const double points = plan.points() / plan.layers();
   for (int layer = 0; layer < plan.layers(); ++layer) {
-    std::map<std::string, std::size_t> names;  // one for all numbers of impacts with which a motion sticks
+    std::map<std::string, std::size_t> names;  // one name for all numbers of impacts of sticking motions
     for (const auto& [kind, count] : counts[static_cast<std::size_t>(layer)]) names[map_point_name(kind)] += count;
     const auto list = ranked(names);
     Table table{{"attractor", "points", "%"}, {}};

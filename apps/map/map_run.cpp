@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Messages begin with a letter. From rank 0: P the plan, C a chunk to compute, N no more of them, E end. To it: W wants a chunk
-// to go on with, D a finished one, H still here, F failed, B bye (the last one).
+// Messages begin with a letter. From rank 0: P the plan, C a chunk to compute, N no more chunks, E end. To rank 0: W wants
+// another chunk, D a finished chunk, H heartbeat, F failed, B bye (the last message).
 #include <graze/apps/console/interrupt.hpp>
 #include <graze/apps/console/progress.hpp>
 #include <graze/apps/map/map_run.hpp>
@@ -22,7 +22,7 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds nap{2};
 constexpr milliseconds heartbeat{5000};
-constexpr double silence = 120.0;  // seconds without a sign of life
+constexpr double silence = 120.0;  // seconds without a message
 
 std::string numbered(char letter, int number, const std::string& bytes = {}) {
   return fmt::format("{}{:08}{}", letter, number, bytes);
@@ -30,7 +30,7 @@ std::string numbered(char letter, int number, const std::string& bytes = {}) {
 
 int number_of(const std::string& message) { return std::stoi(message.substr(1, 8)); }
 
-/// Rank 0 at work.
+/// The work of rank 0.
 class Master {
  public:
   Master(MapStore& store, const Json& head, Ranks& ranks, int threads, const Console& console)
@@ -69,7 +69,7 @@ class Master {
     return out_;
   }
 
-  /// Lets the others go, and keeps what they have finished meanwhile.
+  /// Releases the other ranks, and keeps the chunks that they have finished meanwhile.
   void part() {
     for (int rank = 1; rank < ranks_.count(); ++rank) ranks_.send(rank, "E");
     const Clock::time_point until = Clock::now() + milliseconds(out_.status == Status::done ? 60000 : 500);
@@ -99,7 +99,7 @@ class Master {
     for (int rank = 1; rank < ranks_.count(); ++rank) ranks_.send(rank, "N");
   }
 
-  /// False if there is none.
+  /// Stores the finished chunks of this rank; false: there were none.
   bool take_finished() {
     bool any = false;
     try {
@@ -144,7 +144,8 @@ class Master {
     }
   }
 
-  /// The time since the last look counts for a second at most: whoever was stopped and goes on must not blame the others.
+  /// The time since the last call counts for at most one second: a process that was suspended and resumes must not blame the
+  /// others.
   void listen(double seconds) {
     for (std::size_t rank = 1; rank < quiet_for_.size(); ++rank) {
       quiet_for_[rank] += std::min(seconds, 1.0);
@@ -159,7 +160,7 @@ class Master {
   void report() {
     const int chunks = store_.plan().chunks(), finished = store_.finished();
     const double points = store_.plan().points();
-    // One process counts points; of other ranks only what is finished is known.
+    // A single process counts points; for other ranks only the finished chunks are known.
     const double before = points * (chunks - static_cast<double>(todo_.size())) / chunks;
     const double share =
         ranks_.count() > 1 ? static_cast<double>(finished) / chunks : (before + static_cast<double>(lanes_.points())) / points;
@@ -179,7 +180,7 @@ class Master {
   int byes_ = 0;
 };
 
-/// A rank that has got the plan.
+/// The work of a rank that has received the plan.
 class Helper {
  public:
   Helper(Ranks& ranks, const Json& head, int threads) : ranks_(ranks), plan_(plan_of(head)) {
@@ -187,7 +188,7 @@ class Helper {
     lanes_.emplace(plan_, head.at("fingerprint").get<std::uint64_t>(), threads);
   }
 
-  /// Until rank 0 says that it is the end.
+  /// Runs until rank 0 sends the end.
   void run() {
     Clock::time_point last_sign = Clock::now();
     for (bool told = false, asked = false;;) {
@@ -205,7 +206,7 @@ class Helper {
         }
         if (letter == 'N') lanes_->close();
       }
-      if (interruptions() > 0 && !told) {  // of the time, rank 0 takes care
+      if (interruptions() > 0 && !told) {  // rank 0 watches the time limit
         told = true;
         ranks_.send(0, "Fended by a signal");
       }
@@ -223,7 +224,7 @@ class Helper {
   std::optional<MapLanes> lanes_;
 };
 
-/// The first message of rank 0: the plan, or the end.
+/// The first message from rank 0: the plan, or the end.
 Message first_message(Ranks& ranks) {
   for (;;) {
     if (auto message = ranks.receive()) return *message;
@@ -243,7 +244,7 @@ MapRun run_map(MapStore& store, const Json& head, Ranks& ranks, int threads, con
   Master master(store, head, ranks, threads, console);
   MapRun run = master.run();
   if (run.status == Status::done) run.unwritable = !write();
-  // Said before the others are waited for: whoever ends the run may not leave much time.
+  // Reported before waiting for the other ranks: a launcher that ends the run may not leave much time.
   if (run.status != Status::done)
     console.err << fmt::format("graze map: {}; {} of {} chunks are finished, {}\n", run.message, store.finished(),
                                store.plan().chunks(), store.advice())

@@ -19,14 +19,14 @@ namespace fs = std::filesystem;
 
 constexpr const char* run_file = "/run.json";
 
-/// What makes two runs the same: everything that a point's numbers depend on.
+/// Identifies a run by everything on which a point's numbers depend.
 std::uint64_t fingerprint_of(const Json& head) { return checksum(flat(essence(head, map_essentials))); }
 
-/// Whether a file is the map that a run of this head would make.
+/// Whether a file is the map that a run with this head would produce.
 bool is_map_of(const std::string& file, const Json& head) {
   try {
     return !difference(MapFile(file).head(), head, map_essentials);
-  } catch (const std::exception&) {  // it is no map
+  } catch (const std::exception&) {  // not a map
     return false;
   }
 }
@@ -87,7 +87,7 @@ void MapStore::take_up(const Json& head) {
     throw refuse(fmt::format(" is of another run: {}; give the same", *found));
   if (plan_.chunk_rows < 1) throw refuse(" is damaged; compute the map anew");
   finished_.assign(static_cast<std::size_t>(plan_.chunks()), false);
-  // What was being written when the end came.
+  // Remove files that were incomplete when the run ended.
   for (const auto& [folder, beginning] : {std::pair{folder_, "."}, {out_, ".map.h5."}})
     for (const fs::directory_entry& entry : fs::directory_iterator(folder))
       if (entry.path().filename().string().starts_with(beginning)) fs::remove(entry.path());
@@ -132,7 +132,7 @@ MapChunk MapStore::chunk(int number) const {
 
 void MapStore::remove() {
   if (folder_.empty()) return;
-  std::error_code error;  // what stays behind does no harm: the result goes before it
+  std::error_code error;  // a remaining file does no harm: the result takes precedence
   fs::remove_all(folder_, error);
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// MapStore: the finished chunks of a map under way: small files in a folder, or, without a folder, in memory.
+// MapStore: the finished chunks of a map in progress: small files in a folder or, without a folder, in memory.
 //
-// The folder holds run.json (the head of the result, and rows per chunk) and one file per chunk. Each is written under a
-// temporary name, synchronised, renamed, and the folder synchronised: whatever happens, a file is there whole or not at all. What
-// is damaged nevertheless (its checksum says so) is computed again. One program at a time works in a folder: it holds the lock on
-// the file `lock`.
+// The folder holds run.json (the head of the result, and rows per chunk) and one file per chunk. Each file is written under a
+// temporary name, synchronised and renamed, and then the folder is synchronised: after any crash a file is either complete or
+// absent. A chunk that is damaged nevertheless (detected by its checksum) is computed again. Only one program at a time works
+// in a folder: it holds the lock on the file `lock`.
 #pragma once
 
 #include <graze/apps/console/file_lock.hpp>
@@ -16,38 +16,38 @@
 
 namespace graze::apps {
 
-/// The parts of a map's head that its numbers depend on; see essence().
+/// The parts of a map's head on which its numbers depend; see essence().
 inline const std::vector<std::string> map_essentials = {"graze", "model", "parameters", "options"};
 
-/// Another map that is there already is replaced on request alone.
+/// Only `overwriting` replaces another map that already exists.
 enum class MapBeginning { anew, overwriting, resuming };
 
 class MapStore {
  public:
-  /// In memory. `advice`: what becomes of the chunks after an end before its time.
+  /// In memory. `advice`: what happens to the chunks if the run ends early.
   MapStore(const MapPlan& plan, const Json& head, const std::string& advice);
-  /// In `folder`/chunks. Resuming goes on with what an interrupted run of the same head has left there.
-  /// @throws std::invalid_argument in one sentence: another run is or was there, or it is of other options, or at work now, or
-  /// there is nothing to resume.
+  /// In `folder`/chunks. Resuming continues from the chunks that an interrupted run of the same head has left there. @throws
+  /// std::invalid_argument in one sentence: the folder holds another run or another map, the options differ, another program is
+  /// at work there, or there is nothing to resume.
   MapStore(const MapPlan& plan, const Json& head, const std::string& folder, MapBeginning beginning);
   MapStore(const MapStore&) = delete;
   MapStore& operator=(const MapStore&) = delete;
 
-  const MapPlan& plan() const { return plan_; }  ///< with the rows per chunk of the run that is resumed
+  const MapPlan& plan() const { return plan_; }  ///< with the rows per chunk of the resumed run
   std::uint64_t fingerprint() const { return fingerprint_; }
   bool has(int number) const { return finished_[static_cast<std::size_t>(number)]; }
   std::vector<int> missing() const;
   int finished() const;
-  int damaged() const { return damaged_; }  ///< chunk files that were there and could not be used
+  int damaged() const { return damaged_; }  ///< chunk files that were present but unusable
 
-  /// What to do after an end before its time.
+  /// How to continue if the run ends early.
   std::string advice() const;
 
-  /// Keeps a chunk. nullopt: done; else one sentence why not.
+  /// Stores a chunk. nullopt: done; otherwise one sentence on the failure.
   std::optional<std::string> keep(int number, const std::string& bytes);
-  /// One that was kept. @throws std::runtime_error if it cannot be read any more.
+  /// A stored chunk. @throws std::runtime_error if it can no longer be read.
   MapChunk chunk(int number) const;
-  /// Removes the folder of chunks: the result is there.
+  /// Removes the folder of chunks, once the result is written.
   void remove();
 
  private:

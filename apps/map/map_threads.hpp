@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// MapLanes: the threads of one process that compute chunks of a map and lay down their bytes. They work on the points of one
-// chunk together, and go on to the next while the last of it take their time.
+// MapLanes: the threads of one process that compute chunks of a map and store their bytes. They share the points of one chunk,
+// and go on to the next chunk while the last points of this one are still running.
 #pragma once
 
 #include <graze/apps/map/map_chunk.hpp>
@@ -26,22 +26,22 @@ struct FinishedChunk {
 class MapLanes {
  public:
   MapLanes(const MapPlan& plan, std::uint64_t fingerprint, int threads);
-  ~MapLanes();  ///< ends what is in work without its result
+  ~MapLanes();  ///< cancels the work in progress, without results
   MapLanes(const MapLanes&) = delete;
   MapLanes& operator=(const MapLanes&) = delete;
 
   void give(int number);
-  /// Whether a thread would find something to do in one more chunk.
+  /// Whether one more chunk would give work to an idle thread.
   bool wants_more() const { return work_.wants_more(); }
-  /// No more will be given.
+  /// No more chunks will be given.
   void close() { work_.close(); }
-  /// @throws std::runtime_error if the points of others could not be computed.
+  /// A finished chunk, if there is one. @throws std::runtime_error if points of other chunks could not be computed.
   std::optional<FinishedChunk> take();
-  /// Returns when a chunk may be finished, or after this time.
+  /// Returns when a chunk may be finished, or after `longest`.
   void wait(std::chrono::milliseconds longest);
-  /// Points of chunks in work and finished here so far.
+  /// Number of points computed so far, in unfinished and finished chunks.
   std::size_t points() const { return points_; }
-  /// What is in work is given up; nothing new begins.
+  /// Cancels the work in progress; nothing new begins.
   void stop();
 
  private:
@@ -56,7 +56,7 @@ class MapLanes {
   std::deque<FinishedChunk> finished_;
   std::string error_;
   MapWork work_;
-  std::thread thread_;  // waits for all that work
+  std::thread thread_;  // waits for the work to end
 };
 
 }  // namespace graze::apps

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Messenger: what carries messages between ranks (ranks.hpp). It is a module of its own, graze_mpi.so, which is loaded where a
-// launcher has started this process: MPI's libraries would take as long to load as all the others together, in every command.
+// Messenger: the transport of messages between ranks (ranks.hpp). It is a separate module, graze_mpi.so, loaded only if a
+// launcher has started this process: loading MPI's libraries takes as long as loading all others together, and would slow down
+// every command.
 #pragma once
 
 #include <optional>
@@ -15,7 +16,7 @@ struct Message {
 
 class Messenger {
  public:
-  virtual ~Messenger() = default;  ///< together with all other ranks
+  virtual ~Messenger() = default;  ///< collective: together with all other ranks
   virtual int rank() const = 0;
   virtual int count() const = 0;
   virtual void send(int to, const std::string& message) = 0;
@@ -24,7 +25,7 @@ class Messenger {
   virtual void abort(int code) = 0;
 };
 
-/// The module's only function, `make_messenger`: one for this process, by `new`.
+/// The module's only function, `make_messenger`: creates the messenger of this process with `new`.
 using MakeMessenger = Messenger*();
 
 }  // namespace graze::apps

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/map/packed_cell.hpp>
 
-#define ZLIB_CONST  // it does not write to its input
+#define ZLIB_CONST  // zlib does not write to its input
 #include <zlib.h>
 
 #include <stdexcept>
@@ -11,9 +11,9 @@ namespace graze::apps::hdf5 {
 
 namespace {
 
-constexpr unsigned deflate_filter = 1U << 1;  // the second of the two
+constexpr unsigned deflate_filter = 1U << 1;  // the second of the two filters
 
-/// The first bytes of all numbers, then the second ones, ...: those that are alike stand together.
+/// The first bytes of all numbers, then the second bytes, and so on: this brings similar bytes together.
 std::string shuffled(std::string_view numbers, std::size_t size) {
   const std::size_t count = numbers.size() / size;
   std::string bytes(numbers.size(), '\0');
@@ -22,13 +22,13 @@ std::string shuffled(std::string_view numbers, std::size_t size) {
   return bytes;
 }
 
-/// A compressor with its memory, which is a quarter of a megabyte: one for each thread.
+/// A compressor with its memory of a quarter of a megabyte: one per thread.
 class Deflater {
  public:
   ~Deflater() {
     if (level_ != 0) deflateEnd(&stream_);
   }
-  /// Empty: it would be no shorter.
+  /// The compressed bytes; empty: they would not be shorter.
   std::string deflated(const std::string& bytes, int level) {
     begin(level);
     std::string out(bytes.size(), '\0');
@@ -54,7 +54,7 @@ class Deflater {
   }
 
   z_stream stream_ = {};
-  int level_ = 0;  // 0: there is no stream yet
+  int level_ = 0;  // 0: no stream yet
 };
 
 }  // namespace

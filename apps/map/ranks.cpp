@@ -15,7 +15,7 @@ namespace graze::apps {
 
 namespace {
 
-/// A number that a launcher puts into the environment of its processes; -1: none did.
+/// A number that a launcher sets in the environment of its processes; -1: no launcher.
 int from_environment(std::initializer_list<const char*> names) {
   for (const char* name : names)
     if (const char* text = std::getenv(name)) return std::atoi(text);
@@ -26,10 +26,10 @@ int launched_rank() { return from_environment({"OMPI_COMM_WORLD_RANK", "PMIX_RAN
 
 #ifdef GRAZE_MPI_MODULE
 
-/// Null where no launcher is.
+/// The messenger; null without a launcher.
 std::unique_ptr<Messenger> messenger() {
   if (launched_rank() < 0) return nullptr;
-  // It stays loaded, and what it loads is seen by the parts that Open MPI loads in turn.
+  // The module stays loaded, and its symbols are global: Open MPI loads components that need them.
   void* const module = ::dlopen(GRAZE_MPI_MODULE, RTLD_NOW | RTLD_GLOBAL);
   void* const make = module ? ::dlsym(module, "make_messenger") : nullptr;
   if (!make)

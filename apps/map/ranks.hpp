@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Ranks: the processes that mpirun (or srun) has started to work at one thing, and messages between them. This program alone is
-// rank 0 of 1; so it is too where graze was built without MPI.
+// Ranks: the processes that mpirun (or srun) has started for one task, and the messages between them. Without a launcher, or if
+// graze was built without MPI, this process is rank 0 of 1.
 //
-// Only the thread that made it may use it. Messages are bytes; between two ranks they keep their order.
+// Only the thread that created the object may use it. Messages are bytes; messages between two ranks keep their order.
 #pragma once
 
 #include <graze/apps/map/messenger.hpp>
@@ -13,7 +13,7 @@
 
 namespace graze::apps {
 
-/// Whether this process was started as a rank other than 0, as far as its environment says: such a one prints nothing.
+/// Whether the environment says that this process is a rank other than 0. Such a rank prints nothing.
 bool is_helper();
 
 class Ranks {
@@ -21,8 +21,8 @@ class Ranks {
   /// Whether graze was built with MPI.
   static bool with_mpi();
 
-  /// @throws std::invalid_argument if several ranks were started and this graze was built without MPI, or its module cannot be
-  /// loaded.
+  /// @throws std::invalid_argument if several ranks were started and this graze was built without MPI, or if its module cannot
+  /// be loaded.
   Ranks();
 
   int rank() const { return messenger_ ? messenger_->rank() : 0; }
@@ -30,16 +30,16 @@ class Ranks {
 
   /// `to`: another rank.
   void send(int to, const std::string& message) { messenger_->send(to, message); }
-  /// The next message, if one has come.
+  /// The next message, if one has arrived.
   std::optional<Message> receive() { return messenger_ ? messenger_->receive() : std::nullopt; }
 
-  /// Together with all other ranks: no messages after this, each is alone.
+  /// Collective: no messages after this; each rank is alone.
   void finish() { messenger_.reset(); }
   /// Ends all ranks at once, with this exit code.
   [[noreturn]] void abort(int code);
 
  private:
-  std::unique_ptr<Messenger> messenger_;  ///< null: this process is alone, or done with the others
+  std::unique_ptr<Messenger> messenger_;  ///< null: this process is alone, or has finished with the others
 };
 
 }  // namespace graze::apps

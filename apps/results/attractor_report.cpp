@@ -16,7 +16,7 @@ namespace graze::apps {
 
 namespace {
 
-/// Member "unbounded" of a motion that grows without bound.
+/// Values of the member "unbounded", for a motion that grows without bound.
 constexpr std::array growths = {std::pair{Termination::escape, "escape"}, std::pair{Termination::resonance, "resonance"}};
 
 std::string growth_of(const Attractor& attractor) {
@@ -25,7 +25,7 @@ std::string growth_of(const Attractor& attractor) {
   return {};
 }
 
-/// Member "returns" of an autonomous motion that does not return: false.
+/// The member "returns" is false for an autonomous motion that does not return.
 bool stays_away(const Attractor& attractor) { return attractor.termination == Termination::no_return; }
 
 }  // namespace
@@ -60,7 +60,7 @@ const Columns<LyapunovSpectrum>& spectrum_columns() {
 
 namespace {
 
-/// What an attractor has of its orbit, if it has one.
+/// The columns of an attractor's orbit, if it has one.
 Columns<Attractor> orbit_part() {
   using A = Attractor;
   Columns<A> list =

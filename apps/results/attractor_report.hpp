@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is said of attractors and their exponents: as JSON, as text.
+// Report of attractors and their exponents: as JSON, as text.
 #pragma once
 
 #include <graze/apps/problem/problem.hpp>
@@ -12,19 +12,19 @@
 
 namespace graze::apps {
 
-/// An exponent for people: "-infinity" where the motion forgets a direction at once, "unknown" where there is none.
+/// An exponent for people: "-infinity" if the motion forgets a direction at once, "unknown" if there is none.
 std::string exponent_text(double value, int digits);
-/// A standard error for people: "unknown" where the average was too short for one.
+/// A standard error for people: "unknown" if the average was too short for an error estimate.
 std::string error_text(double value, int digits);
 
-/// Empty: not applicable.
+/// The residual of Liouville's identity; nullopt: not applicable.
 std::optional<double> liouville_residual(const LyapunovSpectrum& spectrum);
 
-/// "time_average" in graze.lyapunov/1; "attractor" in graze.lyapunov/1, graze.sweep/1 and graze.attractors/1, which is read back
-/// without `time_average`.
+/// "time_average" in graze.lyapunov/1; "attractor" in graze.lyapunov/1, graze.sweep/1 and graze.attractors/1. An attractor is
+/// read back without `time_average`.
 const Columns<LyapunovSpectrum>& spectrum_columns();
 const Columns<Attractor>& attractor_columns();
-/// The exponents that stand beside it.
+/// The columns of the exponents that accompany an attractor.
 Columns<Attractor> exponents_columns();
 
 template <>
@@ -45,10 +45,10 @@ template <> struct JsonForm<Attractor> : RecordForm<Attractor, attractor_columns
   }
 };
 
-/// "z = 2/3", "z = ∞/1" of an orbit that sticks, "chaotic", "undecided".
+/// "z = 2/3"; "z = ∞/1" for an orbit that sticks; "chaotic", "undecided".
 std::string attractor_name(const Attractor& attractor);
 
-/// All that `graze lyapunov` prints of an attractor, where orbits of up to `max_period` were looked for.
+/// The whole text that `graze lyapunov` prints for an attractor. `max_period`: the longest period searched for orbits.
 std::string attractor_text(const Problem& problem, const Attractor& attractor, int max_period);
 
 }  // namespace graze::apps

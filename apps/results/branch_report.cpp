@@ -39,7 +39,7 @@ Table points_table(const Problem& problem, const Branch& branch, std::size_t mos
   add_columns(table, second);
   table.columns.emplace_back("admissible");
   if (!measured.points.empty()) add_columns(table, measured.points.front());
-  // Evenly thinned out, the first and the last always among them.
+  // Thinned evenly; the first and the last point are always kept.
   const std::size_t size = branch.points.size();
   const std::size_t rows = std::min(size, std::max<std::size_t>(most, 2));
   for (std::size_t row = 0; row < rows; ++row) {
@@ -294,8 +294,8 @@ Table branches_table(const Problem& problem, const std::vector<Branch>& branches
 
 namespace {
 
-/// What a point has from its problem. The duration is of n forcing periods, or what the result has of an autonomous orbit; one of
-/// its multipliers is trivial then.
+/// Completes a point with data of its problem. The duration is n forcing periods, or for an autonomous orbit the value in the
+/// result. One multiplier of an autonomous orbit is trivial.
 void complete(auto& orbit, const Json& json, const HybridSystem& system, const Vector& p, int period) {
   orbit.duration = is_forced(system) ? period * forcing_period(system, p) : json.at("duration").get<double>();
   if (is_forced(system)) return;
@@ -314,7 +314,9 @@ Branch branch_from(const Json& json, const Problem& problem, const std::string& 
     const Json& item = json.at("points").at(i);
     p[index] = branch.points[i].value;
     complete(branch.points[i], item, problem.system, p, branch.period);
-    if (!item.contains("arclength")) branch.points[i].arclength = static_cast<double>(i);  // of older versions
+    if (!item.contains("arclength"))
+      branch.points[i].arclength = static_cast<double>(i);  // results of older versions have no
+                                                            // arclength
   }
   for (std::size_t i = 0; i < branch.special_points.size(); ++i) {
     PeriodicOrbit& orbit = branch.special_points[i].orbit;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is said of branches and special points: as JSON (graze.branch/1, graze.point/1), as text, as table rows.
+// Report of branches and special points: as JSON (graze.branch/1, graze.point/1), as text, as table rows.
 #pragma once
 
 #include <graze/apps/problem/problem.hpp>
@@ -17,19 +17,19 @@
 
 namespace graze::apps {
 
-/// Quantities at the points of a branch, in their order; empty: none.
+/// Quantities at the points of a branch, in the order of the points; empty: none.
 struct BranchQuantities {
   std::vector<QuantityValues> points, special_points;
 };
 
-/// Measures the quantities on all points of these branches, on `threads` threads. Empty if there are no quantities.
+/// Measures the quantities at all points of these branches, on `threads` threads. Empty if there are no quantities.
 std::vector<BranchQuantities> measure(const Quantities& quantities, const HybridSystem& system,
                                       const std::vector<Branch>& branches, int threads);
 
-/// Adds them to the points of branches, as json_of() writes these, or takes them away.
+/// Adds the quantities to the points of branches in the JSON of json_of(). An empty list removes them.
 void put_quantities(Json& list, const std::vector<BranchQuantities>& measured);
 
-/// As they stand in graze.branch/1.
+/// The columns in graze.branch/1.
 const Columns<BranchParent>& parent_columns();
 const Columns<Symmetry>& symmetry_columns();
 const Columns<BranchPoint>& point_columns();
@@ -67,21 +67,21 @@ template <> struct JsonForm<BranchPoint> : RecordForm<BranchPoint, point_columns
 template <> struct JsonForm<SpecialPoint> : RecordForm<SpecialPoint, special_point_columns> {};
 template <> struct JsonForm<Branch> : RecordForm<Branch, branch_columns> {};
 
-/// The schema of a special point, and of a list of branches, with what is added to them.
+/// The schemas of a special point and of a list of branches, with the members added to them.
 Json special_point_schema();
 Json branches_schema();
 
-/// A special point with twelve digits: where, how well known, its orbit and its details.
+/// A special point with twelve digits: its place and precision, its orbit and its details.
 std::string special_point_text(const SpecialPoint& point, const std::string& parameter);
 
-/// Whether the orbit at the point is stable, which is not for its multipliers to say everywhere.
+/// The stability of the orbit at the point; the multipliers alone do not always determine it.
 std::string stability_text(const SpecialPoint& point);
 
-/// "yes", "no", or empty where that is not told: in a table.
+/// A table cell: "yes", "no", or empty if the stability is unknown.
 std::string stable_cell(std::optional<bool> stable);
 
-/// A branch: a table of its points (thinned out to `most` rows), its special points, and why it stopped. Of special points that
-/// an earlier branch has, too, it is said which they are.
+/// A branch: a table of its points (thinned to `most` rows), its special points, and why it stopped. A special point that an
+/// earlier branch also has is marked with the name it has there.
 std::string branch_text(const Problem& problem, const Branch& branch, std::size_t most, const SamePoints& same,
                         const BranchQuantities& measured = {});
 
@@ -89,8 +89,8 @@ std::string branch_text(const Problem& problem, const Branch& branch, std::size_
 Table branches_table(const Problem& problem, const std::vector<Branch>& branches,
                      const std::vector<BranchQuantities>& measured = {});
 
-/// The branches of a result (graze.branch/1), so that a run can go on from them: values, states, stability and special points, no
-/// events and no monodromy matrices. @throws std::invalid_argument in one sentence if something is missing or damaged.
+/// The branches of a result (graze.branch/1), from which a run can continue: values, states, stability and special points, but
+/// no events and no monodromy matrices. @throws std::invalid_argument in one sentence if something is missing or damaged.
 std::vector<Branch> branches_from_json(const Json& result);
 
 }  // namespace graze::apps

@@ -28,8 +28,9 @@ std::vector<Place> doublings(const Branch& branch) {
   return list;
 }
 
-/// How far a doubled orbit is from the orbit that is doubled at a point, up to a shift by forcing periods. The mean of the
-/// doubled orbit's two halves is compared: near the point they differ by much more than their mean does from the orbit.
+/// The distance between a doubled orbit and the orbit that is doubled at a point, up to a shift by forcing periods. The mean of
+/// the doubled orbit's two halves is compared: near the point the halves differ from each other by much more than their mean
+/// differs from the orbit.
 double distance(const BranchPoint& doubled, const SpecialPoint& point) {
   const std::vector<Vector>& states = point.orbit.states;
   const std::size_t n = states.size();
@@ -46,9 +47,9 @@ double distance(const BranchPoint& doubled, const SpecialPoint& point) {
   return std::max(least, std::abs(doubled.value - point.value));
 }
 
-/// Where a doubled branch ends that has come back to orbits of half its period.
+/// The far end of a doubled branch that has returned to orbits of half its period.
 Place far_end(const std::vector<Branch>& branches, const Branch& doubled) {
-  double least = 1e-2;  // branches stop short of the doubling, much closer than others lie
+  double least = 1e-2;  // branches stop short of the doubling, at a distance much smaller than that of other orbits
   Place nearest;
   if (doubled.stop != BranchStop::returned || doubled.points.empty()) return nearest;
   for (const Branch& branch : branches) {
@@ -64,7 +65,7 @@ Place far_end(const std::vector<Branch>& branches, const Branch& doubled) {
   return nearest;
 }
 
-/// Doublings that come next after a place: the first met on each branch that has an end there.
+/// The doublings that follow a place: the first one met on each branch with an end there.
 std::vector<Place> next(const std::vector<Branch>& branches, const Place& place) {
   std::vector<Place> list;
   for (const Branch& branch : branches) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Finding the orbit that a command is about, in the order that every command keeps: --set, then --from, then --start, --settle,
-// then Newton; if the attractor reached is not of the wanted period, a search.
+// Finds the orbit of a command. Every command keeps this order: --set, then --from, then --start, --settle, then Newton; if the
+// attractor reached does not have the requested period, a search.
 #pragma once
 
 #include <graze/apps/console/console.hpp>
@@ -20,7 +20,7 @@ class App;
 
 namespace graze::apps {
 
-/// Options that say which problem, and from where.
+/// Options that select the problem and the start.
 struct StartOptions {
   std::string file;
   std::vector<std::string> settings;
@@ -28,7 +28,7 @@ struct StartOptions {
   std::optional<int> settle;
 };
 
-/// Options that say which orbit.
+/// Options that select the orbit.
 struct OrbitOptions {
   StartOptions start;
   std::optional<int> period;
@@ -36,14 +36,14 @@ struct OrbitOptions {
   int seed = 1;
 };
 
-/// PROBLEM and --set.
+/// Adds PROBLEM and --set.
 void add_problem_options(CLI::App& app, StartOptions& options);
-/// And --start, --settle.
+/// Adds these and --start, --settle.
 void add_start_options(CLI::App& app, StartOptions& options);
 void add_orbit_options(CLI::App& app, OrbitOptions& options);
 
-/// The problem with its settings applied; notes on defaults and on the conversion of units go to the console.
-/// Physical quantities among `varied`, names given by --param, become parameters.
+/// The problem with its settings applied; notes on defaults and on the conversion of units go to the console. Physical
+/// quantities among `varied`, names given by --param, become parameters.
 Problem open_problem(const StartOptions& options, const Console& console, const std::vector<std::string>& varied = {});
 
 /// --start, else the file's state, else rest. @throws std::invalid_argument, see start_state.
@@ -52,7 +52,7 @@ Vector start_state(const Problem& problem, const StartOptions& options);
 int settle_of(const Problem& problem, const StartOptions& options);
 int period_of(const Problem& problem, const OrbitOptions& options);
 
-/// What was asked for, as it stands in a result.
+/// The options as they are written in a result.
 Json options_json(const Problem& problem, const StartOptions& options);
 Json options_json(const Problem& problem, const OrbitOptions& options);
 

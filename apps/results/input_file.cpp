@@ -15,10 +15,10 @@ namespace graze::apps {
 
 namespace {
 
-/// The schemas of a command's results that --resume goes on with.
+/// The schemas of a command's results that --resume accepts.
 std::vector<std::string> schemas_of(const std::string& command) {
   std::vector<std::string> list = {fmt::format("graze.{}/1", command)};
-  if (command == "diagram") list.emplace_back("graze.branch/1");  // its skeleton alone
+  if (command == "diagram") list.emplace_back("graze.branch/1");  // the skeleton only
   return list;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is said of a motion, as JSON.
+// Report of a motion, as JSON.
 #pragma once
 
 #include <graze/lib/motion/sampled_motion.hpp>
@@ -7,7 +7,7 @@
 
 namespace graze::apps {
 
-/// What graze.trajectory/1 has beside its head.
+/// The members of graze.trajectory/1 beside its head.
 struct ListedMotion {
   const Motion& motion;
   const ContactList& list;
@@ -16,7 +16,7 @@ struct ListedMotion {
 const Columns<ListedMotion>& listed_motion_columns();
 Json motion_json(const Problem& problem, const Motion& motion, const ContactList& list, const Quantities& expressions = {});
 
-/// "tau" and the states: the columns of its samples.
+/// "tau" and the states: the columns of a motion's samples.
 std::vector<std::string> motion_columns(const Problem& problem, const Quantities& expressions = {});
 
 }  // namespace graze::apps

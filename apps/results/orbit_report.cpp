@@ -67,7 +67,7 @@ const Columns<ListedEvent>& event_columns() {
 
 const Columns<Contact>& contact_columns() {
   using C = Contact;
-  // Of a contact that the run cuts off, only one end is known.
+  // A contact that is cut off by the run has only one known end.
   const auto begun = [](const C& contact) { return !std::isnan(contact.t_entry); };
   const auto ended = [](const C& contact) { return contact.complete || std::isnan(contact.t_entry); };
   static const Columns<C> list = {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is said of an orbit and of the contacts of a motion: as JSON, as text, as table rows. Used by every command that finds
-// orbits.
+// Report of an orbit and of the contacts of a motion: as JSON, as text, as table rows. Used by every command that finds orbits.
 #pragma once
 
 #include <graze/apps/problem/problem.hpp>
@@ -14,15 +13,15 @@
 
 namespace graze::apps {
 
-/// Contacts of a motion, in the order of their beginnings; and, for each event that ends one (impact, stick, leave), the contact
-/// it ends.
+/// Contacts of a motion in the order of their beginnings. `by_exit` holds, for each event that ends a contact (impact, stick,
+/// leave), the contact that it ends.
 struct ContactList {
   std::vector<Contact> contacts;
   std::vector<Contact> by_exit;
 };
-/// Of a run from rest to end: its first contact may lack its beginning, its last one its end.
+/// Contacts of a run from start to end: the first contact may lack its beginning, the last one its end.
 ContactList contacts_of_run(const std::vector<EventRecord>& events);
-/// Of an orbit: a contact that reaches over the end of the period is completed by its beginning.
+/// Contacts of an orbit: a contact that extends beyond the end of the period is completed by its beginning.
 ContactList contacts_of_orbit(const PeriodicOrbit& orbit);
 
 /// An event, and the contact that it ends.
@@ -36,12 +35,13 @@ Table contacts_table(const std::vector<Contact>& contacts);
 
 /// "z = 2/3": impacts and forcing periods.
 std::string z_label(int impacts, int period);
-std::string z_label(int impacts, int isolated, int period);  ///< of them isolated: sticking, see PeriodicOrbit
+std::string z_label(int impacts, int isolated, int period);  ///< `isolated` of the impacts lie outside complete chatters:
+                                                             ///< sticking, see PeriodicOrbit
 std::string z_label(const PeriodicOrbit& orbit);
-std::string z_label_of(const Json& orbit);  ///< of an orbit, a special point or a periodic attractor as a result has it
-/// What a mass at rest on its stop does, by the exponents of a disturbance (lib/rest.hpp).
+std::string z_label_of(const Json& orbit);  ///< of an orbit, a special point or a periodic attractor in a result
+/// The behaviour of a mass at rest on its stop, from the exponents of a disturbance (lib/motion/rest.hpp).
 std::string rest_text(const std::vector<double>& exponents);
-/// As "orbit" in graze.orbit/1, and what stands in it.
+/// The columns of "orbit" in graze.orbit/1 and of its members.
 const Columns<ListedEvent>& event_columns();
 const Columns<Contact>& contact_columns();
 const Columns<NewtonReport>& newton_columns();
@@ -60,7 +60,7 @@ template <> struct JsonForm<Contact> : RecordForm<Contact, contact_columns> {};
 template <> struct JsonForm<NewtonReport> : RecordForm<NewtonReport, newton_columns> {};
 template <> struct JsonForm<OrbitChecks> : RecordForm<OrbitChecks, check_columns> {};
 template <> struct JsonForm<PeriodicOrbit> : RecordForm<PeriodicOrbit, orbit_columns> {};
-/// Their values alone; none: they do not exist.
+/// The values only; an empty list: they do not exist.
 template <> struct JsonForm<FloquetMultipliers> {
   using Values = std::vector<std::complex<double>>;
   static Json json(const FloquetMultipliers& multipliers) {
@@ -78,10 +78,10 @@ template <> struct JsonForm<FloquetMultipliers> {
   static Json schema() { return JsonForm<Values>::schema(); }
 };
 
-/// Floquet exponents; none: they do not exist.
+/// Floquet exponents; empty: they do not exist.
 MaybeNumbers exponents_of(const FloquetMultipliers& multipliers);
 
-/// Columns that whatever holds an orbit has: PeriodicOrbit, BranchPoint, Attractor.
+/// Columns shared by all types that hold an orbit: PeriodicOrbit, BranchPoint, Attractor.
 template <class T> Column<T> admissible_column() {
   return Column<T>(
       "admissible", "it does not pass through a barrier",
@@ -96,13 +96,13 @@ template <class T> Column<T> impacts_column() {
       "impacts", "number of impacts", [](const T& orbit) { return orbit.impacts; },
       [](T& orbit, int value) { orbit.impacts = orbit.isolated_impacts = value; });
 }
-/// For an orbit that sticks.
+/// Columns of an orbit that sticks.
 template <class T> Columns<T> sticking_columns() {
   const auto sticks = [](const T& orbit) { return orbit.isolated_impacts < orbit.impacts; };
   return {{"sticking", "the mass sticks to a stop, after infinitely many impacts", sticks, only(sticks)},
           {"isolated_impacts", "impacts outside complete chatters", &T::isolated_impacts, only(sticks)}};
 }
-/// The orbit's states at forcing phase 0, and its shooting nodes, where they are others.
+/// The orbit's states at forcing phase 0, and its shooting nodes if they differ from these.
 template <class T> Columns<T> states_columns() {
   const auto has_nodes = [](const T& orbit) { return orbit.section_phase != 0.0; };
   const auto set_states = [](T& orbit, const std::vector<Vector>& states) { orbit.states = orbit.nodes = states; };
@@ -119,17 +119,17 @@ template <class T> Column<T> duration_column() {
   });
 }
 
-/// All that `graze orbit` prints of one orbit. `stability`: in words; empty: what its multipliers say.
+/// The whole text that `graze orbit` prints for one orbit. `stability`: in words; empty: derived from the multipliers.
 std::string orbit_text(const Problem& problem, const PeriodicOrbit& orbit, const std::string& stability = {});
 
-/// Heads of `count` multipliers: one each for people, else two, for the real and the imaginary part.
+/// Headings of `count` multipliers: one each for people, otherwise two, for real and imaginary part.
 std::vector<std::string> multiplier_heads(std::size_t count, bool for_people);
 
 /// One row per orbit: state, z, multipliers, stable, admissible, quantities.
 Table orbits_table(const Problem& problem, const std::vector<PeriodicOrbit>& orbits, bool for_people,
                    const std::vector<QuantityValues>& measured = {});
 
-/// A line for each quantity.
+/// One line for each quantity.
 std::string quantities_text(const QuantityValues& values);
 
 }  // namespace graze::apps

@@ -8,15 +8,15 @@ namespace graze::apps {
 
 namespace {
 
-/// Two locations of one orbit differ by rounding, which a multiplier far from the unit circle magnifies: by less than this
+/// Two locations of one orbit differ by rounding, amplified by a multiplier far from the unit circle: by less than this
 /// relative to 1 + |x|. Different orbits at one value differ by more.
 constexpr double same_state = 1e-6;
-/// Of values, beyond their stated errors: relative to 1 + |value|.
+/// The same for values, beyond their stated errors: relative to 1 + |value|.
 constexpr double same_value = 1e-12;
 
 bool is_mark(PointType type) { return type == PointType::EP || type == PointType::UZ || type == PointType::MX; }
 
-/// Up to a shift by forcing periods; an orbit may be given over several times its period.
+/// Compares states up to a shift by forcing periods; an orbit may be given over several times its period.
 bool are_same_states(const std::vector<Vector>& a, const std::vector<Vector>& b) {
   const std::vector<Vector>&longer = a.size() < b.size() ? b : a, &shorter = a.size() < b.size() ? a : b;
   if (shorter.empty() || longer.size() % shorter.size() != 0) return false;

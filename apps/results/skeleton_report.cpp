@@ -17,7 +17,8 @@ namespace graze::apps {
 
 namespace {
 
-/// A curve of orbits: a branch, or two that were followed both ways from one seed, the first of them run through backwards.
+/// A curve of orbits: one branch, or two that were followed in both directions from one seed. The first of two is traversed
+/// backwards.
 struct WholeCurve {
   std::vector<const Branch*> branches;
   std::vector<const BranchPoint*> points;
@@ -31,7 +32,7 @@ std::vector<WholeCurve> whole_curves(const std::vector<Branch>& branches) {
       const Branch& branch = branches[place];
       curve.branches.push_back(&branch);
       std::reverse(curve.points.begin(), curve.points.end());
-      if (!curve.points.empty()) curve.points.pop_back();  // the seed, which both have
+      if (!curve.points.empty()) curve.points.pop_back();  // the seed, which both branches contain
       for (const BranchPoint& point : branch.points) curve.points.push_back(&point);
     }
     list.push_back(std::move(curve));
@@ -39,7 +40,7 @@ std::vector<WholeCurve> whole_curves(const std::vector<Branch>& branches) {
   return list;
 }
 
-/// "1/1 2/1 1/2": the labels z = p/n along a curve, each where it changes.
+/// "1/1 2/1 1/2": the labels z = p/n along a curve, one at each change.
 std::string labels_along(const WholeCurve& curve) {
   std::string text, last;
   for (const BranchPoint* point : curve.points) {
@@ -51,7 +52,7 @@ std::string labels_along(const WholeCurve& curve) {
   return text;
 }
 
-/// "1" or, of a curve that was followed both ways, "1 and 2".
+/// "1" or, for a curve that was followed in both directions, "1 and 2".
 std::string of_each(const WholeCurve& curve, const auto& text) {
   std::string out;
   for (const Branch* branch : curve.branches) out += (out.empty() ? "" : " and ") + std::string(text(*branch));
@@ -82,13 +83,13 @@ Table curves_overview(const std::vector<Branch>& branches, const std::string& pa
   return table;
 }
 
-/// A special point in the table, and the branches that have it.
+/// A special point in the table, and the branches that contain it.
 struct ListedPoint {
   std::vector<PointOfBranch> points;
   const SpecialPoint& first() const { return *points.front().point; }
 };
 
-/// Each once, the largest value first.
+/// Each point once, the largest value first.
 std::vector<ListedPoint> listed_points(const std::vector<Branch>& branches) {
   const SamePoints same = same_points(branches);
   std::vector<ListedPoint> list;
@@ -109,7 +110,7 @@ std::vector<ListedPoint> listed_points(const std::vector<Branch>& branches) {
   return list;
 }
 
-/// "19 and 20": what the branches have to say, where it is not the same.
+/// "19 and 20": the texts of the branches, without repetition.
 std::string texts_of(const ListedPoint& listed, const auto& text_of) {
   std::vector<std::string> texts;
   for (const PointOfBranch& entry : listed.points)
@@ -151,7 +152,7 @@ const Columns<PeriodicOrbit>& seed_orbit_columns() {
   return list;
 }
 
-/// What an unfinished result has of a seed, too: with it the orbit is the same to the last bit when it is read back.
+/// Further columns of a seed in an unfinished result: with them the orbit is read back identical to the last bit.
 const Columns<SkeletonSeed>& kept_columns() {
   using O = PeriodicOrbit;
   static const Columns<O> of_orbit = {{"states", "at forcing phase 0, after each period", &O::states},
@@ -175,7 +176,7 @@ PeriodicOrbit kept_orbit(const Json& json, const Problem& at) {
     for (const Vector& state : *list)
       if (static_cast<std::size_t>(state.size()) != at.system.states) throw std::invalid_argument("a state of another size");
   if (orbit.states.empty() || orbit.nodes.empty()) throw std::invalid_argument("an orbit without states");
-  // Results of older versions have the state alone: the orbit is the same to rounding.
+  // Results of older versions contain only the state: the orbit is the same to rounding.
   if (!whole) return shoot(at.system, at.parameters, orbit.states.front(), orbit.period);
   orbit.parameters = at.parameters;
   orbit.state = orbit.states.front();
@@ -184,7 +185,7 @@ PeriodicOrbit kept_orbit(const Json& json, const Problem& at) {
   return orbit;
 }
 
-/// How fine the search was in a sentence.
+/// The fineness of the search in one sentence.
 std::string fineness_text(const Json& search, const std::string& parameter) {
   if (search.at("values") == 0) return "orbits are those that motions from the start settle on, and up and down from there\n";
   std::string text = fmt::format("orbits up to period {} were searched at {} values of {}, {} apart, as the ends of motions "
@@ -299,7 +300,8 @@ std::string skeleton_text(const Json& search, std::size_t seeds, const std::vect
                      aligned(special_points_overview(branches, parameter)) + cascades_text(cascades(branches), parameter);
   if (cut_off.empty()) return text;
   text += fmt::format("\nnot followed ({}):\n", cut_off.size());
-  // One line for all ways from seeds of a reason, which have no names, and for all that an interruption left over.
+  // One line per reason for all directions from seeds, which have no names, and one for everything that an interruption left
+  // over.
   std::map<std::string, std::size_t> seeds_left;
   std::size_t points_left = 0;
   for (const CutOff& cut : cut_off) {

@@ -26,7 +26,7 @@ SweepOptions sweep_options(const SweepRange& range, const SweepingOptions& optio
   out.samples = options.samples;
   out.attractor.transient = options.transient;
   out.attractor.max_period = options.max_period;
-  out.attractor.periods_on_orbit = 0;  // the multipliers say it all
+  out.attractor.periods_on_orbit = 0;  // the multipliers are sufficient
   out.attractor.lyapunov.max_periods = options.periods;
   out.attractor.lyapunov.min_periods = std::min(options.periods, 500);
   out.attractor.lyapunov.standard_error = standard_error_of(options);
@@ -65,7 +65,7 @@ Json sweeping_json(const SweepingOptions& options) {
 
 namespace {
 
-/// Rest, where no start is given, lies in front of the barrier at every value that a sweep begins with.
+/// The start of a sweep. If no start is given: rest in front of the barrier at the first value of every direction.
 Vector sweep_start(const Problem& problem, const StartOptions& start, const SweepRange& range) {
   Vector state = start_state(problem, start);
   if (start.start || problem.start) return state;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sweeping: what `graze sweep` and `graze diagram` share: the options that say how attractors are followed, and the run itself
-// with its progress and its ending.
+// Shared by `graze sweep` and `graze diagram`: the options that control how attractors are followed, and the run itself with
+// its progress and its ending.
 #pragma once
 
 #include <graze/apps/console/arguments.hpp>
@@ -24,13 +24,13 @@ struct SweepingOptions {
   FlowChoice flow;
 };
 
-/// --step (with `step_help`), --transient, --periods, --standard-error, --samples, --flow.
+/// Adds --step (with `step_help`), --transient, --periods, --standard-error, --samples, --flow.
 void add_sweeping_options(CLI::App& app, SweepingOptions& options, Need step, const std::string& step_help);
 
 /// @throws std::invalid_argument for a step or a standard error that is not > 0.
 void check_sweeping(const SweepingOptions& options);
 
-/// As they stand in a result; the step is given by then.
+/// The options as they are written in a result; the step must be set.
 Json sweeping_json(const SweepingOptions& options);
 
 struct SweepRange {
@@ -45,16 +45,18 @@ void check_sweep_start(const Problem& problem, const StartOptions& start, const 
 struct Swept {
   std::vector<SweepRow> rows;
   Status status = Status::failed;
-  std::string message;  ///< why not all values were reached
+  std::string message;  ///< why some values were not reached
 };
 
-/// What is told of the rows that are there after each stint (stints.hpp) of so many seconds; without them, of none.
+/// Checkpoints: `keep` receives the rows finished so far, every `stints` seconds (checkpoint_timer.hpp); nullopt: no
+/// checkpoints.
 struct KeepingRows {
   std::optional<double> stints;
   std::function<void(const Swept&)> keep;
 };
 
-/// The sweeps, with progress on the console; Ctrl-C ends them with what is there. `so_far`: rows that are there already.
+/// Runs the sweeps, with progress on the console. Ctrl-C ends them and keeps the finished rows. `so_far`: rows of an earlier
+/// run.
 Swept carry_out_sweeps(const Problem& problem, const StartOptions& start, const SweepRange& range, const SweepingOptions& options,
                        const Console& console, const std::vector<SweepRow>& so_far, const KeepingRows& keeping);
 

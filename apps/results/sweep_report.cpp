@@ -36,7 +36,7 @@ RowQuantities measure(const Quantities& quantities, const Problem& problem, cons
     const SweepRow& row = rows[k];
     if (row.states.empty()) return;
     const bool forced = is_forced(problem.system), closes = row.attractor.type == AttractorType::periodic;
-    if (!forced && !closes) return;  // its returns do not say how long it is
+    if (!forced && !closes) return;  // without the duration, which its returns do not give
     Vector p = problem.parameters;
     p[index] = row.value;
     MeasuredMotion motion{.states = row.states, .duration = row.attractor.duration, .closes = closes};
@@ -77,7 +77,7 @@ Table sweep_overview(const std::vector<SweepRow>& rows, const std::string& param
   const auto numbers = [](const Attractor& x) {
     return std::tie(x.type, x.termination, x.period, x.impacts, x.isolated_impacts, x.rests);
   };
-  const auto alike = [&numbers](const Attractor& a, const Attractor& b) {  // most of them by their numbers
+  const auto alike = [&numbers](const Attractor& a, const Attractor& b) {  // comparing numbers suffices for most rows
     return numbers(a) == numbers(b) || attractor_name(a) == attractor_name(b);
   };
   for (std::size_t i = 0; i < rows.size();) {

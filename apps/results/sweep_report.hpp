@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is said of a sweep: its rows as JSON (graze.sweep/1, and "rows" of graze.diagram/1) and back, as tables, and the windows
-// in which it is chaotic.
+// Report of a sweep: its rows as JSON (graze.sweep/1, and "rows" of graze.diagram/1) and back, as tables, and its chaotic
+// windows.
 #pragma once
 
 #include <graze/apps/problem/problem.hpp>
@@ -15,14 +15,14 @@
 
 namespace graze::apps {
 
-/// Quantities of each row; empty: none. Of an attractor that is not periodic they are those of the motion through the states
-/// kept.
+/// Quantities of each row; empty: none. For an attractor that is not periodic they belong to the motion through the stored
+/// states.
 using RowQuantities = std::vector<QuantityValues>;
 RowQuantities measure(const Quantities& quantities, const Problem& problem, const std::string& parameter,
                       const std::vector<SweepRow>& rows, int threads);
 
-/// Of a row it is read back what a sweep needs to go on from it, and to write it again: of orbits state, label and multipliers,
-/// of averages their length.
+/// Columns of a row. Read back is only what a sweep needs to continue from the row and to write it again: state, label and
+/// multipliers of orbits, and the length of averages.
 const Columns<SweepRow>& row_columns();
 
 template <>
@@ -35,22 +35,22 @@ Json rows_json(const std::vector<SweepRow>& rows, const RowQuantities& measured 
 /// The schema of rows, with their quantities.
 Json rows_schema();
 
-/// One line per stretch of rows with the same attractor.
+/// One line for each group of consecutive rows with the same attractor.
 Table sweep_overview(const std::vector<SweepRow>& rows, const std::string& parameter, const RowQuantities& measured = {});
 
-/// As CSV: one line per stroboscopic state; made on so many threads.
+/// The rows as CSV: one line per stroboscopic state; produced on `threads` threads.
 void samples_csv(const Problem& problem, const std::vector<SweepRow>& rows, const std::string& parameter, int threads,
                  const TextSink& sink, const RowQuantities& measured = {});
 
-/// Neighbouring values of one direction at which the attractor is chaotic, and the largest exponent there.
+/// A range of neighbouring values of one direction at which the attractor is chaotic, and the largest exponent there.
 struct ChaoticWindow {
   SweepDirection direction = SweepDirection::up;
-  double from = 0.0, to = 0.0;  ///< ascending, whichever the direction
+  double from = 0.0, to = 0.0;  ///< ascending, for either direction
   std::size_t values = 0;
   double largest_exponent = 0.0, standard_error = 0.0, at = 0.0;
 };
 
-/// In the order of the rows.
+/// The windows, in the order of the rows.
 std::vector<ChaoticWindow> chaotic_windows(const std::vector<SweepRow>& rows);
 
 const Columns<ChaoticWindow>& window_columns();

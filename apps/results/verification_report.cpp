@@ -29,7 +29,7 @@ const OrbitCheck* find(const Verification& verification, const std::string& name
   return nullptr;
 }
 
-/// Narrow enough for the head of a column.
+/// A name short enough for a column heading.
 std::string short_name(std::string name) {
   for (const auto& [longer, shorter] : {std::pair{"finite differences", "differences"},
                                         {"multipliers: ", "mu "},
@@ -57,7 +57,7 @@ std::string hard_text(const HardLimit& hard) {
   text += aligned(steps);
   if (hard.restitution.empty()) return text;
   Table speeds{{"entry speed", "restitution", "at the largest k_H", "extrapolated", "closed form"}, {}};
-  constexpr std::size_t shown = 4;  // every fourth tells a reader enough; JSON has all
+  constexpr std::size_t shown = 4;  // every fourth is enough for a reader; JSON has all
   for (std::size_t i = shown - 1; i < hard.restitution.size(); i += shown) {
     const RestitutionPoint& point = hard.restitution[i];
     speeds.rows.push_back({cell(point.speed, 6), cell(point.computed), cell(point.stiff), cell(point.extrapolated, 10),
@@ -81,7 +81,7 @@ std::vector<Largest> largest_of(const std::vector<Verification>& list) {
     for (std::size_t i = 0; i < list.size(); ++i) {
       const OrbitCheck* check = find(list[i], name);
       if (check == nullptr) continue;
-      // A disagreement that is not a number is worse than any.
+      // A disagreement that is NaN is worse than any number.
       const bool worse =
           !worst || (check->applicable() && (!worst->check.applicable() || !(check->ratio() <= worst->check.ratio())));
       if (worse && !(worst && std::isnan(worst->check.disagreement))) worst = Largest{*check, i};
