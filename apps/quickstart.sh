@@ -10,7 +10,7 @@ cd "$root"
 mkdir -p "$out"
 
 bash apps/install_packages.sh run
-# Without the tests, unless this build folder has them already.
+# Without the tests, unless this build folder already has them.
 grep -qs '^GRAZE_BUILD_TESTS:BOOL=ON' build/CMakeCache.txt || tests=-DGRAZE_BUILD_TESTS=OFF
 cmake --preset release ${tests:+"$tests"}
 cmake --build build --target graze --parallel "$(nproc)"

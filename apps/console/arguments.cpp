@@ -15,7 +15,7 @@ namespace graze::apps {
 
 namespace {
 
-/// "--near" of "-n,--near".
+/// "--near" from "-n,--near".
 std::string long_name(const std::string& names) { return names.substr(names.rfind(',') + 1); }
 
 [[noreturn]] void refuse(const std::string& names, const std::string& given, const std::string& wanted) {
@@ -33,7 +33,7 @@ double number(const std::string& names, const std::string& text) {
 int count(const std::string& names, const std::string& text, int least, int most) {
   const std::optional<double> value = parse_number(text);
   if (value && *value >= least && *value <= most && *value == std::floor(*value)) return static_cast<int>(*value);
-  // A limit that nobody will meet is named only to who has gone beyond it.
+  // A limit that is hardly ever reached is named only if it is exceeded.
   const bool limited = most < std::numeric_limits<int>::max() || (value && *value > most) || is_beyond_double(text);
   refuse(names, text, fmt::format("a whole number >= {}{}", least, limited ? fmt::format(" and <= {}", most) : ""));
 }
@@ -43,7 +43,7 @@ bool equal_but_case(const std::string& a, const std::string& b) {
                     [](unsigned char c, unsigned char d) { return std::tolower(c) == std::tolower(d); });
 }
 
-/// The common part: an option whose text is handed to `take`.
+/// The common part: an option whose text is passed to `take`.
 void add(CLI::App& app, const std::string& names, const std::string& placeholder, const std::string& help, Need need,
          const std::function<void(const std::string&)>& take) {
   CLI::Option* option = app.add_option_function<std::string>(names, take, help)->type_name(placeholder);
@@ -111,7 +111,7 @@ std::optional<StateText> parse_state(const std::string& text) {
     const std::string part = text.substr(begin, end - begin);
     const std::size_t equals = part.find('=');
     const bool named = equals != std::string::npos && equals > 0;
-    if (begin > 0 && named == state.names.empty()) return std::nullopt;  // all of them or none
+    if (begin > 0 && named == state.names.empty()) return std::nullopt;  // all names or none
     if (named) state.names.push_back(part.substr(0, equals));
     values += (begin > 0 ? "," : "") + (named ? part.substr(equals + 1) : part);
     begin = end + 1;
@@ -126,7 +126,7 @@ void add_choice(CLI::App& app, const std::string& names, std::string& target, co
                 const std::string& help, Need need) {
   add(app, names, fmt::format("{}", fmt::join(choices, "|")), help, need, [&target, names, choices](const std::string& text) {
     if (std::find(choices.begin(), choices.end(), text) == choices.end()) {
-      // "pd" is two letters off PD, and yet clear enough.
+      // "pd" differs from PD by two letters, but its meaning is clear.
       const auto same =
           std::find_if(choices.begin(), choices.end(), [&](const std::string& choice) { return equal_but_case(choice, text); });
       const std::string nearest = same != choices.end() ? *same : nearest_name(text, choices);

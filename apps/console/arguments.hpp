@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Options of a command, one function per kind of value; each knows how to say in one sentence what is wrong with a value. Numbers
-// are read by parse_number wherever they stand: 0.92, 36/35, 2*pi.
+// Options of a command, one function per kind of value. Each function reports an invalid value in one sentence. All numbers are
+// read by parse_number: 0.92, 36/35, 2*pi.
 //
-// `names` are CLI11's: "--near", "-o,--output", or "PROBLEM" for a positional one. The target must live until the program is
+// `names` are CLI11's: "--near", "-o,--output", or "PROBLEM" for a positional argument. The target must outlive the parsing of
+// the command line. Only arguments.cpp and program.cpp include CLI11 itself.
 // parsed. CLI11 itself is included by arguments.cpp and program.cpp only.
 #pragma once
 
@@ -42,7 +43,7 @@ void add_count(CLI::App& app, const std::string& names, std::optional<int>& targ
 void add_count(CLI::App& app, const std::string& names, int& target, int least, const std::string& help,
                int most = std::numeric_limits<int>::max());
 
-/// A state as it was given: numbers by position (no names), or by name.
+/// A state as given by the user: numbers by position (no names), or by name.
 struct StateText {
   std::vector<std::string> names;
   Vector values;
@@ -50,7 +51,7 @@ struct StateText {
 
 /// A state "0.5,-1.2" or "x=0.5,v=-1.2".
 void add_state(CLI::App& app, const std::string& names, std::optional<StateText>& target, const std::string& help);
-/// The same of a text. nullopt: it is neither.
+/// The same from a text. nullopt: neither form.
 std::optional<StateText> parse_state(const std::string& text);
 
 /// One of the given names.
@@ -60,7 +61,7 @@ void add_choice(CLI::App& app, const std::string& names, std::string& target, co
 /// Options added from now on are listed under this heading in the help.
 void begin_group(CLI::App& app, const std::string& heading);
 
-/// What a text must be to be read as a state.
+/// The form that a text must have to be read as a state.
 std::string state_form(const std::string& text);
 
 }  // namespace graze::apps

@@ -10,7 +10,7 @@ namespace {
 
 double usual_length = 30.0;
 
-/// How many times longer a stint is than what its end costs.
+/// Smallest ratio of a stint's length to the cost of its end.
 constexpr double worth = 20.0;
 
 }  // namespace
@@ -39,7 +39,7 @@ void CheckpointTimer::begin(std::size_t done) {
 void CheckpointTimer::news() {
   if (!length_ || over_) return;
   const double now = clock_();
-  // Until its first piece is done a stint has to find its way in again, and to do again what the one before it lost.
+  // Until its first piece is finished, a stint must restart the work and redo the pieces lost before.
   if (end_ == End::stops && first_again_) due_ = std::max(due_, begun_ + worth * (now - begun_));
   first_again_ = false;
   if (now < due_) return;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// CheckpointTimer: work that takes long is looked at now and then, so that its results so far can be written while it goes on:
-// kill -9 and a power cut cost only what came after the last look. Work that can be looked at only when it has stopped is stopped
-// at the end of each stint, as Ctrl-C would stop it, and then continued. A stint is long against the time that this takes.
+// CheckpointTimer: long computations are checkpointed periodically, so that kill -9 or a power cut costs only the work since
+// the last checkpoint. The time between two checkpoints is a stint. Work that can be read only when it has stopped is stopped
+// at the end of each stint, as Ctrl-C would stop it, and then continued. A stint is long compared with the cost of a stop.
 #pragma once
 
 #include <atomic>
@@ -10,29 +10,30 @@
 
 namespace graze::apps {
 
-/// Seconds.
+/// The time in seconds.
 using Clock = std::function<double()>;
 double steady_seconds();
 
-/// What a stint lasts at least, in seconds; it can be set for tests.
+/// Shortest length of a stint in seconds; tests can set it.
 double stint_length();
 void set_stint_length(double seconds);
 
 class CheckpointTimer {
  public:
-  /// What happens to the work at the end of a stint. If it stops, what was in work is lost.
+  /// What happens to the work at the end of a stint. If it stops, unfinished pieces are lost.
   enum class End { stops, goes_on };
 
-  /// Without a length there is one stint that does not end.
+  /// nullopt: a single stint without end.
   CheckpointTimer(std::optional<double> length, End end, Clock clock = steady_seconds);
 
-  /// A stint begins, with so many pieces of work done. (If none has been added by the last one, it was too short for that.)
+  /// Begins a stint, with `done` pieces of work finished. If the previous stint added none, it was too short, and the next one
+  /// is longer.
   void begin(std::size_t done);
 
-  /// A piece more is done. By one thread at a time.
+  /// Reports one more finished piece. Must be called by one thread at a time.
   void news();
 
-  /// Whether it is time. Any thread may ask.
+  /// Whether the stint is over. Any thread may ask.
   bool over() const { return over_; }
 
  private:
@@ -41,7 +42,7 @@ class CheckpointTimer {
   Clock clock_;
   double begun_ = 0.0, ended_ = 0.0, due_ = 0.0;
   std::optional<std::size_t> done_;
-  bool first_again_ = false;  ///< its first piece is still to come, after a stint before it
+  bool first_again_ = false;  ///< the first piece after an earlier stint is not finished yet
   std::atomic<bool> over_ = false;
 };
 

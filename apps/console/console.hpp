@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What every command is given beside its own options: --quiet and --threads, and where notes go.
+// Context of every command beside its own options: --quiet and --threads, and the streams for results and notes.
 #pragma once
 
 #include <oneapi/tbb/info.h>
@@ -15,9 +15,9 @@ struct Console {
   std::ostream& out;   ///< results
   std::ostream& err;   ///< progress, notes, errors
   bool quiet = false;  ///< no progress and no notes
-  int threads = 0;     ///< 0: as many as there are processors
+  int threads = 0;     ///< 0: all available processors
 
-  /// Threads to use: those asked for, or as many as there are processors that this process may run on.
+  /// Number of threads: the requested number, or the number of processors available to this process.
   int thread_count() const { return threads > 0 ? threads : std::max(1, oneapi::tbb::info::default_concurrency()); }
 
   /// A line on stderr, unless --quiet.
@@ -26,7 +26,7 @@ struct Console {
   }
 };
 
-/// "stdout: cannot be written: No space left on device"; `error`: errno as the writing left it.
+/// "stdout: cannot be written: No space left on device"; `error`: errno after the failed write.
 inline std::string cannot_write_stdout(int error) {
   return std::string("stdout: cannot be written") + (error ? std::string(": ") + std::strerror(error) : "");
 }

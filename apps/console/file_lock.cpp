@@ -18,12 +18,12 @@ FileLock::FileLock(const std::string& file, const std::string& busy) : file_(fil
   for (;;) {
     descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     if (descriptor_ < 0) throw std::invalid_argument(fmt::format("{}: cannot be written: {}", file_, std::strerror(errno)));
-    // A file system without locks refuses with another errno, and is trusted.
+    // A file system without locks fails with another errno; the program then runs without a lock.
     if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
       ::close(descriptor_);
       throw std::invalid_argument(busy);
     }
-    // A program that has just ended removes the file: then nobody else meets the file that is locked here.
+    // A program that has just ended removes its file; a lock on that removed file would exclude nobody.
     if (is_there()) return;
     ::close(descriptor_);
   }
@@ -31,7 +31,7 @@ FileLock::FileLock(const std::string& file, const std::string& busy) : file_(fil
 
 FileLock::~FileLock() {
   if (is_there()) ::unlink(file_.c_str());
-  ::close(descriptor_);  // which unlocks it
+  ::close(descriptor_);  // closing unlocks it
 }
 
 bool FileLock::is_there() const {

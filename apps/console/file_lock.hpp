@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// FileLock: one program at a time works where this file is. The lock is the kernel's (flock): it ends with the program, however
-// that ends, and the file that kill -9 leaves behind locks nobody out.
+// FileLock: only one program at a time works at the place of this file. The lock is the kernel's (flock): it ends with the
+// program in every case, and a file left behind by kill -9 locks nobody out.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@ namespace graze::apps {
 
 class FileLock {
  public:
-  /// Makes the file and locks it. @throws std::invalid_argument with `busy` if another program has locked it, or with the reason
-  /// why it cannot be made.
+  /// Creates the file and locks it. @throws std::invalid_argument with `busy` if another program has locked it, or with the
+  /// reason if it cannot be created.
   FileLock(const std::string& file, const std::string& busy);
   /// Removes the file.
   ~FileLock();

@@ -19,15 +19,15 @@ static_assert(std::atomic<int>::is_always_lock_free, "a signal handler may touch
 constexpr double unlimited = std::numeric_limits<double>::infinity();
 std::atomic<double> budget{unlimited}, deadline{unlimited};  // in seconds
 
-/// The clock is asked for only if there is a deadline.
+/// Reads the clock only if there is a deadline.
 bool is_late() {
   const double until = deadline.load(std::memory_order_relaxed);
   return until < unlimited && steady_seconds() >= until;
 }
 
 extern "C" void on_signal(int signal) {
-  // Twice is not yet impatience: timeout(1) sends a signal to the program and then to its process group. Of a terminal that
-  // closes the shell tells its jobs, and the kernel tells them again: nobody is impatient there, however often it comes.
+  // Two signals are not yet impatience: timeout(1) sends one to the program and then one to its process group. SIGHUP never
+  // ends the program at once: when a terminal closes, the shell signals its jobs and the kernel signals them again.
   if (signals.fetch_add(1) >= 2 && signal != SIGHUP) {
     std::signal(signal, SIG_DFL);
     std::raise(signal);
@@ -39,11 +39,11 @@ extern "C" void on_signal(int signal) {
 void watch_interrupts() {
   struct sigaction action = {};
   action.sa_handler = on_signal;
-  action.sa_flags = SA_RESTART;  // a result that is being written is written to its end
+  action.sa_flags = SA_RESTART;  // a result that is being written is completed
   sigemptyset(&action.sa_mask);
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
-  // Under nohup it is ignored from the start, and the program is to go on.
+  // Under nohup SIGHUP is ignored from the start, and the program must continue.
   struct sigaction before = {};
   sigaction(SIGHUP, nullptr, &before);
   if (before.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);

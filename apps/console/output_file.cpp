@@ -23,14 +23,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// An errno in words; 0 where all went well.
+/// An error code; 0: success.
 using Errno = int;
 
 std::string cannot_write(const std::string& file, Errno error) {
   return fmt::format("{}: cannot be written: {}", file, std::strerror(error));
 }
 
-/// Of a call that returns 0 or sets errno.
+/// The error of a call that returns 0 or sets errno.
 Errno errno_after(int returned) { return returned == 0 ? 0 : errno; }
 
 Errno write_all(int descriptor, std::string_view content) {
@@ -43,13 +43,13 @@ Errno write_all(int descriptor, std::string_view content) {
   return 0;
 }
 
-/// The file that a name stands for: links are followed, so that a link stays one; also one whose file is not there yet.
+/// The file to which a name refers. Links are followed, so that a link stays a link, even if its target does not exist yet.
 fs::path resolved(const std::string& file) {
   constexpr int most_links = 40;
   std::error_code error;
   fs::path target = fs::canonical(file, error);
   if (!error) return target;
-  if (is_special(file)) return file;  // a pipe that /dev/stdout stands for has no name
+  if (is_special(file)) return file;  // a pipe behind /dev/stdout has no name
   fs::path path = file;
   for (int i = 0; i < most_links && fs::is_symlink(path, error); ++i) path = path.parent_path() / fs::read_symlink(path, error);
   return fs::is_symlink(path, error) ? fs::path(file) : path;
@@ -57,15 +57,15 @@ fs::path resolved(const std::string& file) {
 
 fs::path folder_above(const fs::path& path) { return path.parent_path().empty() ? fs::path(".") : path.parent_path(); }
 
-/// Of temporary files; mkstemp chooses the letters.
+/// Ending of temporary files; mkstemp chooses the letters.
 constexpr std::string_view temporary_ending = ".XXXXXX";
 
-/// A temporary file beside `path`; -1 with errno if it cannot be made.
+/// Opens a temporary file beside `path`; -1 with errno if it cannot be created.
 int open_temporary(const fs::path& path, std::string& name) {
   name = (path.parent_path() / fmt::format(".{}{}", path.filename().string(), temporary_ending)).string();
   const int descriptor = ::mkstemp(name.data());
   if (descriptor < 0) return -1;
-  // mkstemp makes files private; a result has the rights of the file it replaces, or those of any new file.
+  // mkstemp creates private files; a result gets the permissions of the file it replaces, or those of any new file.
   struct stat existing = {};
   mode_t rights = 0;
   if (::stat(path.c_str(), &existing) == 0) {
@@ -79,7 +79,7 @@ int open_temporary(const fs::path& path, std::string& name) {
   return descriptor;
 }
 
-/// Makes one and removes it. 0, or errno if it cannot be made.
+/// Creates a temporary file and removes it. 0, or errno if it cannot be created.
 int try_temporary(const fs::path& path) {
   std::string name;
   const int descriptor = open_temporary(path, name);
@@ -97,7 +97,7 @@ void check(Errno error) {
   if (error) throw CannotWrite{error};
 }
 
-/// A file while it is being written.
+/// A file that is being written.
 class WholeFile {
  public:
   explicit WholeFile(const std::string& file) : path_(resolved(file)), special_(is_special(path_)) {}
@@ -109,7 +109,7 @@ class WholeFile {
     if (!temporary_.empty()) ::unlink(temporary_.c_str());
   }
 
-  /// Opens it at the first piece. @throws CannotWrite, like finish().
+  /// Opens the file at the first piece. @throws CannotWrite, like finish().
   void write(std::string_view piece) {
     open();
     check(write_all(descriptor_, piece));
@@ -117,7 +117,7 @@ class WholeFile {
     if (written_ - sent_ >= worth_sending && !special_) send();
   }
 
-  /// It takes the place of what was there.
+  /// Puts the file in the place of the previous one.
   void finish() {
     open();
     arrive();
@@ -134,16 +134,16 @@ class WholeFile {
     descriptor_ = special_ ? ::open(path_.c_str(), O_WRONLY | O_CLOEXEC) : open_temporary(path_, temporary_);
     if (descriptor_ >= 0) return;
     const Errno error = errno;
-    temporary_.clear();  // there is none
+    temporary_.clear();  // no temporary file exists
     throw CannotWrite{error};
   }
 
-  /// Lets the disc begin with what is there, while the rest is made: finish() has less to wait for. (sync_file_range would leave
-  /// it in the memory of the disc, from where it has yet to go.)
+  /// Starts writing to the disc while the rest is produced, so that finish() waits less. (sync_file_range would leave the data
+  /// in the disc's own cache.)
   void send() {
     if (on_its_way_.valid() && on_its_way_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
     arrive();
-    // On a thread of its own, which sleeps until the disc is done; where none can be made, it is left to finish().
+    // On a separate thread, which sleeps until the disc is done; if none can be created, finish() does the work.
     on_its_way_ = std::async(std::launch::async | std::launch::deferred,
                              [descriptor = descriptor_] { return errno_after(::fdatasync(descriptor)); });
     sent_ = written_;
@@ -250,7 +250,7 @@ std::string folder_of(const std::string& file) { return folder_above(resolved(fi
 std::optional<std::string> sync_folder(const std::string& folder) {
   const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (descriptor < 0) return cannot_write(folder, errno);
-  // A file system that cannot do it says EINVAL, and has its own ways.
+  // A file system without this function returns EINVAL, and has its own means.
   Errno error = ::fsync(descriptor) != 0 && errno != EINVAL ? errno : 0;
   ::close(descriptor);
   return error ? std::optional(cannot_write(folder, error)) : std::nullopt;

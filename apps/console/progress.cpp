@@ -14,7 +14,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds bar_interval(100);  // as fast as the eye
-constexpr std::chrono::seconds line_interval(5);        // a log file should stay short
+constexpr std::chrono::seconds line_interval(5);        // keeps a log file short
 
 }  // namespace
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Progress on stderr: a bar that is drawn over itself when stderr is a terminal, a plain line now and then when it is not,
-// nothing with --quiet. Update it as often as you like; it looks at the clock.
+// Progress on stderr: a bar redrawn in place if stderr is a terminal, otherwise a plain line at long intervals, and nothing
+// with --quiet. It can be updated at any rate: it limits its own output by the clock.
 #pragma once
 
 #include <chrono>
@@ -13,11 +13,11 @@ namespace graze::apps {
 class Progress {
  public:
   Progress(std::ostream& err, bool quiet, std::string what);
-  ~Progress();  ///< wipes the bar
+  ~Progress();  ///< erases the bar
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// `fraction` in [0, 1], or negative where the end is not known; `detail` is called only when something is printed.
+  /// `fraction` in [0, 1], or negative if the end is unknown; `detail` is called only if something is printed.
   void update(double fraction, const std::function<std::string()>& detail);
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Pictures on their way into files: several are drawn at a time, since each of them keeps one core busy.
+// Drawing pictures into files: several at a time, since each keeps one core busy.
 #pragma once
 
 #include <graze/apps/console/console.hpp>
@@ -14,12 +14,12 @@ namespace graze::apps {
 
 struct Drawing {
   std::string file;
-  std::function<Picture()> picture;  ///< those of several are asked for at the same time
+  std::function<Picture()> picture;  ///< called concurrently for several drawings
 };
 
-/// Draws and writes them, as many at a time as there are threads; without gnuplot none of them, which is said on console.err.
-/// What cannot be drawn or written costs no other, and is told to `complain` in the end, in one sentence. `drawn(k)` is told of
-/// each that is done with, one at a time. False: who runs the program has interrupted the drawing; what was not begun by then is
+/// Draws and writes the pictures, one per thread at a time. Without gnuplot it draws none and says so on console.err. A picture
+/// that cannot be drawn or written does not affect the others; at the end `complain` receives one sentence for it. `drawn(k)`
+/// is called after each picture, one call at a time. False: the user interrupted the drawing; pictures not begun by then are
 /// left out.
 bool draw_into_files(const std::vector<Drawing>& drawings, const Console& console,
                      const std::function<void(const std::string& sentence)>& complain,

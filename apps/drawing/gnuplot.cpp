@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Running gnuplot as a child. Script, picture and complaints go through temporary files, so that neither side can wait for the
-// other.
+// Runs gnuplot as a child process. Script, picture and error messages pass through temporary files, so that neither process can
+// wait for the other.
 #include <graze/apps/console/interrupt.hpp>
 #include <graze/apps/drawing/picture.hpp>
 
@@ -53,20 +53,20 @@ bool on_path(const char* program) {
   }
 }
 
-constexpr int not_started = 127;  // the exit code of a child that could not become gnuplot
+constexpr int not_started = 127;  // exit code of a child that could not execute gnuplot
 
-/// Starts gnuplot with these as its standard files. It dies with this program, however that ends.
+/// Starts gnuplot with these files as its standard streams. It dies with this program in every case.
 pid_t start_gnuplot(int input, int output, int complaints) {
   const pid_t parent = ::getpid();
   const pid_t child = ::fork();
   if (child < 0) throw std::runtime_error(fmt::format("gnuplot cannot be started: {}", std::strerror(errno)));
   if (child > 0) return child;
-  // Between fork and exec only what is safe in a signal handler, for there may be threads.
-  ::setpgid(0, 0);  // Ctrl-C must not take the picture of what was computed
+  // Between fork and exec only async-signal-safe calls: there may be threads.
+  ::setpgid(0, 0);  // Ctrl-C must not destroy the picture of finished results
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() == parent && ::dup2(input, STDIN_FILENO) >= 0 && ::dup2(output, STDOUT_FILENO) >= 0 &&
       ::dup2(complaints, STDERR_FILENO) >= 0)
-    ::execlp("gnuplot", "gnuplot", "/dev/stdin", static_cast<char*>(nullptr));  // as a file: stdin it reads byte by byte
+    ::execlp("gnuplot", "gnuplot", "/dev/stdin", static_cast<char*>(nullptr));  // as a file: gnuplot reads stdin byte by byte
   const char* reason = errno == ENOENT ? "it is not installed" : "the system refuses";
   static_cast<void>(!::write(complaints, reason, std::strlen(reason)));
   ::_exit(not_started);
@@ -95,7 +95,7 @@ std::string draw(const Picture& picture, const std::string& format) {
   int state = 0;
   for (long nap = 1; ::waitpid(child, &state, WNOHANG) == 0; nap = std::min(2 * nap, 20L)) {
     std::this_thread::sleep_for(std::chrono::milliseconds(nap));
-    // The signal that ended the computation does not cost the picture of what there is; one that comes now is meant for it.
+    // The signal that ended the computation still allows the picture of its results; a later one is meant for the drawing.
     if (interruptions() == before) continue;
     ::kill(child, SIGKILL);
     ::waitpid(child, &state, 0);

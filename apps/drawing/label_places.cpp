@@ -19,7 +19,7 @@ Box box_of(const Label& label, const LabelPlace& place, double x, double y) {
   return {place.leftwards ? near - width : near, place.leftwards ? near : near + width, middle - 0.5, middle + 0.5};
 }
 
-/// The squares of a fine grid that lines go through or marks stand on.
+/// The squares of a fine grid that lines cross or marks cover.
 class DrawnSquares {
  public:
   DrawnSquares(const std::vector<Label>& labels, const std::vector<Curve>& curves, const std::array<double, 2>& x,
@@ -57,7 +57,7 @@ class DrawnSquares {
   }
 
  private:
-  static constexpr int fine = 4;  // squares to a character
+  static constexpr int fine = 4;  // squares per character
 
   void add(double from_x, double from_y, double to_x, double to_y) {
     const double length = std::max(std::abs(to_x - from_x), std::abs(to_y - from_y));
@@ -88,12 +88,12 @@ std::vector<LabelPlace> label_places(const std::vector<Label>& labels, const std
   std::vector<LabelPlace> places;
   std::vector<Box> taken;
   const bool crowd = is_crowd(labels);
-  const int steps = crowd ? 5 : 10;  // long lines to many marks are a thicket
+  const int steps = crowd ? 5 : 10;  // long lines to many marks would become a tangle
   for (const Label& label : labels) {
     const double column = columns * (label.x - x[0]) / (x[1] - x[0]), row = rows * (label.y - y[0]) / (y[1] - y[0]);
     LabelPlace chosen;
     double least = label.placed ? 0.0 : HUGE_VAL;
-    // Above and below, to the right and to the left, and then ever farther away.
+    // Above and below, to the right and to the left, then farther and farther away.
     for (int step = 0; step < steps && least > 0.0 && !label.text.empty(); ++step)
       for (const bool below : {false, true})
         for (const bool leftwards : {false, true}) {

@@ -10,10 +10,10 @@ namespace graze::apps {
 
 namespace {
 
-/// A size of the legend's letters: up to how many rows it is taken, and how many characters an entry may have for three columns,
-/// or for two, to find room below axes of the usual width. Measured with gnuplot 5.4 (whose estimate of a text's width decides),
-/// with two characters in reserve for wide tics. With longer entries gnuplot makes fewer columns than it is told, and more rows
-/// than there is room for.
+/// A font size of the legend: the largest number of rows for which it is used, and the longest entry in characters with which
+/// three columns, or two, find room below axes of the usual width. Measured with gnuplot 5.4 (whose estimate of a text's width
+/// decides), with two characters in reserve for wide tics. With longer entries gnuplot makes fewer columns than requested, and
+/// more rows than there is room for.
 struct Letters {
   int font;
   std::size_t most_rows, in_three_columns, in_two_columns;

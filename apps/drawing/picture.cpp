@@ -18,7 +18,7 @@ namespace graze::apps {
 
 namespace {
 
-/// In single quotes, inside which gnuplot substitutes nothing; a line break is put in between.
+/// In single quotes, inside which gnuplot substitutes nothing; line breaks are inserted between quoted parts.
 std::string quoted(const std::string& text) {
   std::string out = "'";
   for (const char c : text) out += c == '\'' ? "''" : c == '\n' ? "'.\"\\n\".'" : std::string(1, c);
@@ -29,13 +29,13 @@ std::string range(const std::optional<std::array<double, 2>>& limits) {
   return limits ? fmt::format("[{}:{}]", exact((*limits)[0]), exact((*limits)[1])) : "[*:*]";
 }
 
-/// A sheet, in picture elements (of hundredths of an inch).
+/// A sheet in pixels (1/100 inch).
 struct Sheet {
   int width = 1000, height = 700;
 };
 
 std::string terminal(const std::string& format, const Sheet& sheet) {
-  // Text as it stands ("noenhanced": k_H is not k with an index), in sizes that can be read at a width of 800.
+  // Literal text ("noenhanced": k_H does not become k with a subscript), in sizes readable at a width of 800.
   const std::string size = fmt::format("{},{}", sheet.width, sheet.height);
   if (format == "svg") return "set terminal svg noenhanced size " + size + " font 'Sans,15' background 'white'";
   if (format == "pdf")
@@ -68,7 +68,7 @@ std::string data_block(const std::string& name, const std::vector<std::array<dou
   return out + "END\n";
 }
 
-/// The legend has rows of its own below the axis label, which gnuplot's own placement writes over.
+/// The legend has rows of its own below the axis label; gnuplot's own placement would overwrite the label.
 std::string legend(const Picture& picture, double x, double y) {
   const Legend legend = legend_of(picture);
   return fmt::format("set key at screen {}, screen {} bottom center horizontal maxcols {} samplen 3 font ',{}'\n", x, y,
@@ -90,14 +90,15 @@ std::array<double, 2> extent(const Picture& picture, std::size_t coordinate, con
       if (std::isfinite(point[coordinate]))
         range = {std::min(range[0], point[coordinate]), std::max(range[1], point[coordinate])};
   if (range[0] > range[1]) return {-1.0, 1.0};
-  // Differences this small against the value itself are rounding, which is no picture of anything.
+  // Differences this small relative to the value are rounding noise, which is not worth a picture.
   const double size = std::max(std::abs(range[0]), std::abs(range[1])), least = 1e-6 * size;
   if (range[1] - range[0] > least) return range;
   const double half = size > 0.0 ? 0.01 * size : 1.0;
   return {range[0] - half, range[1] + half};
 }
 
-/// A range to draw in: as given, or with a margin where gnuplot's own would be that of noise, or an image needs to know it.
+/// The range to draw: as given, or with a margin if gnuplot's own range would show only noise, or if an image requires a known
+/// range.
 std::optional<std::array<double, 2>> drawn_range(const Picture& picture, std::size_t coordinate, bool known,
                                                  const std::optional<std::array<double, 2>>& given) {
   if (given) return given;
@@ -117,7 +118,7 @@ std::optional<std::array<double, 2>> drawn_range(const Picture& picture, std::si
   return std::array<double, 2>{all[0] - margin, all[1] + margin};
 }
 
-/// Lines of a width that fits above the picture, broken where a list goes on.
+/// The text in lines of a width that fits above the picture, broken after commas.
 std::string wrapped(const std::string& text) {
   if (const std::size_t end = text.find('\n'); end != std::string::npos)
     return wrapped(text.substr(0, end)) + "\n" + wrapped(text.substr(end + 1));
@@ -135,7 +136,7 @@ std::string wrapped(const std::string& text) {
   return out + rest;
 }
 
-/// For gnuplot's plot command; its data follow that.
+/// An entry of gnuplot's plot command; the image data follow the command.
 std::string image_plot(const Image& image) {
   return fmt::format("'-' binary array=({},{}) dx={} dy={} origin=({},{}) format='%uchar%uchar%uchar%uchar' using 1:2:3:4 "
                      "with rgbalpha notitle",
@@ -158,7 +159,7 @@ std::vector<std::array<double, 3>> unit_circle() {
   return circle;
 }
 
-/// Marks, their words where there is room for them, and lines that lead from far words to their marks.
+/// Marks, their words if there is room, and lines that lead from distant words to their marks.
 std::string labels(const Picture& picture) {
   std::string s;
   if (picture.labels.empty()) return s;
@@ -185,7 +186,7 @@ std::string labels(const Picture& picture) {
   return s;
 }
 
-/// Barriers: a line each, and a shade over what lies beyond. Their words stand in the legend, where they cover nothing.
+/// Barriers: a line each, and a shade over the region beyond. Their words stand in the legend, where they cover nothing.
 std::string barriers(const Picture& picture) {
   std::string s;
   int object = 1;
@@ -209,7 +210,7 @@ std::string palette(const Picture& picture) {
   return s;
 }
 
-/// The legend's last entries: barriers, and how many curves are not in it.
+/// The legend's last entries: barriers, and the number of curves without an entry.
 std::vector<std::string> last_entries(const Picture& picture) {
   std::vector<std::string> list;
   for (const Barrier& barrier : picture.barriers)
@@ -219,12 +220,12 @@ std::vector<std::string> last_entries(const Picture& picture) {
   return list;
 }
 
-/// What gnuplot is told of one pair of axes: the data, the settings, and at last the plot.
+/// The gnuplot commands of one pair of axes: data, settings, and finally the plot.
 struct Drawn {
   std::string data, settings, plot;
 };
 
-/// `prefix`: of the names of its data; `columns`, `rows`: elements of an image.
+/// `prefix`: of the names of its data; `columns`, `rows`: pixels of an image.
 Drawn axes(const Picture& picture, const std::string& prefix, int columns, int rows) {
   Drawn out;
   std::string& s = out.settings;
@@ -256,13 +257,13 @@ Drawn axes(const Picture& picture, const std::string& prefix, int columns, int r
     out.plot = fmt::format("${}circle using 1:2 with lines lc rgb '#888888' lw 1.2 title 'unit circle'", prefix);
   }
   const auto add = [&plot = out.plot](const std::string& text) { plot += (plot.empty() ? "" : ", \\\n     ") + text; };
-  std::string images;  // their bytes, which stand right after the plot
+  std::string images;  // the bytes of the images, which follow the plot command
   const auto add_image = [&](const Image& one) {
     add(image_plot(one));
     images += one.rgba;
   };
   if (picture.cells) add_image(image_of(*picture.cells));
-  if (!picture.palette.empty()) add("NaN with points palette notitle");  // or there is no bar of colours
+  if (!picture.palette.empty()) add("NaN with points palette notitle");  // without this there is no colour bar
   const std::array<double, 2> x = extent(picture, 0, x_range), y = extent(picture, 1, y_range);
   if (image) {
     Raster raster(x, y, columns, rows);
@@ -275,7 +276,7 @@ Drawn axes(const Picture& picture, const std::string& prefix, int columns, int r
     const Curve& curve = picture.curves[i];
     const bool titled = !curve.title.empty() && titles > 0;
     if (image && goes_with_dense(curve)) {
-      // What stands for it in the legend; a point outside the picture is no point.
+      // The legend entry for an image; a point outside the picture is not drawn.
       if (titled) add(fmt::format("NaN {} title {}", style(curve), quoted(curve.title)));
       titles -= titled ? 1 : 0;
       continue;
@@ -302,7 +303,7 @@ std::string single(const Picture& picture, const std::string& format) {
          fmt::format("set bmargin {}\n", lines_below(picture, true)) + drawn.data + drawn.plot;
 }
 
-/// Axes that are not seen, over the whole sheet, for the legend of all others: gnuplot makes none wider than its axes.
+/// Invisible axes over the whole sheet, for the legend of all others: gnuplot makes no legend wider than its axes.
 std::string common_legend(const Picture& picture, double y) {
   std::vector<std::string> entries;
   const std::size_t most = legend_of(picture).titles;
@@ -317,14 +318,14 @@ std::string common_legend(const Picture& picture, double y) {
          "\n";
 }
 
-/// Several on one: below each other with a common x axis, or side by side.
+/// Several pairs of axes on one sheet: below each other with a common x axis, or side by side.
 std::string several(const std::vector<Picture>& pictures, bool below, const std::string& format) {
   const auto count = static_cast<int>(pictures.size());
   double heights = 0.0, above = 0.0;
   for (const Picture& picture : pictures) heights += picture.height;
   const Sheet sheet = below ? Sheet{1000, 160 + static_cast<int>(430.0 * heights)} : Sheet{750 * count, 700};
-  constexpr double line = 21.0;  // picture elements
-  // Side by side all are alike, whatever their titles say.
+  constexpr double line = 21.0;  // pixels
+  // Axes side by side have equal size, independent of their titles.
   double most_title_lines = 0.0;
   for (const Picture& picture : pictures) most_title_lines = std::max(most_title_lines, title_lines_of(picture));
   const bool shared = !below && pictures.front().common_legend;
@@ -332,7 +333,7 @@ std::string several(const std::vector<Picture>& pictures, bool below, const std:
   for (int i = 0; i < count; ++i) {
     const Picture& picture = pictures[static_cast<std::size_t>(i)];
     const bool names_x = !below || i + 1 == count;
-    // Place of the panel with all that stands around its axes.
+    // Place of the panel including everything around its axes.
     const double width = below ? sheet.width : sheet.width / static_cast<double>(count);
     const double height = below ? sheet.height * picture.height / heights : sheet.height;
     above += height;

@@ -9,7 +9,7 @@ namespace graze::apps {
 namespace {
 
 constexpr int usual_columns = 800, usual_rows = 500;
-constexpr std::size_t many_points = 12000;  // gnuplot needs a second for these, and ever longer for lines that cross
+constexpr std::size_t many_points = 12000;  // gnuplot needs a second for these, and ever longer for crossing lines
 constexpr std::size_t few_points = 5000;
 
 double place(double value, const std::array<double, 2>& range, int count) {
@@ -23,7 +23,7 @@ bool is_line(const Curve& curve) {
 using Rgba = std::array<char, 4>;
 constexpr Rgba nothing = {};
 
-/// Of "#rrggbb"; of another name black.
+/// The colour of "#rrggbb"; black for any other name.
 Rgba rgba(const std::string& name) {
   const unsigned long rgb = name.size() == 7 && name[0] == '#' ? std::stoul(name.substr(1), nullptr, 16) : 0;
   return {static_cast<char>(rgb >> 16 & 255), static_cast<char>(rgb >> 8 & 255), static_cast<char>(rgb & 255), '\xff'};
@@ -40,7 +40,7 @@ bool goes_with_dense(const Curve& curve) {
 
 std::vector<std::array<double, 3>> thinned(const Curve& curve, const std::array<double, 2>& x, const std::array<double, 2>& y) {
   if (curve.points.size() < few_points || !is_line(curve)) return curve.points;
-  constexpr int fine = 4;  // parts of an element
+  constexpr int fine = 4;  // parts of a pixel
   std::vector<std::array<double, 3>> kept;
   for (std::size_t i = 0; i < curve.points.size(); ++i) {
     const auto& point = curve.points[i];
@@ -91,7 +91,7 @@ void Raster::line(double column, double row, double to_column, double to_row, in
   clip(column, dc, columns_);
   clip(row, dr, rows_);
   if (!(from <= to)) return;
-  const int steps = 1 + static_cast<int>(2.0 * (to - from) * std::max(std::abs(dc), std::abs(dr)));  // half an element each
+  const int steps = 1 + static_cast<int>(2.0 * (to - from) * std::max(std::abs(dc), std::abs(dr)));  // half a pixel each
   for (int i = 0; i <= steps; ++i) {
     const double s = from + (to - from) * i / steps;
     mark(column + s * dc, row + s * dr, width);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Images: coloured cells, and curves of so many points that gnuplot would draw for minutes, turned into the picture elements that
-// they touch: these cost the same however many there are. Nothing that could be seen is lost.
+// Images: coloured cells, and curves with so many points that gnuplot would draw for minutes, converted to the pixels that they
+// touch. The cost of an image does not depend on the number of points. No visible detail is lost.
 #pragma once
 
 #include <graze/apps/drawing/picture.hpp>
@@ -14,31 +14,31 @@ namespace graze::apps {
 /// Whether a curve is better drawn as an image.
 bool is_dense(const Curve& curve);
 
-/// Whether it is drawn in the same image as a dense one: clouds of dots keep their order, which of them lies on top.
+/// Whether a curve is drawn in the same image as a dense one, so that clouds of dots keep their drawing order.
 bool goes_with_dense(const Curve& curve);
 
-/// The points of a line without those that cannot be told from the one before; short curves stay as they are.
+/// The points of a line without those indistinguishable from the previous one; short curves stay unchanged.
 std::vector<std::array<double, 3>> thinned(const Curve& curve, const std::array<double, 2>& x, const std::array<double, 2>& y);
 
-/// Picture elements of equal size, as gnuplot reads them.
+/// Pixels of equal size, as gnuplot reads them.
 struct Image {
   int columns = 0, rows = 0;
-  std::array<double, 2> first{}, step{};  ///< x and y of the middle of the first, and of the way to the next column and row
-  std::string rgba;                       ///< four bytes each, row by row
+  std::array<double, 2> first{}, step{};  ///< x and y of the centre of the first pixel, and the spacing of columns and rows
+  std::string rgba;                       ///< four bytes per pixel, row by row
 };
 
-/// Each cell as so many elements that its edges stay sharp however the image is enlarged.
+/// Each cell as a block of several pixels, so that its edges stay sharp when the image is enlarged.
 Image image_of(const Cells& cells);
 
-/// Picture elements touched by curves; those painted later lie on top.
+/// The pixels touched by curves; later curves lie on top.
 class Raster {
  public:
-  /// `x`, `y`: the ranges of the axes; `columns`, `rows`: elements, no more than the axes have: gnuplot loses what it has no room
-  /// for.
+  /// `x`, `y`: the ranges of the axes; `columns`, `rows`: pixels, at most as many as the axes have: gnuplot drops those without
+  /// room.
   Raster(const std::array<double, 2>& x, const std::array<double, 2>& y, int columns = 800, int rows = 500);
   void paint(const Curve& curve);
   Image image() const;
-  /// Elements painted.
+  /// Number of painted pixels.
   std::size_t painted() const;
 
  private:
@@ -47,7 +47,7 @@ class Raster {
 
   std::array<double, 2> x_, y_;
   int columns_, rows_;
-  std::vector<unsigned char> cells_;  // 0: nothing; else the number of the colour, from 1
+  std::vector<unsigned char> cells_;  // 0: nothing; otherwise the number of the colour, from 1
   std::vector<std::string> colours_;
 };
 

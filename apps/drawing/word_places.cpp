@@ -9,15 +9,15 @@ namespace graze::apps {
 namespace {
 
 constexpr double fine = 4.0;  // squares of the grid per character
-// Words as gnuplot draws them beside the anchor of a label.
+// Geometry of words that gnuplot draws beside the anchor of a label.
 constexpr double gap = 1.7, lift = 0.63, height = 1.2, letter = 1.2;
-constexpr double mark_weight = 4.0;  // a covered mark is worse than a covered line
-constexpr double dot_weight = 0.01;  // words in a region full of dots cover as much as words across one line
+constexpr double mark_weight = 4.0;  // covering a mark is worse than covering a line
+constexpr double dot_weight = 0.01;  // words in a region full of dots cost as much as words across one line
 constexpr double most_covered = 1.5;
 
 double length_of(const std::string& words) { return letter * static_cast<double>(words.size()); }
 
-/// Points of the line from one place to another, not farther apart than a square of the grid.
+/// Visits points of the line between two places, spaced by less than a square of the grid.
 template <class Visit> void walk(Cell from, Cell to, const Visit& visit) {
   const double length = std::hypot(to.column - from.column, to.row - from.row);
   const int steps = std::max(1, static_cast<int>(std::ceil(2.0 * fine * length)));
@@ -51,7 +51,8 @@ void WordPlaces::add_mark(Cell at) {
 void WordPlaces::add_dot(Cell at) { raise(at, dot_weight); }
 
 WordPlaces::Box WordPlaces::box_of(Cell anchor, const std::string& words) {
-  // On the left a little wider than the words, as label_places() has it, which would move what it thinks covered.
+  // Slightly wider than the words on the left, as in label_places(), which would otherwise move words that it considers
+  // covered.
   const double left = anchor.column + gap, middle = anchor.row + lift;
   return {left - 0.7, left + length_of(words) + 0.4, middle - 0.5 * height, middle + 0.5 * height};
 }
@@ -74,7 +75,7 @@ double WordPlaces::covered(const Box& box) const {
   return sum;
 }
 
-/// How many words and leaders (both count much) and lines a leader runs across.
+/// Cost of a leader: the words and leaders (both with a large weight) and the lines that it crosses.
 double WordPlaces::crossed(Cell from, Cell to) const {
   double sum = 0.0;
   walk(from, to, [&](Cell at) {
@@ -144,7 +145,7 @@ std::optional<PlacedWords> WordPlaces::along_curve(const std::vector<Cell>& poin
       for (const double right : {0.0, -0.5 * length - gap, -length - 2.0 * gap}) {
         const PlacedWords placed{{point.column + right, point.row + up}, {}};
         const Box box = box_of(placed.anchor, words);
-        // The anchor of a label is drawn as a dot, which on the curve is not seen.
+        // A label's anchor is drawn as a dot, which is invisible on the curve.
         const double dot = up == 0.0 && right == 0.0 ? 0.0 : 4.0;
         const double cost = rank + dot + std::abs(up) + 4.0 * covered(box);
         if (cost >= least || !fits(box) || covered(box) > most_covered) continue;

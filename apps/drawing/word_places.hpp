@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// WordPlaces: finds room for words in a crowded picture, off the curves, the marks and the words that are there already.
+// WordPlaces: finds room for words in a crowded picture, away from curves, marks and words already placed.
 #pragma once
 
 #include <optional>
@@ -9,30 +9,30 @@
 
 namespace graze::apps {
 
-/// A place in the picture, measured in characters of its words from the lower left corner of the axes.
+/// A place in the picture, in characters of its words from the lower left corner of the axes.
 struct Cell {
   double column = 0.0, row = 0.0;
 };
 
-/// Words that found room. As those of a Label, they begin a character to the right of `anchor` and a little above it.
+/// Words with a place. Like the words of a Label, they begin one character to the right of `anchor` and slightly above it.
 struct PlacedWords {
   Cell anchor;
-  std::vector<Cell> leader;  ///< a line to the mark, along below the words; empty where they stand beside it
+  std::vector<Cell> leader;  ///< a line to the mark that also underlines the words; empty if they stand beside the mark
 };
 
 class WordPlaces {
  public:
-  /// `rows`: how high the axes are.
+  /// `rows`: height of the axes.
   explicit WordPlaces(double rows);
 
   static constexpr double columns = 92.0;
 
   void add_line(Cell from, Cell to);
   void add_mark(Cell at);
-  /// One of many pale dots: words may stand on some, and rather stand on none.
+  /// Adds one of many pale dots: words may cover some, but avoid them if possible.
   void add_dot(Cell at);
 
-  /// Words for one of several marks, at most `farthest` characters away from it; the first is preferred.
+  /// Words for one of several marks, at most `farthest` characters away from it; the first mark is preferred.
   std::optional<PlacedWords> beside_mark(const std::vector<Cell>& marks, const std::string& words, double farthest);
 
   /// Words for a curve, close to one of its points; the first points are preferred.
@@ -52,7 +52,7 @@ class WordPlaces {
 
   double rows_;
   std::size_t width_, height_;
-  std::vector<double> grid_;  ///< what is drawn in each small square
+  std::vector<double> grid_;  ///< weight of the drawing in each small square
   std::vector<Box> boxes_;
   std::vector<std::pair<Cell, Cell>> leaders_;
 };

@@ -28,7 +28,7 @@ std::string shown(const Problem& problem, const Vector& state) {
   const std::vector<std::string> names = state_columns(problem);
   std::vector<std::string> list;
   for (std::size_t i = 0; i < names.size(); ++i)
-    list.push_back(fmt::format("{} = {}", names[i], rounded(state[static_cast<Eigen::Index>(i)] + 0.0, 9)));  // no -0
+    list.push_back(fmt::format("{} = {}", names[i], rounded(state[static_cast<Eigen::Index>(i)] + 0.0, 9)));  // + 0.0: no -0
   return fmt::format("{}", fmt::join(list, ", "));
 }
 

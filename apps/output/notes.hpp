@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Notes: sentences that a result carries beside its numbers, in its JSON as "notes" and below its text.
+// Notes: sentences that accompany a result's numbers: in its JSON as "notes", and below its text.
 #pragma once
 
 #include <graze/apps/output/result.hpp>
@@ -13,16 +13,16 @@
 
 namespace graze::apps {
 
-/// Of events of a motion that meet at an instant, where their order matters. `t` is counted from the start of the motion.
+/// Notes on simultaneous events of a motion whose order matters. `t` is counted from the start of the motion.
 std::vector<std::string> order_notes(const Problem& problem, const std::vector<EventRecord>& events);
 
-/// The same of the next `periods` of the motion from a state at forcing phase 0 (behind a return).
+/// The same for the next `periods` of the motion from a state at forcing phase 0 (just after a return).
 std::vector<std::string> order_notes(const Problem& problem, const Vector& state, int periods);
 
-/// The same of the first row of a sweep that has any.
+/// The same for the first row of a sweep that has such events.
 std::vector<std::string> order_notes(const Problem& problem, const std::string& parameter, const std::vector<SweepRow>& rows);
 
-/// Adds "notes" to the JSON and a line each to the text; nothing where there are none.
+/// Adds "notes" to the JSON and one line each to the text; nothing if there are none.
 void add_notes(Result& result, const std::vector<std::string>& notes);
 
 }  // namespace graze::apps

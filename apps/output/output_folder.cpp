@@ -13,7 +13,7 @@ namespace graze::apps {
 
 namespace {
 
-/// The result in a file; null if it is none.
+/// The result in a file; null if the file holds no result.
 Json result_in(const std::string& file) {
   try {
     Json result = parse_json(read_whole(file));
@@ -65,7 +65,7 @@ void OutputFolder::check_free_for(const Json& head) const {
   std::error_code error;
   if (!std::filesystem::exists(file, error)) return;
   const Json there = result_in(file);
-  // As it would be read back: of a number that is not finite a file has null.
+  // As it would be read back: in a file, a number that is not finite is null.
   const auto found = difference(there, parse_json(flat(head)), run_essentials);
   if (found || there.is_null())
     throw std::invalid_argument(

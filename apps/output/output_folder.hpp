@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// OutputFolder: the folders of --out and --resume, held by one run of a command at a time, and kept from runs of other options.
+// OutputFolder: the folders of --out and --resume. One run of a command at a time holds them, and they are protected from runs
+// with other options.
 #pragma once
 
 #include <graze/apps/console/file_lock.hpp>
@@ -14,21 +15,21 @@ namespace graze::apps {
 
 class OutputFolder {
  public:
-  /// Finds out before anything is computed whether all outputs can be written, see check_outputs(). Makes the folder of --out and
-  /// locks it until the end of this object; likewise that of --resume, whose result is read. `resume`: nullopt for a command
-  /// without that option, empty if it is not given.
+  /// Checks before anything is computed that all outputs can be written, see check_outputs(). Creates the folder of --out and
+  /// locks it for the lifetime of this object; likewise the folder of --resume, whose result is read. `resume`: nullopt for a
+  /// command without that option, empty if it is not given.
   /// @throws std::invalid_argument in one sentence.
   OutputFolder(const OutputOptions& options, const std::string& command, const std::string& input = {},
                const std::optional<std::string>& resume = std::nullopt);
 
-  /// A folder that was made for nothing, because the call was refused, does not stay.
+  /// Removes a folder that was created but not used, because the call was refused.
   ~OutputFolder();
 
   /// The result in the folder of --resume; null if that is not given.
   const Json& earlier() const { return earlier_; }
 
-  /// @throws std::invalid_argument if --out holds the result of a run with another head, or an unfinished one, and --overwrite is
-  /// not given.
+  /// @throws std::invalid_argument if --out holds the result of a run with another head, or an unfinished one, and --overwrite
+  /// is not given.
   void check_free_for(const Json& head) const;
 
  private:

@@ -18,7 +18,7 @@ namespace graze::apps {
 
 namespace {
 
-/// Pictures that a folder of results gets when nobody says otherwise.
+/// Default format of pictures in a folder of results.
 constexpr const char* folder_format = "png";
 
 struct OutputFile {
@@ -26,7 +26,7 @@ struct OutputFile {
   LongText content;
 };
 
-/// The files that get the JSON.
+/// The files that receive the JSON.
 std::vector<std::string> json_files(const OutputOptions& options, const std::string& command) {
   std::vector<std::string> list;
   if (!options.json.empty() && options.json != "-") list.push_back(options.json);
@@ -39,7 +39,7 @@ void write_table(const Result& result, const TextSink& sink) {
   sink(csv(result.table));
 }
 
-/// Files to be written, each with what goes into it.
+/// The files to be written, each with its content.
 std::vector<OutputFile> files(const Result& result, const OutputOptions& options, const std::string& command, int threads) {
   std::vector<OutputFile> list;
   const auto table = [&result](const TextSink& sink) { write_table(result, sink); };
@@ -65,7 +65,7 @@ std::vector<Drawing> drawings(const Result& result, const OutputOptions& options
   return list;
 }
 
-/// What the text of an interrupted run ends with.
+/// The last line of an interrupted run's text.
 std::string unfinished(const Json& json) {
   const bool is_whole = !json.is_object() || json.value("status", "") != status_name(Status::interrupted);
   return is_whole || !json.contains("message") ? "" : fmt::format("\nnot finished: {}\n", json["message"].get<std::string>());
@@ -116,7 +116,7 @@ std::optional<double> keeping_stints(const OutputOptions& options) {
 void keep(const Json& part, const OutputOptions& options, const std::string& command, const Console& console,
           const LongList& list) {
   for (const std::string& file : json_files(options, command)) {
-    if (is_special(file)) continue;  // a pipe gets one result
+    if (is_special(file)) continue;  // a pipe receives one result only
     const auto text = [&](const TextSink& sink) { pretty(part, list, console.thread_count(), sink); };
     if (const auto failure = write_whole(file, text)) console.err << "graze " << command << ": " << *failure << "\n";
   }
@@ -133,8 +133,8 @@ int deliver(const Result& result, const OutputOptions& options, const std::strin
     complete = false;
     console.err << "graze " << command << ": " << sentence << "\n";
   };
-  // Files first: if stdout is a pipe that closes early, they are there. Pictures come last of them: who is told to end has a
-  // while for it, and not for ever.
+  // Files first: if stdout is a pipe that closes early, they are already written. Pictures last: a launcher that has told the
+  // program to end allows it only a limited time.
   const int threads = console.thread_count();
   for (const OutputFile& output : files(result, options, command, threads)) {
     try {

@@ -9,7 +9,7 @@
 
 namespace {
 
-/// Takes everything and keeps nothing.
+/// Discards all output.
 class Nowhere : public std::streambuf {
   int overflow(int character) override { return character; }
   std::streamsize xsputn(const char*, std::streamsize size) override { return size; }
@@ -21,11 +21,12 @@ int main(int argc, char** argv) {
   graze::apps::watch_interrupts();
   const std::vector<std::string> arguments(argv + (argc > 0 ? 1 : 0), argv + argc);
   if (!graze::apps::is_helper()) return graze::apps::run_program(arguments, std::cout, std::cerr);
-  // Of several processes under mpirun, one speaks.
+  // Of several processes under mpirun, only one prints.
   Nowhere nowhere;
   std::ostream silent(&nowhere);
   const int code = graze::apps::run_program(arguments, silent, silent);
-  // What stops this one stops the one that speaks, too. The launcher would end it with this one's failure: let it speak first.
+  // A failure here also stops the rank that prints. The launcher would then end that rank because of this one's exit code: give
+  // it time to print first.
   if (code != 0) std::this_thread::sleep_for(std::chrono::seconds(2));
   return code;
 }

@@ -30,7 +30,7 @@ struct Global {
   std::optional<double> time;
 };
 
-/// Options that every command has; they may stand before its name too.
+/// Adds the options of every command; they may also stand before the command's name.
 void add_global_options(CLI::App& app, Global& global, const std::string& version) {
   begin_group(app, "General");
   app.get_help_ptr()->group("General");
@@ -41,7 +41,7 @@ void add_global_options(CLI::App& app, Global& global, const std::string& versio
              "seconds after which it ends with what there is, as at Ctrl-C; exit code 1 if that is not what was asked for");
 }
 
-/// CLI11 takes "--start -0.1,2" for two options; joined by "=" it is one with a negative value.
+/// CLI11 reads "--start -0.1,2" as two options; joined by "=" it is one option with a negative value.
 std::vector<std::string> join_negative_values(const std::vector<std::string>& arguments) {
   std::vector<std::string> out;
   for (const std::string& argument : arguments) {
@@ -64,7 +64,7 @@ std::vector<std::string> option_names(const CLI::App& app) {
   return names;
 }
 
-/// "; give --to VALUE: where it is to end".
+/// Advice such as "; give --to VALUE: where it is to end".
 std::string what_to_give(const CLI::App& app, const std::string& name) {
   const CLI::Option* option = app.get_option_no_throw(name);
   if (!option) return "";
@@ -72,7 +72,7 @@ std::string what_to_give(const CLI::App& app, const std::string& name) {
   return fmt::format("; give {}: {}", given, option->get_description());
 }
 
-/// One sentence for what CLI11 found wrong.
+/// One sentence on an error found by CLI11.
 std::string sentence(const CLI::App& app, const CLI::App& used, const CLI::ParseError& error) {
   const bool command_given = &used != &app;
   if (dynamic_cast<const CLI::ExtrasError*>(&error)) {
@@ -149,7 +149,7 @@ int run_program(const std::vector<std::string>& arguments, std::ostream& out, st
     const TimeBudget budget(global.time);
     if (!global.quiet && !std::all_of(arguments.begin(), arguments.end(), is_utf8))
       err << "graze: a name on the command line is not UTF-8; where it stands in a result, U+FFFD replaces what is wrong in it\n";
-    // What asks for no number of threads of its own keeps to it, too.
+    // The limit also holds for code that does not choose its own number of threads.
     std::optional<oneapi::tbb::global_control> limit;
     if (global.threads > 0)
       limit.emplace(oneapi::tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(global.threads));

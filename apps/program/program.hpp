@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The program as a function. Exit codes: 0 done; 1 a numerical stop before the asked-for result; 2 misuse, or an output that
+// The program as a function. Exit codes: 0 done; 1 a numerical stop before the requested result; 2 misuse, or an output that
 // cannot be written; 130 interrupted.
 #pragma once
 

@@ -20,8 +20,8 @@ namespace graze::apps {
 
 namespace {
 
-/// A free run and the next state agree up to this, relative to 1 + |x|. Values are as wrong as that at worst: beside a grazing
-/// impact an orbit is known to 1e-6, and what no picture shows.
+/// Tolerance between a free run and the next state, relative to 1 + |x|; it bounds the error of the values. Near a grazing
+/// impact an orbit is known only to 1e-6. An error below the tolerance is invisible in a picture.
 constexpr double closing_tolerance = 1e-4;
 
 struct Word {
@@ -42,8 +42,8 @@ std::string trimmed(const std::string& text) {
   return from == std::string::npos ? std::string() : text.substr(from, to - from + 1);
 }
 
-/// The one argument that a call of `name` which is the whole text has, with the byte where it begins; nullopt: it is no such
-/// call.
+/// The argument of `text` if the whole text is a call of `name` with one argument, and the byte where the argument begins;
+/// nullopt: it is not such a call.
 std::optional<std::pair<std::size_t, std::string>> argument_of(const std::string& text, const std::string& name) {
   std::size_t open = name.size();
   if (!text.starts_with(name)) return std::nullopt;
@@ -58,7 +58,7 @@ std::optional<std::pair<std::size_t, std::string>> argument_of(const std::string
   return std::pair(open + 1, text.substr(open + 1, text.size() - open - 2));
 }
 
-/// Names that expressions may use, and what they stand for.
+/// The names that expressions may use, and their meanings.
 class Reading {
  public:
   explicit Reading(const Problem& problem) : problem_(problem) {
@@ -99,7 +99,7 @@ class Reading {
   }
 
  private:
-  /// Of a built-in system; with displacement, velocity and forcing frequency in the units that the file has its quantities in.
+  /// Units of a built-in system, with displacement, velocity and forcing frequency in the units of the file's quantities.
   void name_units() {
     for (const char* name : {"x", "v", "t"}) units_.emplace(name, "dimensionless");
     if (!problem_.converted_from) return;
@@ -136,7 +136,7 @@ class Reading {
     return one;
   }
 
-  /// Its number among the functions.
+  /// The index of an expression among the functions.
   std::size_t expression(const std::string& text, const std::string& argument, std::size_t begin) {
     const equations::Source source{"--y", text};
     const equations::Place place{1, equations::characters(text.substr(0, begin)) + 1, 1};
@@ -155,7 +155,7 @@ class Reading {
   }
 
   std::string unit_of(const std::string& name) const {
-    if (is_built_in(problem_) && !problem_.converted_from) return "dimensionless";  // expressions of several names, too
+    if (is_built_in(problem_) && !problem_.converted_from) return "dimensionless";  // also for expressions of several names
     const auto found = units_.find(name);
     return found == units_.end() ? std::string() : found->second;
   }
@@ -178,7 +178,7 @@ class Reading {
   std::vector<equations::Expression> expressions_;
 };
 
-/// What a motion has by the end of its last period.
+/// Data of a motion collected up to the end of its last period.
 struct Measured {
   std::vector<Extent> extents;              // over all periods
   std::vector<std::vector<double>> starts;  // of each function, at the beginning of each period

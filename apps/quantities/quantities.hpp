@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Quantities: what --y asks to be shown of an orbit or an attractor. E is any expression of states, their rates (v'), parameters,
-// t, definitions and outputs.
+// Quantities: values of an orbit or an attractor that --y requests. E is any expression of states, their rates (v'),
+// parameters, t, definitions and outputs.
 //
 //     E                                       at forcing phase 0: of an orbit of n periods n values
 //     max(E), min(E), amplitude(E), mean(E)   over the orbit; the amplitude is (max - min)/2
@@ -10,7 +10,7 @@
 //     period                                  the duration of the orbit
 //
 // For a problem given in physical quantities X, V and omega are displacement, velocity and forcing frequency in their units.
-// max and min of two arguments are functions within E. A name of the problem goes before a word of this list.
+// With two arguments, max and min are functions within E. A name of the problem takes precedence over a word of this list.
 #pragma once
 
 #include <graze/apps/problem/problem.hpp>
@@ -45,10 +45,10 @@ enum class QuantityKind {
 };
 
 struct Quantity {
-  std::string text;  ///< as it was given
+  std::string text;  ///< as given by the user
   QuantityKind kind = QuantityKind::at_phase_0;
-  std::size_t function = 0;  ///< number of E in Quantities::functions
-  std::string unit = {};     ///< empty: not known
+  std::size_t function = 0;  ///< index of E in Quantities::functions
+  std::string unit = {};     ///< empty: unknown
 };
 
 struct Quantities {
@@ -57,61 +57,61 @@ struct Quantities {
   bool empty() const { return list.empty(); }
 };
 
-/// --y.
+/// Adds the option --y.
 void add_quantity_option(CLI::App& app, std::vector<std::string>& texts);
 
-/// @throws std::invalid_argument in one sentence, with what is allowed, for a text that is none.
+/// @throws std::invalid_argument in one sentence, with the allowed forms, for a text that is not a quantity.
 Quantities read_quantities(const Problem& problem, const std::vector<std::string>& texts);
 
-/// The texts among a result's options as "y"; not there if there are none.
+/// Adds the texts to a result's options as "y", unless there are none.
 void put_quantity_option(Json& options, const std::vector<std::string>& texts);
 
-/// For an axis: "max(x1) / mm", "x1 at forcing phase 0 / mm"; of built-in systems "max(x) (dimensionless)". `at_phase_0`: whether
-/// expressions are those of states at forcing phase 0.
+/// Label of an axis: "max(x1) / mm", "x1 at forcing phase 0 / mm"; for built-in systems "max(x) (dimensionless)". `at_phase_0`:
+/// whether expressions belong to states at forcing phase 0.
 std::string quantity_label(const Problem& problem, const std::string& text, bool at_phase_0);
 
 /// The same for the states of one motion, which has values of expressions only.
 Quantities read_expressions(const Problem& problem, const std::vector<std::string>& texts);
 
-/// Appends their values to rows of states, the time before them if `timed`, else at forcing phase 0.
+/// Appends the values of the expressions to rows of states. If `timed`, the time precedes the states; otherwise the forcing
+/// phase is 0.
 void append_values(const Quantities& expressions, const Problem& problem, bool timed, std::vector<Vector>& rows);
 
-/// A quantity of one motion: one value, or one for each forcing period. NaN: not known.
+/// A quantity of one motion: one value, or one for each forcing period. NaN: unknown.
 struct QuantityValue {
   std::string name;
   std::vector<double> values;
 };
 using QuantityValues = std::vector<QuantityValue>;
 
-/// A motion by its states at forcing phase 0 (of an autonomous system by its state at the start), one for each period; `duration`
-/// of all of them.
+/// A motion given by its states at forcing phase 0, one for each period (for an autonomous system by its initial state).
+/// `duration`: of all periods together.
 struct MeasuredMotion {
   std::vector<Vector> states;
   double duration = 0.0;
-  bool closes = true;  ///< it leads from the last state to the first
+  bool closes = true;  ///< it leads from the last state back to the first
 };
 
-/// Everything is NaN where a free run does not come to the next state: an orbit that is not admissible, or that grazes so that it
-/// cannot be reproduced.
+/// The values of the quantities. All are NaN if a free run does not reach the next state: for an inadmissible orbit, or for one
+/// so close to grazing that it cannot be reproduced.
 QuantityValues measure(const Quantities& quantities, const HybridSystem& system, const Vector& p, const MeasuredMotion& motion);
 
 QuantityValues measure(const Quantities& quantities, const HybridSystem& system, const PeriodicOrbit& orbit);
 
-/// Of an attractor that is no orbit they are those of the motion over 64 forcing periods from its state; of one without forcing,
-/// whose returns do not say how long it is, they are not known.
+/// For an attractor that is not an orbit: the quantities of the motion over 64 forcing periods from its state. Without forcing
+/// they are unknown, because its returns do not give its duration.
 QuantityValues measure(const Quantities& quantities, const HybridSystem& system, const Vector& p, const Attractor& attractor);
 
-/// Adds "y": {"max(x)": 1.2, "x": [0.3, 0.5]}, a number or a list of several; nothing where there are no values, and what was
-/// there goes.
+/// Sets "y": {"max(x)": 1.2, "x": [0.3, 0.5]}, a number or a list of several. Without values an existing "y" is removed.
 void put_quantities(Json& json, const QuantityValues& values);
-/// The schema of an object that gets them.
+/// The schema of an object to which quantities are added.
 Json with_quantities(Json schema);
 void write_quantities(const QuantityValues& values, JsonText& json);
 
-/// The value of each in a period, the first or the only one.
+/// The value of each quantity in a period: that period's value, or the only one.
 std::vector<double> values_at(const QuantityValues& values, std::size_t period = 0);
 
-/// The names as further columns, and their cells: for people, or exact and empty where a value is not known.
+/// The names as further columns, and their cells: rounded for people, or exact and empty if a value is unknown.
 void add_columns(Table& table, const QuantityValues& values);
 void add_cells(std::vector<std::string>& row, const QuantityValues& values, bool for_people);
 
