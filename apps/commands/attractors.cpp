@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// graze attractors: all attractors met from many starts, and their basins.
+// graze attractors: the attractors reached from many starts, and their basins.
 #include <graze/apps/commands/command.hpp>
 #include <graze/apps/console/arguments.hpp>
 #include <graze/apps/console/checkpoint_timer.hpp>
@@ -36,7 +36,7 @@ namespace {
 constexpr int most_starts = 1000000;  // a result is held in memory before it is written
 
 struct Options {
-  StartOptions start;  // its problem
+  StartOptions start;  // only its problem and settings
   std::string x, v, plane, resume;
   std::optional<int> random, seed;
   int transient = 1000, periods = 20000, max_period = 64;
@@ -45,13 +45,13 @@ struct Options {
   OutputOptions output;
 };
 
-/// Starts from which the attractors are looked for that the default box is to hold, along each axis; and the periods for which
-/// one that is not periodic is followed, to see how far it reaches.
+/// Number of starts along each axis from which attractors are sought that the default box must contain, and the number of
+/// periods for which a non-periodic attractor is followed to find its extent.
 constexpr int probes = 12, probed_periods = 2000;
-/// The room around an attractor that the box leaves, as a share of its width.
+/// The margin of the box around an attractor, as a share of its width.
 constexpr double room = 0.05;
 
-/// The plane of starts: two states, while the others keep their values.
+/// The plane of starts: two states vary, the others keep their values.
 struct Plane {
   std::array<Eigen::Index, 2> state = {0, 1};
   std::array<std::string, 2> name = {"x", "v"};
@@ -90,7 +90,7 @@ Matrix grid_of(const Plane& plane, const std::array<Axis, 2>& axes, int threads)
   return starts;
 }
 
-/// The box made wide enough for the attractors that some starts in it lead to.
+/// Widens the box until it contains the attractors reached from some starts in it.
 void widen(std::array<Axis, 2>& axes, const Plane& plane, const Options& options, const Problem& problem,
            const Console& console) {
   std::array<Axis, 2> few = axes;
@@ -109,13 +109,14 @@ void widen(std::array<Axis, 2>& axes, const Plane& plane, const Options& options
       for (const std::size_t i : {0, 1}) {
         Axis& axis = axes[i];
         const double margin = room * (axis.to - axis.from), at = state[plane.state[i]];
-        // At a hard stop the barrier is the end of what there can be, and what lies inside already needs no room.
+        // Inside the box no margin is needed: at a hard stop nothing lies beyond the barrier.
         if (at < axis.from) axis.from = at - margin;
         if (at > axis.to) axis.to = at + margin;
       }
 }
 
-/// Where the motions are: as wide as the motion without barrier and as the clearance, up to the barrier, and as the attractors.
+/// A box around the motions: as wide as the motion without barrier and as the clearance, and bounded by the barrier. Attractors
+/// widen it later.
 std::array<Axis, 2> built_in_axes(const Problem& problem) {
   const Vector p = built_in_parameters(problem);
   const Vector steady = steady_response(p);
@@ -125,7 +126,7 @@ std::array<Axis, 2> built_in_axes(const Problem& problem) {
   return {Axis{std::min(-size, r - size), r}, Axis{-size * std::max(1.0, eta), size * std::max(1.0, eta)}};
 }
 
-/// As far as a motion from the given start goes within some periods, and half as far again on both sides.
+/// The extent of a motion from the given start within some periods, plus half of it on both sides.
 std::array<Axis, 2> axes_of_motion(const Plane& plane, const Problem& problem) {
   constexpr int periods = 100;
   const Motion motion = run_motion(problem.system, problem.parameters, plane.others, {.periods = periods});
@@ -144,7 +145,7 @@ std::array<Axis, 2> axes_of_motion(const Plane& plane, const Problem& problem) {
 std::array<Axis, 2> default_axes(const Plane& plane, const Options& options, const Problem& problem, const Console& console) {
   std::array<Axis, 2> axes = is_built_in(problem) ? built_in_axes(problem) : axes_of_motion(plane, problem);
   widen(axes, plane, options, problem, console);
-  if (!options.random)  // the middles of the cells
+  if (!options.random)  // the centres of the cells
     for (Axis& axis : axes) {
       const double half = 0.5 * (axis.to - axis.from) / axis.count;
       axis.from += half;
@@ -153,7 +154,7 @@ std::array<Axis, 2> default_axes(const Plane& plane, const Options& options, con
   return axes;
 }
 
-/// The default of an earlier run that is gone on with, so that it is the same.
+/// The axis of the earlier run that is resumed, so that the default is the same.
 Axis axis_from(const Json& earlier, const std::string& name, const Axis& otherwise) {
   const Json& range = earlier.at("options").at(name);
   return {range.at(0), range.at(1), range.size() > 2 ? range[2].get<int>() : otherwise.count};
@@ -178,8 +179,8 @@ std::array<Axis, 2> axes_of(const Plane& plane, const Options& options, const Pr
   return axes;
 }
 
-/// In the order of the picture: row by row, x fastest. Random ones are drawn from the bits of the generator, which are the same
-/// everywhere.
+/// The starts in the order of the picture: row by row, x fastest. Random starts are drawn from the bits of the generator, which
+/// are the same on every platform.
 Matrix starts_of(const Plane& plane, const Options& options, const std::array<Axis, 2>& axes, int threads) {
   if (!options.random) return grid_of(plane, axes, threads);
   Matrix starts(plane.others.size(), *options.random);
@@ -194,7 +195,7 @@ Matrix starts_of(const Plane& plane, const Options& options, const std::array<Ax
   return starts;
 }
 
-/// @throws std::invalid_argument if there is none that a motion can begin with.
+/// @throws std::invalid_argument if no start is admissible.
 void check_starts(const Problem& problem, const Matrix& starts) {
   const auto admissible = [&problem](const Vector& start) {
     return mode_at(problem.system, 0.0, start, problem.parameters).has_value();
@@ -207,8 +208,7 @@ void check_starts(const Problem& problem, const Matrix& starts) {
             : "no start is admissible: all lie beyond a stop; give other ranges by --x and --v, or other states by --start");
 }
 
-/// What stands for a start in "basins": the attractor's id, null beyond a barrier, 0 if the motion was lost, -1 if it was not
-/// run.
+/// The code of a start in "basins": the attractor's id, null beyond a barrier, 0 if the motion was lost, -1 if it was not run.
 Json code_of(const StartOutcome& outcome) {
   switch (outcome.fate) {
   case Fate::reached:
@@ -266,7 +266,7 @@ const Columns<CoexistingAttractor>& found_columns() {
   return list;
 }
 
-/// Of each attractor.
+/// The quantities of each attractor.
 std::vector<QuantityValues> measure(const Quantities& quantities, const Problem& problem, const Basins& basins) {
   std::vector<QuantityValues> measured;
   for (const CoexistingAttractor& found : basins.attractors)
@@ -274,7 +274,7 @@ std::vector<QuantityValues> measure(const Quantities& quantities, const Problem&
   return measured;
 }
 
-/// All but which start leads where.
+/// Writes everything except the attractor of each start.
 void put_basins(Json& json, const Basins& basins, const std::vector<QuantityValues>& measured) {
   json["starts"] = basins.outcomes.size();
   json["admissible"] = basins.admissible;
@@ -288,7 +288,7 @@ void put_basins(Json& json, const Basins& basins, const std::vector<QuantityValu
   }
 }
 
-/// The result of an earlier run of the same options.
+/// The result of an earlier run with the same options.
 Basins earlier_basins(const Json& earlier, const std::string& folder, const Json& head) {
   check_same_run(earlier, head, folder);
   Basins basins;
@@ -313,7 +313,7 @@ Basins earlier_basins(const Json& earlier, const std::string& folder, const Json
 
 void starts_csv(const Problem& problem, const Matrix& starts, const Basins& basins, int threads, const TextSink& sink) {
   const std::vector<Shown> shown = {{"type"}, {"period"}, {"impacts"}};
-  std::vector<std::string> ends;  // of lines, by attractor
+  std::vector<std::string> ends;  // line ends, by attractor
   for (const CoexistingAttractor& found : basins.attractors) {
     ends.push_back(std::to_string(ends.size() + 1));
     append_cells(ends.back(), attractor_columns(), shown, found.attractor);
@@ -329,7 +329,7 @@ void starts_csv(const Problem& problem, const Matrix& starts, const Basins& basi
     const std::string_view other = outcome.fate == Fate::inadmissible ? ",beyond the barrier,,\n"
                                    : outcome.fate == Fate::lost       ? ",lost,,\n"
                                                                       : ",not run,,\n";
-    char number[32];  // of 24 characters at the most
+    char number[32];  // at most 24 characters
     for (const double value : start) lines.append(number, fmt::format_to(number, FMT_COMPILE("{},"), value));
     lines += outcome.fate == Fate::reached ? std::string_view(ends[outcome.attractor]) : other;
   });
@@ -425,7 +425,7 @@ int run(const Options& given, const Console& console) {
     Json json = head;
     set_status(json, status, message);
     put_basins(json, basins, measure(quantities, problem, basins));
-    // Of many starts these are large.
+    // These are large if there are many starts.
     if (wants_json(options.output)) json["basins"] = basins_json(problem, plane, options, axes, starts, basins.outcomes);
     return json;
   };

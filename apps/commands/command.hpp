@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Command: one thing that the program can do. A file in this folder holds an options struct, `run(options, console)` and a
-// function that describes the command; commands.cpp lists it. Help is printed from the list.
+// Command: one task of the program. A file in this folder holds an options struct, `run(options, console)` and a function that
+// describes the command; commands.cpp lists it. Help is printed from the list.
 #pragma once
 
 #include <graze/apps/console/console.hpp>
@@ -16,18 +16,19 @@ class App;
 
 namespace graze::apps {
 
-/// A kind of result that a command gives.
+/// A kind of result that a command writes.
 struct ResultKind {
-  std::string name;  ///< "orbit" of "graze.orbit/1"
+  std::string name;  ///< "orbit" in "graze.orbit/1"
   Json (*schema)() = nullptr;
 };
 
 struct Command {
   std::string name;
   std::string summary;  ///< one line, for the list
-  std::string details;  ///< a paragraph, for its own help
+  std::string details;  ///< a paragraph, for the command's own help
   std::vector<std::string> examples;
-  /// Adds the options to the subcommand and returns what runs it: the exit code is its result, misuse is a std::invalid_argument.
+  /// Adds the options to the subcommand and returns the function that runs it. That function returns the exit code; misuse
+  /// throws std::invalid_argument.
   std::function<int(const Console&)> (*setup)(CLI::App& app) = nullptr;
   std::vector<ResultKind> results = {};
 };

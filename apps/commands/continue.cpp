@@ -41,7 +41,7 @@ struct Options {
   OutputOptions output;
 };
 
-/// A branch that ended as it should, and not because the computation could not go on.
+/// Whether a branch ended at a regular end, rather than because the computation could not continue.
 bool ended_well(const Branch& branch) {
   return branch.stop == BranchStop::reached_bound || branch.stop == BranchStop::parameter_range ||
          branch.stop == BranchStop::grazing || branch.stop == BranchStop::chatter || branch.stop == BranchStop::returned;
@@ -96,7 +96,7 @@ int run(const Options& given, const Console& console) {
   if (options.from) set_parameter(problem, options.parameter, *options.from, "--from");
   const double start = parameter(problem, options.parameter);
   Problem at_end = problem;
-  set_parameter(at_end, options.parameter, *options.to, "--to");  // a wrong --to is found out now
+  set_parameter(at_end, options.parameter, *options.to, "--to");  // reports a wrong --to now
   if (start == *options.to)
     throw std::invalid_argument(fmt::format("--to {0}: {1} is {0} at the start already", exact(start), options.parameter));
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// graze diagram: every branch in a range of a parameter that hangs together with the orbits found there, and on it the attractors
-// of sweeps up and down, with their exponents.
+// graze diagram: every branch in a parameter range that is connected with the orbits found there, and over it the attractors of
+// sweeps up and down, with their exponents.
 #include <graze/apps/commands/command.hpp>
 #include <graze/apps/console/arguments.hpp>
 #include <graze/apps/console/checkpoint_timer.hpp>
@@ -50,7 +50,7 @@ struct Options {
   OutputOptions output;
 };
 
-/// The orbits without impact, wherever there are some: the shortest way to every first grazing.
+/// The orbits without impact, if there are any: the shortest way to every first grazing.
 std::vector<PeriodicOrbit> impactless(const Problem& problem, const std::string& name, double from, double to) {
   constexpr int values = 9;
   std::vector<PeriodicOrbit> list;
@@ -92,7 +92,7 @@ SkeletonOptions skeleton_options(const Options& options, const Problem& problem,
   return out;
 }
 
-/// What of the options says how the skeleton is computed, and what how the sweeps are.
+/// The options that affect the skeleton; the next function returns those of the sweeps.
 Json skeleton_json(const Options& options) {
   Json json = {{"max_period", options.max_period}, {"max_branches", options.max_branches}, {"seed", options.seed}};
   json["multiples"] = options.multiples.value_or(options.max_period);
@@ -107,7 +107,7 @@ Json sweeps_json(const Options& options, const Problem& problem) {
   return json;
 }
 
-/// Whether these are among the options of an earlier run; one that is missing here must be missing there.
+/// Whether an earlier run has these options. If `optional` is missing here, it must be missing there.
 bool same_options(const Json& earlier, const Json& wanted, const char* optional = "") {
   const Json given = earlier.value("options", Json::object());
   for (const auto& [name, value] : wanted.items())
@@ -115,24 +115,24 @@ bool same_options(const Json& earlier, const Json& wanted, const char* optional 
   return wanted.contains(optional) || !given.contains(optional);
 }
 
-/// What an earlier run has left.
+/// The results of an earlier run.
 struct Earlier {
   Json result;
   bool skeleton_done = false;
   std::vector<Branch> branches;
   std::vector<CutOff> cut_off;
-  SeedsSoFar seeds;  // of a skeleton that is not done
+  SeedsSoFar seeds;  // of an unfinished skeleton
   std::vector<SweepRow> rows;
 };
 
-/// Writes what there is of a result, with a message on it.
+/// Writes the results so far, with a message on them.
 using KeepPart = std::function<void(const Json& part, const std::string& message)>;
 
-/// @throws std::invalid_argument if it was not one of the same model over the same range, or if it cannot be gone on with.
+/// @throws std::invalid_argument if the earlier run has another model or range, or cannot be resumed.
 void check_earlier(Earlier& earlier, const Options& options, const Problem& problem) {
   const auto refuse = [&](const std::string& why) { refuse_to_resume(options.resume, "diagram", why); };
   const Json& result = earlier.result;
-  problem_of(result);  // or throws
+  problem_of(result);  // throws if it is invalid
   Json before = essence(result, {"model", "parameters"}), wanted = result_head("", "", problem, {});
   before["parameters"].erase(options.parameter);
   wanted["parameters"].erase(options.parameter);
@@ -163,16 +163,16 @@ void check_earlier(Earlier& earlier, const Options& options, const Problem& prob
       refuse(fmt::format("has sweeps of another start or of other options: {}; give the same", *found));
 }
 
-/// The sweeps before they are run.
+/// Adds the entries of the sweeps before they are run.
 void put_parts(Json& json, const Options& options, const Earlier& earlier, Status skeleton) {
   if (options.skeleton) return;
   json["parts"] = {{"skeleton", status_name(skeleton)}, {"sweeps", "not run"}};
   json["rows"] = rows_json(earlier.rows);
 }
 
-/// The skeleton: what the earlier run has, if that was complete, else computed, from the seeds that it has. The branches are
-/// followed anew: their numbers, and whatever two of them decide together, depend on the order in which they come. Adds it to the
-/// result.
+/// Adds the skeleton to the result. A complete skeleton of the earlier run is reused; otherwise it is computed from the earlier
+/// run's seeds. The branches are followed again, because their numbers, and decisions that involve two branches, depend on
+/// their order.
 Status add_skeleton(Result& result, Earlier& earlier, const Options& options, const Problem& problem,
                     const Quantities& quantities, const Console& console, const KeepPart& keep_part) {
   Status status = Status::done;
@@ -213,7 +213,7 @@ Status add_skeleton(Result& result, Earlier& earlier, const Options& options, co
   return status;
 }
 
-/// Where the skeleton was interrupted.
+/// The stage at which the skeleton was interrupted.
 std::string where_interrupted(const Json& skeleton, std::size_t branches) {
   const std::size_t parts = skeleton.at("seed_search").at("parts"), done = skeleton["seed_search"].at("done").size();
   if (done < parts)
@@ -234,7 +234,7 @@ std::string off_branches_text(const OffBranches& off, const std::vector<SweepRow
   return list.empty() ? text : text + aligned(sweep_overview(list, options.parameter));
 }
 
-/// The sweeps up and down over the range. Adds them to the result.
+/// Runs the sweeps up and down over the range, and adds them to the result.
 Swept add_sweeps(Result& result, const Earlier& earlier, const SweepRange& range, const Options& options, const Problem& problem,
                  const Quantities& quantities, const Console& console, const KeepPart& keep_part) {
   const auto keep_rows = [&](const Swept& part) {
@@ -260,7 +260,7 @@ Swept add_sweeps(Result& result, const Earlier& earlier, const SweepRange& range
   return swept;
 }
 
-/// A kind of picture that this result has. @throws std::invalid_argument.
+/// Checks that this result has the requested kind of picture. @throws std::invalid_argument.
 void check_plot_kind(const Options& options) {
   const std::vector<std::string> kinds = picture_names(options.skeleton ? "graze.branch/1" : "graze.diagram/1");
   if (!options.output.plot_kind.empty() && std::find(kinds.begin(), kinds.end(), options.output.plot_kind) == kinds.end())
@@ -275,7 +275,7 @@ SweepRange range_of(const Options& options) {
           {SweepDirection::up, SweepDirection::down}};
 }
 
-/// Every mistake is found out before anything is computed.
+/// Reports every mistake before anything is computed.
 void check_options(Options& options, const Problem& problem) {
   if (options.max_step && !(*options.max_step > 0.0)) throw std::invalid_argument("--max-step must be > 0");
   check_sweeping(options.sweeping);

@@ -34,13 +34,13 @@ struct Options {
   OutputOptions output;
 };
 
-/// Points that lie on a branch for a reason of their own; EP, UZ and MX are marks of a computation.
+/// Types of points with a dynamical meaning; EP, UZ and MX only mark events of a computation.
 const std::vector<std::string>& locatable() {
   static const std::vector<std::string> list = {"PD", "LP", "BP", "NS", "GR"};
   return list;
 }
 
-/// How far from --near a point may lie: a twentieth of the value.
+/// Largest distance of a point from --near: a twentieth of the value.
 double default_reach(double near) { return 0.05 * std::max(std::abs(near), 0.1); }
 
 Json all_options(const Problem& problem, const Options& options, double reach) {
@@ -53,13 +53,12 @@ Json all_options(const Problem& problem, const Options& options, double reach) {
   return json;
 }
 
-/// Shares of the reach at which orbits are looked for on both sides of --near: a branch may end close to it, or stay away from
-/// it.
+/// Shares of the reach at which orbits are sought on both sides of --near: a branch may end close to it, or not come close.
 constexpr std::array shares_of_reach = {1.0 / 64.0, 1.0 / 16.0, 0.25, 0.5, 0.75, 1.0};
-/// A point that lies farther from --near than this share of the reach is not the one that was meant.
+/// A point farther from --near than this share of the reach is not the intended one.
 constexpr double meant_share = 0.1;
 
-/// The problem at the values where orbits are looked for, nearest first; at --from alone if that is given.
+/// The problem at the values where orbits are sought, nearest first; only at --from if that is given.
 std::vector<Problem> places(const Problem& problem, const Options& options, double reach) {
   std::vector<Problem> list = {problem};
   if (options.from) return list;
@@ -68,7 +67,7 @@ std::vector<Problem> places(const Problem& problem, const Options& options, doub
       Problem at = problem;
       try {
         set_parameter(at, options.parameter, *options.near + side * share * reach);
-      } catch (const std::invalid_argument&) {  // beyond what the model allows
+      } catch (const std::invalid_argument&) {  // outside the model's range
         continue;
       }
       list.push_back(std::move(at));
@@ -76,7 +75,7 @@ std::vector<Problem> places(const Problem& problem, const Options& options, doub
   return list;
 }
 
-/// One unit of the last digit that a value is written with: 0.01 for 0.92.
+/// One unit of the last written digit of a value: 0.01 for 0.92.
 double last_digit(double value) {
   const std::string text = exact(value);
   const std::size_t exponent = std::min(text.find('e'), text.size()), point = std::min(text.find('.'), exponent);
@@ -89,14 +88,14 @@ bool is_meant(const SpecialPoint& point, double near, double reach) {
   return std::abs(point.value - near) <= std::min(last_digit(near), meant_share * reach) + point.precision;
 }
 
-/// The branches met, and the wanted point on them.
+/// The branches found, and the requested point on them.
 struct Located {
   OrbitResult first;  ///< orbits at the first value
   std::vector<Branch> branches;
   LocateResult nearest;
 };
 
-/// Follows each orbit that lies on no branch yet, until the point that was meant is there.
+/// Follows each orbit that lies on no known branch, until the intended point is found.
 class Hunt {
  public:
   Hunt(const Problem& problem, const Options& options, double reach, const Console& console)
@@ -142,7 +141,7 @@ class Hunt {
   ContinuationOptions continuation_;
 };
 
-/// Orbits are looked for at every place, by settling and by searching.
+/// Seeks orbits at every place, by settling and by searching.
 Located locate_near(const Problem& problem, const Options& options, double reach, const Console& console) {
   Located out;
   Hunt hunt(problem, options, reach, console);
@@ -173,7 +172,7 @@ Located locate_near(const Problem& problem, const Options& options, double reach
   return out;
 }
 
-/// In what the point is not what was asked for; empty: in nothing.
+/// How the point differs from the requested one; empty: not at all.
 std::string remark(const Located& located, const Options& options, double reach) {
   const SpecialPoint& point = *located.nearest.point;
   std::vector<std::string> parts;

@@ -103,7 +103,7 @@ int run(const Options& options, const Console& console) {
   Status status = Status::done;
   std::string message;
   if (interrupted()) {
-    // An average of as many periods as the time has allowed is a result, as one of --periods is.
+    // An average over the periods that the time limit allowed is a result, like one limited by --periods.
     const bool averaged = is_out_of_time() && !attractor.exponents.empty();
     status = averaged ? Status::done : Status::interrupted;
     message = fmt::format("{} after {} {} of averaging", interruption(), attractor.time_average.periods, periods_name(problem));
@@ -117,7 +117,8 @@ int run(const Options& options, const Console& console) {
                           ending_text(problem, ended, attractor.state));
   } else if (attractor.type != AttractorType::periodic && attractor.time_average.stop == LyapunovStop::budget &&
              options.standard_error != 0.0) {
-    // Not a failure, and no other exit code: an average and its error of so many periods are a result. But it says so.
+    // Not a failure, and no other exit code: an average over this number of periods, with its error, is a result. A note says
+    // so.
     message =
         fmt::format("the budget of {} {} is used up before {}; --periods gives more", options.periods, periods_name(problem),
                     options.change ? "the exponents have settled to --change" : "every standard error is below its bound");

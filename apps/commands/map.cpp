@@ -41,7 +41,7 @@ struct Options {
   OutputOptions output;
 };
 
-/// An axis whose ends are values that the parameter may have.
+/// An axis with both ends in the parameter's range.
 ParameterAxis parse_parameter(const Problem& problem, const std::string& text) {
   const auto [name, axis] = parse_named_axis("--param", text);
   for (const double end : {axis.from, axis.to}) try {
@@ -53,7 +53,7 @@ ParameterAxis parse_parameter(const Problem& problem, const std::string& text) {
   return {name, axis.from, axis.to, axis.count};
 }
 
-/// Rows of a chunk: some hundreds of points, but enough chunks to hand out.
+/// Rows per chunk: up to a few thousand points, but enough chunks to distribute.
 int rows_of_a_chunk(const ParameterGrid& grid) {
   const int columns = std::max(1, grid.columns.count), rows = std::max(1, grid.rows.count);
   return std::clamp(std::min(4096 / columns, rows / 8), 1, 16);
@@ -93,7 +93,7 @@ MapPlan plan_from(const Options& options, const Console& console) {
   return plan;
 }
 
-/// Rows of what is finished; the others have points that were not computed.
+/// The rows of finished chunks; points of the others are marked as not computed.
 MapRows rows_of(const MapStore& store) {
   return [&store, number = -1, chunk = MapChunk()](int row) mutable {
     const MapPlan& plan = store.plan();
@@ -113,7 +113,7 @@ MapRows rows_of(const MapStore& store) {
   };
 }
 
-/// HDF5 goes into a regular file alone.
+/// Checks an HDF5 output, which must be a regular file.
 void check_map_file(const std::string& option, const std::string& file) {
   if (file == "-") throw std::invalid_argument(option + " -: HDF5 does not go to stdout; give a file name, for example map.h5");
   check_kind(option, file, {".h5", ".hdf5"});
@@ -141,7 +141,7 @@ void check_all_outputs(const Options& options, const MapPlan& plan) {
   if (!options.output.out.empty()) check_map_file("--out", options.output.out + "/map.h5");
 }
 
-/// Where the map goes as HDF5: --h5, and into the folder.
+/// The HDF5 files of the map: --h5, and the one in the folder.
 std::vector<std::string> map_files(const Options& options) {
   std::vector<std::string> files;
   if (!options.output.out.empty()) files.push_back(options.output.out + "/map.h5");
@@ -151,7 +151,7 @@ std::vector<std::string> map_files(const Options& options) {
   return files;
 }
 
-/// Pictures, JSON, table and text. `counts`: if they are known. Returns the exit code.
+/// Writes pictures, JSON, table and text. `counts`: if already known. Returns the exit code.
 int present(const Options& options, const MapPlan& plan, const Json& head, const MapRows& rows, std::vector<MapCounts> counts,
             const MapRun& run, const Console& console) {
   int code = run.unwritable ? 2 : exit_code(run.status);
@@ -160,7 +160,7 @@ int present(const Options& options, const MapPlan& plan, const Json& head, const
     if (code == 0) code = 2;
   };
   const std::vector<int> layers = layer_numbers(options.layers);
-  std::mutex reading;  // rows come out of a file
+  std::mutex reading;  // the rows are read from one file
   std::vector<Drawing> drawings;
   const auto add = [&](const std::string& file, const std::string& kind, const std::string& quantity = {}) {
     drawings.push_back({file, [&, kind, quantity] {
@@ -190,7 +190,7 @@ int present(const Options& options, const MapPlan& plan, const Json& head, const
   return deliver(result, rest, "map", code, console);
 }
 
-/// A map that is there already. Empty: there is none of this run.
+/// The finished map of this run, if it already exists.
 std::optional<MapFile> finished_map(const Options& options, const Json& head) {
   const std::string file = options.resume + "/map.h5";
   if (options.resume.empty() || !std::filesystem::exists(file) || std::filesystem::exists(options.resume + "/chunks/run.json"))
@@ -201,12 +201,12 @@ std::optional<MapFile> finished_map(const Options& options, const Json& head) {
   return map;
 }
 
-/// Whether a map that is not finished goes anywhere: HDF5 has finished ones alone.
+/// Whether an output takes an unfinished map: HDF5 files hold only finished ones.
 bool wants_part(const Options& options) {
   return !options.output.json.empty() || !options.output.csv.empty() || !options.output.plot.empty();
 }
 
-/// What becomes of an unfinished map that has no folder.
+/// What happens to an unfinished map without a folder.
 std::string without_folder(const Options& options) {
   std::string text = "they are lost without --out DIR";
   if (wants_part(options)) {
@@ -273,7 +273,7 @@ int lead(const Options& given, Ranks& ranks, const Console& console) {
   }
   if (map_files(options).empty()) return present(options, plan, head, rows, {}, run, console);
   store->remove();
-  std::optional<MapFile> map;  // opened if anybody asks
+  std::optional<MapFile> map;  // opened on first use
   const auto row_of_map = [&](int row) {
     if (!map) map.emplace(map_files(options).front());
     return map->row(row);

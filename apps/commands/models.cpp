@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// graze models: what a problem file can name: oscillators, contact laws, excitations; their parameters, ranges, defaults, units.
+// graze models: the names available to a problem file: oscillators, contact laws, excitations; their parameters, ranges,
+// defaults, units.
 #include <graze/apps/commands/command.hpp>
 #include <graze/apps/console/arguments.hpp>
 #include <graze/apps/output/output_folder.hpp>
@@ -48,7 +49,7 @@ void add_rows(Table& table, const std::string& owner, const std::vector<Paramete
         {owner, info.name, range_text(info), with_default ? rounded(info.default_value, 8) : "none", info.unit, info.meaning});
 }
 
-/// The oscillators' parameters, and their values of beta, which is what tells them apart.
+/// The values of beta that distinguish the oscillators.
 std::string beta_defaults() {
   std::string text;
   for (const OscillatorKind& kind : oscillator_kinds())

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// graze plot: a picture of a result that was written before.
+// graze plot: a picture of a result written earlier.
 #include <graze/apps/commands/command.hpp>
 #include <graze/apps/console/arguments.hpp>
 #include <graze/apps/console/output_file.hpp>
@@ -28,7 +28,7 @@ struct Options {
   std::vector<std::string> y, layers;
 };
 
-/// --y of a map names one of its quantities.
+/// The view of a map: --y names one of its quantities.
 MapView view_of(const Options& options) {
   if (options.y.size() > 1) throw std::invalid_argument("--y is given twice; the picture of a map shows one quantity");
   const std::string kind = options.y.empty() ? options.kind : "quantity";
@@ -75,7 +75,7 @@ Picture picture_of_file(const Options& options) {
     if (!options.plane.empty()) result[seen_plane] = plane_of(problem_of(result), options.plane);
     return picture_of_result(result, options);
   } catch (const std::invalid_argument& error) {
-    const std::string message = error.what();  // that of a table names file and line itself
+    const std::string message = error.what();  // the error of a table already names file and line
     throw std::invalid_argument(message.starts_with(options.result + ":") ? message : options.result + ": " + message);
   }
 }

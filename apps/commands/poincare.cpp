@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// graze poincare: points of a stroboscopic section or of the impacts.
+// graze poincare: points of a stroboscopic section, of impacts, or of named events.
 #include <graze/apps/commands/command.hpp>
 #include <graze/apps/console/arguments.hpp>
 #include <graze/apps/console/interrupt.hpp>
@@ -24,7 +24,7 @@ namespace graze::apps {
 
 namespace {
 
-constexpr int noted_periods = 50;     // whose events are looked at for notes
+constexpr int noted_periods = 50;     // periods whose events are examined for notes
 constexpr int most_points = 5000000;  // a result is held in memory before it is written
 
 struct Options {
@@ -35,7 +35,7 @@ struct Options {
   OutputOptions output;
 };
 
-/// The section that was asked for; of an autonomous system an event by its name makes itself the return.
+/// Sets the requested section. In an autonomous system, an event given by name becomes the return.
 void take_section(const Options& options, Problem& problem, SectionOptions& collecting) {
   const bool forced = is_forced(problem.system);
   if (options.section == "impact") {

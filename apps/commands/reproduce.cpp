@@ -32,7 +32,7 @@ struct Options {
   OutputOptions output;
 };
 
-/// The file given, or the one that came with the program: installed beside it, or in the tree it was built from.
+/// The given file, or the one shipped with the program: installed beside it, or in the source tree.
 std::string published_file(const Options& options) {
   if (!options.file.empty()) return options.file;
   const std::filesystem::path found = shipped("published.toml");
@@ -52,7 +52,7 @@ Json diagrams_json(const std::vector<SweptDiagram>& diagrams) {
   return list;
 }
 
-/// What an earlier run has left, where it is about the same: diagrams of the same range, rows, claims.
+/// The results of an earlier run that apply to this one: diagrams of the same range, rows, claims.
 Reproduction earlier_run(const Json& json, const Options& options, const Published& published) {
   Reproduction earlier;
   if (json.is_null()) return earlier;
@@ -97,7 +97,7 @@ std::string report(const Reproduction& found) {
   return text;
 }
 
-/// Draws the figures into the folder, side by side, and writes the page. Sentences on what could not be written.
+/// Draws the figures into the folder, in parallel, and writes the page. Returns sentences on outputs that could not be written.
 std::vector<std::string> write_pictures(const Published& published, const Reproduction& found, const std::string& folder,
                                         const Console& console) {
   const std::vector<Figure> figures = figures_of(published, found);

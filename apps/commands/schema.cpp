@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// graze schema: what a result holds, as a JSON Schema.
+// graze schema: the contents of a result, as a JSON Schema.
 #include <graze/apps/commands/command.hpp>
 #include <graze/apps/console/arguments.hpp>
 

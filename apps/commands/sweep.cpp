@@ -35,7 +35,7 @@ std::vector<SweepDirection> directions(const std::string& name) {
   return {name == "down" ? SweepDirection::down : SweepDirection::up};
 }
 
-/// The rows of an earlier run, if it was one of the same options.
+/// The rows of an earlier run with the same options.
 std::vector<SweepRow> earlier_rows(const Json& earlier, const std::string& folder, const Json& head) {
   check_same_run(earlier, head, folder);
   std::vector<SweepRow> rows;
@@ -57,7 +57,7 @@ int run(const Options& given, const Console& console) {
     throw std::invalid_argument(fmt::format("--from {} and --to {}: a sweep needs from < to; --direction down goes the other way",
                                             exact(*options.from), exact(*options.to)));
   check_sweeping(options.sweeping);
-  Problem at_end = problem;  // a wrong value is found out now
+  Problem at_end = problem;  // reports a wrong value now
   set_parameter(at_end, options.parameter, *options.from, "--from");
   set_parameter(at_end, options.parameter, *options.to, "--to");
   const SweepRange range{options.parameter, *options.from, *options.to, directions(options.direction)};
@@ -81,7 +81,7 @@ int run(const Options& given, const Console& console) {
     json["rows"] = nullptr;
     return json;
   };
-  RowQuantities measured;  // when all rows are there
+  RowQuantities measured;  // once all rows are finished
   const auto rows_of = [&measured](const Swept& swept) {
     return LongList{"rows", swept.rows.size(), [&rows = swept.rows, &measured](std::size_t k, std::string& text) {
                       JsonText json(text);
@@ -103,7 +103,7 @@ int run(const Options& given, const Console& console) {
   if (swept.status != Status::done)
     console.err << "graze sweep: " << swept.message << how_to_go_on(swept.status, options.output) << "\n";
   const int code = deliver(result, options.output, "sweep", exit_code(swept.status), console);
-  // Rows by the hundred thousand, each of several lists, take a while to let go of.
+  // Releasing hundreds of thousands of rows, each with several lists, takes time: done in parallel.
   on_threads(console.thread_count(), swept.rows.size(), [&](std::size_t k) { swept.rows[k] = {}; });
   return code;
 }

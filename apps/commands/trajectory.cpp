@@ -24,7 +24,7 @@ namespace graze::apps {
 namespace {
 
 constexpr std::size_t contacts_shown = 40;
-constexpr double most_samples = 2e6;  // in all; a result is held in memory before it is written
+constexpr double most_samples = 2e6;  // in total; a result is held in memory before it is written
 
 struct Options {
   StartOptions start;
@@ -59,7 +59,7 @@ int run(const Options& given, const Console& console) {
     throw std::invalid_argument("--duration is for systems without forcing; give the length of the run by --periods");
   if (options.duration && !(*options.duration > 0.0))
     throw std::invalid_argument(fmt::format("--duration is {}; allowed is > 0", exact(*options.duration)));
-  // A run of a given length need not return at all: by default no returns are taken off before it.
+  // A run of a given duration need not return at all: by default it has no transient counted in returns.
   if (options.duration && !options.start.settle) options.start.settle = 0;
   Json asked = options_json(problem, options.start);
   asked["periods"] = options.periods;

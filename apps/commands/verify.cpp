@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// graze verify: the multipliers and exponents of orbits obtained in independent ways, and how far these disagree; at one value or
-// over a range; with --hard-limit, soft contacts against the rigid stop that they become.
+// graze verify: multipliers and exponents of orbits from independent methods, and their disagreement, at one value or over a
+// range. With --hard-limit: soft contacts compared with the rigid stop that they approach.
 #include <graze/apps/commands/command.hpp>
 #include <graze/apps/console/arguments.hpp>
 #include <graze/apps/console/interrupt.hpp>
@@ -38,8 +38,8 @@ struct Options {
   OutputOptions output;
 };
 
-/// Values of the parameter, in the order in which orbits are carried from one to the next; the problem's own if there is no
-/// range.
+/// The values of the parameter, in the order in which the orbit is carried from one to the next; without a range only the
+/// problem's own value.
 std::vector<double> values_of(const Options& options, const Problem& problem) {
   check_parameter_name(problem, options.parameter);
   const double own = parameter(problem, options.parameter), from = options.from.value_or(own);
@@ -56,7 +56,7 @@ std::vector<double> values_of(const Options& options, const Problem& problem) {
   return values;
 }
 
-/// The parameters of Hertz contact whose hard limit is asked for.
+/// The parameters of Hertz contact whose hard limit is requested.
 Vector hertz_parameters(const Problem& problem) {
   if (problem.contact == "hertz") return built_in_parameters(problem);
   const HybridSystem hertz = make_oscillator(problem.oscillator, "hertz");
@@ -86,7 +86,7 @@ Problem problem_at(const Problem& problem, const Options& options, double value)
   return at;
 }
 
-/// Orbits to verify, and what went wrong on the way.
+/// Orbits to verify, and the failures on the way.
 struct Collected {
   struct Item {
     double value = 0.0;
@@ -106,13 +106,13 @@ struct Collected {
 /// The orbit carried to another value by Newton's method.
 std::optional<PeriodicOrbit> carried(const Problem& at, const PeriodicOrbit& last, const PeriodicOrbit* before) {
   std::vector<Vector> guess = last.states;
-  // Values are equally spaced: a straight line through the last two.
+  // Values are equally spaced: extrapolate linearly from the last two.
   if (before != nullptr && before->states.size() == guess.size())
     for (std::size_t k = 0; k < guess.size(); ++k) guess[k] += last.states[k] - before->states[k];
   try {
     PeriodicOrbit orbit = shoot(at.system, at.parameters, guess, last.period);
     if (orbit.converged() && orbit.period == last.period && orbit.admissible == Admissibility::admissible) return orbit;
-  } catch (const std::invalid_argument&) {  // the straight line leads inside a barrier
+  } catch (const std::invalid_argument&) {  // the extrapolation leads inside a barrier
   }
   return std::nullopt;
 }
@@ -149,7 +149,7 @@ Collected collect(const Problem& problem, const Options& options, const std::vec
     }
     before.reset();
     last.reset();
-    // Without --search one orbit was asked for, also where it took a search to find it.
+    // Without --search one orbit was requested, even if it took a search to find it.
     const std::size_t count = options.orbit.search ? found.orbits.size() : std::min<std::size_t>(found.orbits.size(), 1);
     for (std::size_t i = 0; i < count; ++i) out.orbits.push_back({value, found.orbits[i]});
     if (count > 0 && found.status == Status::done) last = found.orbits.front();
@@ -171,7 +171,7 @@ Verification verify_one(const Problem& at, const Collected::Item& item, const Op
   return out;
 }
 
-/// All of them, side by side; those that an interrupt cuts short are left out.
+/// Verifies all orbits in parallel; those cut short by an interrupt are left out.
 std::vector<Verification> verify_all(const Problem& problem, const Collected& collected, const Options& options,
                                      const Console& console) {
   const std::size_t count = collected.orbits.size();
@@ -198,7 +198,7 @@ std::vector<Verification> verify_all(const Problem& problem, const Collected& co
   return list;
 }
 
-/// What is said of orbits that do not agree, or whose hard limit was not reached.
+/// Adds complaints about orbits that do not agree, or whose hard limit was not reached.
 void judge(const std::vector<Verification>& list, const Options& options, bool range, Collected& collected) {
   for (std::size_t i = 0; i < list.size(); ++i) {
     const std::string which =
@@ -212,7 +212,7 @@ void judge(const std::vector<Verification>& list, const Options& options, bool r
   }
 }
 
-/// The first few, and how many more.
+/// The first complaints, and the number of the others.
 std::string sentence(const std::vector<std::string>& complaints) {
   constexpr std::size_t most = 5;
   const std::size_t count = std::min(most, complaints.size());
@@ -229,7 +229,7 @@ int run(const Options& given, const Console& console) {
   options.parameter = parameter_name(problem, options.parameter);
   const std::vector<double> values = values_of(options, problem);
   const bool range = values.size() > 1;
-  for (const double end : {values.front(), values.back()}) problem_at(problem, options, end);  // a wrong value is found out now
+  for (const double end : {values.front(), values.back()}) problem_at(problem, options, end);  // reports a wrong value now
   if (options.hard_limit) check_hard_limit(problem, options);
   if (!options.hard_limit && !options.output.plot_kind.empty() && options.output.plot_kind != "checks")
     throw std::invalid_argument(fmt::format("--plot-kind {} shows the hard limit; add --hard-limit", options.output.plot_kind));

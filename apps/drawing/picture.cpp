@@ -118,7 +118,7 @@ std::optional<std::array<double, 2>> drawn_range(const Picture& picture, std::si
   return std::array<double, 2>{all[0] - margin, all[1] + margin};
 }
 
-/// The text in lines of a width that fits above the picture, broken after commas.
+/// The text in lines of a width that fits above the picture, broken after commas if possible.
 std::string wrapped(const std::string& text) {
   if (const std::size_t end = text.find('\n'); end != std::string::npos)
     return wrapped(text.substr(0, end)) + "\n" + wrapped(text.substr(end + 1));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Picture of graze.attractors/1: which start leads to which attractor, and the attractors' states on top.
+// Picture of graze.attractors/1: the attractor that each start reaches, and the attractors' states on top.
 #include <graze/apps/pictures/pictures.hpp>
 #include <graze/apps/pictures/range.hpp>
 #include <graze/apps/results/attractor_report.hpp>
@@ -23,20 +23,20 @@ std::string tint(const std::string& colour, double white) {
 
 std::string percent(double share) { return fmt::format("{:.1f}", 100.0 * share); }
 
-/// Half a cell beyond the outermost values.
+/// Extends the range by half a cell beyond the outermost values.
 void take_cells(Range& range, const Json& values) {
   const double first = values.front(), last = values.back(), half = 0.5 * (last - first) / static_cast<double>(values.size() - 1);
   range.take(first - half);
   range.take(last + half);
 }
 
-/// Index of a start's colour: those of the attractors, then that of lost motions; -1: none.
+/// Index of a start's colour: first those of the attractors, then that of lost motions; -1: none.
 int colour_index(const Json& code, std::size_t attractors) {
   const int id = code.is_null() ? -1 : code.get<int>();
   return id > 0 ? id - 1 : id == 0 ? static_cast<int>(attractors) : -1;
 }
 
-/// The two states that stand along the axes: names under which the starts are listed, and their numbers.
+/// The two states along the axes: the names under which the starts are listed, and their indices.
 struct BasinPlane {
   std::array<std::string, 2> name = {"x", "v"};
   std::array<std::size_t, 2> state = {0, 1};
@@ -121,7 +121,7 @@ Picture draw_basins(const Json& result) {
   }
   const double lost = result.at("lost"), admissible = result.at("admissible");
   if (lost > 0.0) picture.curves.push_back(legend_entry(fmt::format("lost: {} %", percent(lost / admissible)), lost_colour));
-  // The barrier where it is in sight; then it stays inside the picture.
+  // A barrier near the range is included in the picture; others are left out.
   for (const Barrier& barrier : barriers_of(result, plane.state[0], true)) {
     if (!(barrier.position > x.low - 0.1 * (x.high - x.low) && barrier.position < x.high + 0.5 * (x.high - x.low))) continue;
     picture.barriers.push_back(barrier);

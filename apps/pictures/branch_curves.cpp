@@ -60,7 +60,7 @@ std::vector<Curve> curves_of(const std::vector<Drawn>& points, std::size_t k) {
   bool broken = true;
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {
     const Drawn &a = points[i], &b = points[i + 1];
-    // Beyond a border the stroke is that of the next point which is none; the last point never is one.
+    // After a border the stroke is that of the next point that is not a border; the last point never is one.
     std::size_t inside = i;
     while (points[inside].border && inside + 1 < points.size()) ++inside;
     if (points[inside].border) break;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Curves of the branches in graze.branch/1: which iterates a point has, in which stroke it is drawn, where a stroke ends.
+// Curves of the branches in graze.branch/1: the iterates of a point, its stroke, and where a stroke ends.
 #pragma once
 
 #include <graze/apps/drawing/picture.hpp>
@@ -10,29 +10,29 @@
 
 namespace graze::apps {
 
-/// gnuplot's point type for the type of a special point, told apart in black and white too.
+/// gnuplot's point type for the type of a special point; the types differ in black and white as well.
 int mark_of_type(const std::string& type);
 int mark_of(const Json& special_point);
 
-/// The end of a branch (EP) has a name and no mark.
+/// Whether a special point has a mark: the end of a branch (EP) has a name only.
 bool is_marked(const Json& special_point);
 
-/// x of a point at forcing phase 0: one, or where the result has them, one per period of the orbit.
+/// x of a point at forcing phase 0: one value, or one per period of the orbit if the result has them.
 std::vector<double> positions(const Json& point);
 
-/// Whether points before it were left out.
+/// Whether points before this one were left out.
 bool follows_gap(const Json& point);
 
 Stroke stroke_of(const Json& point);
 const char* stroke_name(Stroke stroke);
 
-/// A point of a branch as it is drawn; `border`: a special point, which ends one stroke and begins the next.
+/// A point of a branch to draw; `border`: a special point, which ends one stroke and begins the next.
 struct Drawn {
   const Json* point = nullptr;
   bool border = false;
 };
 
-/// Points of a branch with its special points put in where they lie, so that stability changes there and not a step beside it.
+/// The points of a branch with its special points inserted, so that stability changes exactly there and not one step beside.
 std::vector<Drawn> points_in_order(const Json& branch);
 
 /// The k-th iterate of a branch, cut into curves of one stroke each.

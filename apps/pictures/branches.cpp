@@ -18,7 +18,7 @@ namespace graze::apps {
 
 namespace {
 
-/// Where a multiplier lies on the unit circle.
+/// Whether a multiplier of the point lies on the unit circle.
 bool of_multipliers(const Json& point) {
   const std::string type = point.at("type");
   return type == "PD" || type == "LP" || type == "BP" || type == "NS";
@@ -55,7 +55,7 @@ Picture draw_branches(const Json& result) {
       }
     }
   }
-  // The parameter's range ends where the branches do; above and below there is room for the labels.
+  // The parameter's range ends with the branches; above and below there is room for the labels.
   std::array<double, 2> x = {HUGE_VAL, -HUGE_VAL}, y = x;
   for (const Curve& curve : picture.curves)
     for (const auto& point : curve.points) {
@@ -70,14 +70,14 @@ Picture draw_branches(const Json& result) {
   return picture;
 }
 
-/// Special points whose multipliers lie in one place: all doublings at -1, all folds at 1.
+/// Special points with their critical multiplier in one place: all doublings at -1, all folds at 1.
 struct CriticalPoint {
   double re, im;
   int mark;
   std::vector<std::string> names;
 };
 
-/// The mark stands at the multiplier that makes the point what it is: the one nearest to the unit circle.
+/// The mark stands at the critical multiplier: the one nearest to the unit circle.
 void add_critical(std::vector<CriticalPoint>& list, const Json& point) {
   const Json* critical = nullptr;
   double distance = 0.0;
@@ -112,7 +112,7 @@ Curve multiplier_curve(std::size_t series, const std::string& title) {
 }
 
 Picture draw_multipliers(const Json& result) {
-  constexpr double farthest = 2.5;  // beyond it, the unit circle would be a dot
+  constexpr double farthest = 2.5;  // beyond it, the unit circle would shrink to a dot
   Picture picture;
   picture.title = "Floquet multipliers";
   picture.subtitle = model_title(result, result.at("parameter"));
@@ -121,7 +121,7 @@ Picture draw_multipliers(const Json& result) {
   picture.colour_label = parameter_label(result, result.at("parameter"));
   picture.unit_circle = picture.equal_axes = true;
   const bool by_period = result.at("branches").size() > most_branch_colours;
-  std::map<int, std::size_t> curves;  // of a period, where its branches are one
+  std::map<int, std::size_t> curves;  // index of the curve of each period, if all branches of a period share one
   if (by_period) {
     for (const Json& branch : result["branches"]) curves[branch.at("period")];
     for (auto& [period, curve] : curves) {
@@ -163,7 +163,7 @@ Picture draw_multipliers(const Json& result) {
     if (named < point.names.size()) text += fmt::format(" and {} more", point.names.size() - named);
     picture.labels.push_back({point.re, point.im, text, point.mark, "black"});
   }
-  up = std::max(up, 0.65 * right);  // the shape of the paper
+  up = std::max(up, 0.65 * right);  // the aspect ratio of the page
   picture.x_range = {{-1.15 * right, 1.15 * right}};
   picture.y_range = {{-1.15 * up, 1.15 * up}};
   if (values[0] < values[1]) picture.colour_range = values;

@@ -17,7 +17,7 @@ constexpr double smallest = 1e-17;  // an exact agreement has no logarithm
 
 double number(const Json& json) { return json.is_number() ? json.get<double>() : NAN; }
 
-/// One value: all checks side by side.
+/// A single value: all checks side by side.
 Picture draw_list(const Json& result) {
   Picture picture;
   picture.title = "Checks";
@@ -46,7 +46,7 @@ Picture draw_list(const Json& result) {
   return picture;
 }
 
-/// A range: each check in units of its bound over the parameter.
+/// A range: each check in units of its bound against the parameter.
 Picture draw_range(const Json& result) {
   const std::string parameter = result.at("parameter");
   Picture picture;
@@ -81,7 +81,7 @@ Picture draw_range(const Json& result) {
   const Json& options = result.at("options");
   const double from = options.at("from"), to = options.at("to"), margin = 0.03 * std::abs(to - from);
   picture.x_range = {{std::min(from, to) - margin, std::max(from, to) + margin}};
-  // The bound has room above it, where what is above would stand.
+  // The axis extends above the bound, where a violation would be seen.
   double highest = 1.0, lowest = 1.0;
   for (const Curve& curve : picture.curves)
     for (const auto& point : curve.points) {
@@ -100,9 +100,9 @@ Picture draw_checks(const Json& result) {
   return range ? draw_range(result) : draw_list(result);
 }
 
-/// The first orbits that have what is wanted of the hard limit, with their titles.
+/// The first orbits with the requested part of the hard limit, and their titles.
 std::vector<std::pair<std::string, const Json*>> hard_limits(const Json& result, const char* part) {
-  constexpr std::size_t most = 4;  // what can be told apart
+  constexpr std::size_t most = 4;  // as many as can be told apart
   std::vector<std::pair<std::string, const Json*>> list;
   for (const Json& orbit : result.at("orbits"))
     if (list.size() < most && orbit.contains("hard_limit") && orbit["hard_limit"].contains(part))

@@ -10,17 +10,17 @@ namespace graze::apps {
 
 namespace {
 
-constexpr double branch_widths = 0.6;  // thin, so that the sweeps show at their sides
+constexpr double branch_widths = 0.6;  // thin, so that the sweeps are visible on both sides
 constexpr double upper_height = 1.6, lower_height = 0.85;
-constexpr double upper_lines = 35.0;  // lines of text that the upper axes would hold without title and legend
+constexpr double upper_lines = 35.0;  // lines of text in the height of the upper axes, without title and legend
 
 const char* sweep_colour(const std::string& direction) { return direction == "up" ? "#86aede" : "#dba678"; }
 
-/// States of the sweeps: periodic ones as bands that show at the sides of the branch they lie on, others as fine dots.
+/// States of the sweeps: periodic ones as bands visible on both sides of their branch, others as fine dots.
 std::vector<Curve> samples_of(const Json& result) {
   std::vector<Curve> list;
   for (const bool periodic : {false, true})
-    for (const char* direction : {"down", "up"}) {  // where both go the same way, the wider band of "down" is seen beside "up"
+    for (const char* direction : {"down", "up"}) {  // if both agree, the wider band of "down" is visible beside "up"
       Curve curve;
       curve.stroke = Stroke::dots;
       curve.colour = sweep_colour(direction);

@@ -16,10 +16,10 @@ namespace {
 
 using Z = std::pair<int, int>;  // n and p of z = p/n
 
-constexpr std::size_t most_own = 9;  // z with a colour of their own
-constexpr int longest = 8;           // period with a colour of its own
+constexpr std::size_t most_own = 9;  // number of z with colours of their own
+constexpr int longest = 8;           // longest period with a colour of its own
 
-/// Of a period: light to dark, by the number of impacts; and one for all others.
+/// The colours of a period: light to dark by the number of impacts, and one for all other z.
 struct Hue {
   std::vector<const char*> shades;
   const char* others;
@@ -43,7 +43,7 @@ const Hue& hue_of(int period) {
 constexpr const char *impactless_colour = "#e3edf5", *sticking_colour = "#a0127d", *chaotic_colour = "#c0281c",
                      *undecided_colour = "#555555", *inadmissible_colour = "#cccccc", *lost_colour = "#000000";
 
-/// Collects classes of points: a colour each, one line of the legend each.
+/// Collects classes of points, each with one colour and one line of the legend.
 class Classes {
  public:
   explicit Classes(MapColours& out) : out_(out) {}
@@ -52,7 +52,7 @@ class Classes {
     out_.colours.push_back(colour);
     return static_cast<int>(out_.colours.size()) - 1;
   }
-  /// Points that were not reached are white, with a rim in the legend.
+  /// Adds an entry for points that were not computed: white, with a rim in the legend.
   void add_white(const std::string& title) {
     out_.legend.push_back(legend_entry(title, "#808080"));
     out_.legend.back().mark = 4;
@@ -64,12 +64,12 @@ class Classes {
 
 bool is_impactless(const MapPoint& point) { return point.impacts == 0 && point.period == 1; }
 
-/// What all points of these z are called together.
+/// The common name of all points with these z.
 std::string common_name(const std::set<Z>& list, const std::string& name) {
   return list.size() == 1 ? z_label(list.begin()->second, list.begin()->first) : name;
 }
 
-/// Colours of the z that occur so often, those of the others by period, and their lines of the legend.
+/// Assigns colours to the most frequent z, and to the others by period, and adds their lines to the legend.
 std::map<Z, int> periodic_classes(const std::map<Z, std::size_t>& counts, Classes& classes) {
   std::vector<std::pair<Z, std::size_t>> list(counts.begin(), counts.end());
   std::stable_sort(list.begin(), list.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
@@ -105,7 +105,7 @@ bool occurs(const std::vector<MapPoint>& points, bool (*is)(const MapPoint&)) {
 
 template <MapType type> bool is_of(const MapPoint& point) { return point.type == type; }
 
-/// Of points that are in both kinds of pictures what they are: index of a class by type, -1 where there is none.
+/// The classes that both kinds of pictures show alike: index of a class by type, -1 if there is none.
 std::map<MapType, int> classes_without_motion(const std::vector<MapPoint>& points, Classes& classes) {
   std::map<MapType, int> found;
   if (occurs(points, is_of<MapType::inadmissible>))
@@ -122,7 +122,7 @@ int at(const std::map<MapType, int>& classes, MapType type) {
 
 unsigned long part(const std::string& colour, int shift) { return std::stoul(colour.substr(1), nullptr, 16) >> shift & 255; }
 
-/// As gnuplot mixes the colours of a scale.
+/// The colour of a value, interpolated as gnuplot does.
 std::string colour_at(const std::vector<ColourStop>& scale, double value) {
   std::size_t i = 1;
   while (i + 1 < scale.size() && value > scale[i].value) ++i;
@@ -135,7 +135,7 @@ std::string colour_at(const std::vector<ColourStop>& scale, double value) {
   return colour;
 }
 
-/// From the lowest exponent over zero to the highest.
+/// From the lowest exponent through zero to the highest.
 std::vector<ColourStop> diverging_scale(double lowest, double highest) {
   std::vector<ColourStop> scale;
   if (lowest < 0.0)
@@ -150,7 +150,7 @@ std::vector<ColourStop> diverging_scale(double lowest, double highest) {
 
 std::vector<ColourStop> sequential_scale(double lowest, double highest) {
   constexpr std::array colours = {"#440154", "#3b528b", "#21918c", "#5ec962", "#fde725"};
-  if (!(lowest < highest)) {  // one value: a scale has a width
+  if (!(lowest < highest)) {  // a single value: the scale needs a width
     const double half = 1e-3 * std::max(std::abs(lowest), 1e-3);
     lowest -= half;
     highest += half;
@@ -161,7 +161,7 @@ std::vector<ColourStop> sequential_scale(double lowest, double highest) {
   return scale;
 }
 
-/// Points by their number on a scale from the lowest to the highest of all; `none`: the name of points that have no number.
+/// Colours of points by their number, on a scale from the lowest to the highest; `none`: the name of points without a number.
 MapColours scaled_colours(const std::vector<MapPoint>& points, const std::function<double(const MapPoint&)>& number,
                           std::vector<ColourStop> (*scale_of)(double lowest, double highest), const char* none) {
   constexpr int steps = 400;
@@ -201,7 +201,7 @@ MapColours attractor_colours(const std::vector<MapPoint>& points) {
   MapColours out;
   Classes classes(out);
   std::map<Z, std::size_t> counts;
-  std::set<int> sticking;  // periods
+  std::set<int> sticking;  // periods of sticking motions
   for (const MapPoint& point : points) {
     if (sticks(point))
       sticking.insert(point.period);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Pictures of graze.map/1: a cell for each point, coloured by its attractor, its first exponent or a quantity, a panel for
-// each layer.
+// Pictures of graze.map/1: a cell for each point, coloured by its attractor, its first exponent or a quantity; one panel per
+// layer.
 #include <graze/apps/map/map_report.hpp>
 #include <graze/apps/pictures/map_colours.hpp>
 #include <graze/apps/pictures/maps.hpp>
@@ -17,10 +17,10 @@ namespace graze::apps {
 
 namespace {
 
-constexpr int most_columns = 800, most_rows = 500;  // cells of a picture: it has no more elements
+constexpr int most_columns = 800, most_rows = 500;  // cells of a picture: it has no more pixels
 constexpr std::size_t most_panels = 4;
 
-/// Every so-many-th index, the middle ones of their neighbourhoods.
+/// Every k-th index, each in the middle of its group.
 std::vector<int> thinned(int count, int most) {
   const int step = (count + most - 1) / most;
   std::vector<int> kept;
@@ -28,7 +28,7 @@ std::vector<int> thinned(int count, int most) {
   return kept;
 }
 
-/// Values of an axis at these indices; at least two, for cells need a width.
+/// The values of an axis at these indices; at least two, because cells need a width.
 std::vector<double> cell_values(const ParameterAxis& axis, const std::vector<int>& kept) {
   std::vector<double> values;
   for (const int i : kept) values.push_back(axis.at(i));
@@ -42,7 +42,7 @@ std::array<double, 2> range_of(const std::vector<double>& values) {
   return {values.front() - half, values.back() + half};
 }
 
-/// Neither 0 nor 100 unless it is.
+/// A percentage that is 0 or 100 only if that is exact.
 std::string percent(std::size_t part, std::size_t whole) {
   const double share = 100.0 * static_cast<double>(part) / static_cast<double>(whole);
   return fmt::format("{:.0f}", part == whole ? share : std::clamp(share, 1.0, 99.0));
@@ -59,7 +59,7 @@ Picture draw_quantity(const Json& result) { return draw_json(result, "quantity")
 
 bool has_quantities(const Json& result) { return result.at("options").contains("y"); }
 
-/// What the picture shows of a point: its colour, title and the label of its scale.
+/// The colours of the points, the title and the label of the scale.
 struct Shading {
   MapColours colours;
   std::string title, label;
@@ -128,7 +128,7 @@ Picture picture_of_map(const MapPlan& plan, const MapRows& rows, const MapView& 
   std::vector<int> panels = layers;
   for (int layer = 0; layers.empty() && layer < std::min(plan.layers(), static_cast<int>(most_panels)); ++layer)
     panels.push_back(layer);
-  // Row by row: a file is read band by band, and the whole map need not fit into memory. Panel by panel in each row.
+  // Row by row, panel by panel in each row: a file is read band by band, and the whole map need not fit into memory.
   std::vector<MapPoint> points;
   for (const int row : kept_rows) {
     const std::vector<MapPoint> all = rows(row);
@@ -145,7 +145,7 @@ Picture picture_of_map(const MapPlan& plan, const MapRows& rows, const MapView& 
     picture.title = title;
     if (plan.layers() > 1) picture.title += fmt::format(", layer {}: {}", panels[panel], layer_name(plan, panels[panel]));
     picture.subtitle = map_model(plan);
-    if (panels.size() > 1) picture.subtitle.replace(picture.subtitle.find(": "), 2, "\n");  // narrow
+    if (panels.size() > 1) picture.subtitle.replace(picture.subtitle.find(": "), 2, "\n");  // panels are narrow: break the line
     if (plan.layers() == 1) picture.subtitle += "\n" + layer_name(plan, 0);
     if (missing > 0)
       picture.subtitle += fmt::format("\nincomplete: {} % of the points are not computed", percent(missing, points.size()));

@@ -12,18 +12,18 @@ namespace graze::apps {
 
 struct MapView {
   std::string kind = {};         ///< "attractors" (default), "exponent" or "quantity"
-  std::string quantity = {};     ///< of the map; empty: its first
+  std::string quantity = {};     ///< a quantity of the map; empty: the first
   std::vector<int> layers = {};  ///< of --layer; empty: the first four
 };
 
-/// A map of more points than the picture has elements is drawn from every so-many-th of them. @throws std::invalid_argument for
-/// a kind, a quantity or a layer that the map does not have.
+/// The picture of a map. A map with more points than the picture has pixels is drawn from every k-th point. @throws
+/// std::invalid_argument for a kind, a quantity or a layer that the map does not have.
 Picture picture_of_map(const MapPlan& plan, const MapRows& rows, const MapView& view = {});
 
-/// What --layer says, once or several times. @throws std::invalid_argument if it is no whole number.
+/// The layers given by --layer, once or several times. @throws std::invalid_argument if one is not a whole number.
 std::vector<int> layer_numbers(const std::vector<std::string>& texts);
 
-/// Whether these can be drawn. @throws std::invalid_argument with one sentence if not.
+/// @throws std::invalid_argument with one sentence if these layers cannot be drawn.
 void check_layers(const MapPlan& plan, const std::vector<int>& layers);
 
 }  // namespace graze::apps

@@ -18,8 +18,8 @@ namespace graze::apps {
 
 namespace {
 
-constexpr int samples_per_period = 600;                                     // a short contact is still a smooth arc
-constexpr std::size_t most_samples_per_period = 2400, most_samples = 9000;  // of a trajectory: more are an image
+constexpr int samples_per_period = 600;                                     // enough for a smooth arc in a short contact
+constexpr std::size_t most_samples_per_period = 2400, most_samples = 9000;  // of a trajectory: larger ones become an image
 
 struct Sampled {
   std::string title;
@@ -27,7 +27,7 @@ struct Sampled {
   std::vector<std::array<double, 2>> strobe;
 };
 
-/// Puts the states just before and after each event between the samples: an impact turns x' over in no time.
+/// Inserts the states just before and after each event between the samples: an impact reverses x' instantaneously.
 void insert_events(Sampled& motion, const Json& events, const StatePair& plane) {
   std::vector<std::array<double, 3>> rows;
   std::size_t next = 0;
@@ -48,7 +48,7 @@ std::array<double, 3> in_plane(double tau, const Vector& x, const StatePair& pla
   return {tau, both[0], both[1]};
 }
 
-/// An orbit of a result, run through again from its state.
+/// An orbit of a result, simulated again from its state.
 Sampled sampled_orbit(const Problem& problem, const Json& orbit, const StatePair& plane, const std::string& name) {
   const int period = orbit.at("period");
   const Vector state = vector_from(orbit.at("state"));
@@ -80,14 +80,14 @@ std::vector<Sampled> orbits_of(const Json& result) {
   return list;
 }
 
-/// A short contact is a polygon in few samples: each period is run through again from its state at phase 0.
+/// A short contact is a polygon with few samples: each period is simulated again from its state at phase 0.
 void sample_more_finely(Sampled& motion, const Json& result, const StatePair& plane) {
   const auto periods = result.at("periods").get<std::size_t>();
   const std::size_t finer = std::min(most_samples_per_period, most_samples / std::max<std::size_t>(periods, 1));
   if (result.contains(seen_quantity) || periods == 0 || finer == 0 || motion.rows.size() > finer * periods) return;
   const Problem problem = problem_of(result);
   const double T = is_forced(problem.system) ? forcing_period(problem.system, problem.parameters) : 0.0;
-  // Of an autonomous system, to which no returns but a duration may belong.
+  // For an autonomous system, which may have a duration instead of returns.
   const double stretch = result.at("options").value("duration", 0.0) / static_cast<double>(periods);
   double begin = 0.0;
   std::vector<std::array<double, 3>> rows;
@@ -100,7 +100,7 @@ void sample_more_finely(Sampled& motion, const Json& result, const StatePair& pl
     begin += again.duration;
   }
   if (rows.empty()) return;
-  // The end, and what there is of a period in which the motion ended.
+  // The end, and the part of a period in which the motion ended.
   const double last = rows.back()[0];
   std::copy_if(motion.rows.begin(), motion.rows.end(), std::back_inserter(rows),
                [last](const auto& row) { return row[0] > last; });
@@ -144,7 +144,7 @@ Picture phase_portrait(const Json& result, const std::vector<Sampled>& motions) 
     for (const auto& state : motions[i].strobe) strobe.points.push_back({state[0], state[1], 0.0});
   }
   picture.curves.push_back(std::move(strobe));
-  // The barrier stays inside the picture, with a little of what lies behind it.
+  // The picture includes the barrier and a little of the region behind it.
   const double margin = 0.06 * std::max(across.high - across.low, 1e-3);
   if (across.low <= across.high) picture.x_range = {{across.low - margin, across.high + margin}};
   return picture;
@@ -166,7 +166,7 @@ Picture time_series(const Json& result, const std::vector<Sampled>& motions) {
     for (const auto& row : motions[i].rows) curve.points.push_back({row[0], row[1], 0.0});
     picture.curves.push_back(std::move(curve));
   }
-  // The barrier and its name stay inside the picture.
+  // The picture includes the barrier and its name.
   Range up;
   for (const Barrier& barrier : picture.barriers) up.take(barrier.position);
   for (const Curve& curve : picture.curves)
@@ -186,7 +186,7 @@ Picture draw_point(const Json& result) {
   const Json& point = result.at("special_point");
   if (point.is_null()) throw std::invalid_argument("this result holds no special point: none was found");
   const std::string name = result.at("options").at("param");
-  Json there = result;  // its parameters are those of the model: the point has its own value of one of them
+  Json there = result;  // its parameters are those of the model; the point has its own value of one of them
   there["parameters"][name] = point.at("value");
   Sampled motion = sampled_orbit(problem_of(there), point, portrait_plane(there), point.at("label").get<std::string>() + ": ");
   Picture picture = phase_portrait(there, {motion});
@@ -216,7 +216,7 @@ Picture draw_section(const Json& result) {
     highest = std::max(highest, curve.points.back()[0]);
   }
   picture.curves.push_back(std::move(curve));
-  // Drawn where it is in sight: it must not squeeze the section into a corner.
+  // Drawn only if it lies near the points: a distant barrier would squeeze the section into a corner.
   for (const Barrier& barrier : barriers_of(result, 0, true)) {
     if (impacts || !(barrier.position < highest + 0.5 * (highest - lowest))) continue;
     picture.barriers.push_back(barrier);
@@ -225,7 +225,7 @@ Picture draw_section(const Json& result) {
   }
   const double margin = 0.05 * std::max(highest - lowest, 1e-3);
   if (!impacts && count > 0) picture.x_range = {{lowest - margin, highest + margin}};
-  // A periodic attractor is a few points: the axis shows where they are, and not how their last digits differ.
+  // A periodic attractor consists of a few points: the axis shows where they are, not how their last digits differ.
   const double above = std::max(0.05 * (fastest - slowest), 0.01 * std::max(std::abs(slowest), std::abs(fastest)));
   if (count > 0) picture.y_range = {{slowest - std::max(above, 1e-3), fastest + std::max(above, 1e-3)}};
   return picture;

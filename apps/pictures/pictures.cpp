@@ -102,7 +102,7 @@ std::string model_title(const Json& result, const std::string& except) { return 
 
 namespace {
 
-/// Whether a quantity stands in the place of the state.
+/// Whether a quantity takes the place of the state.
 bool is_seen(const Json& result, std::size_t state) {
   return result.contains(seen_quantity) && state == result.value(seen_place, std::size_t{0});
 }
@@ -123,7 +123,7 @@ std::vector<Barrier> barriers_of(const Json& result, std::size_t state, bool ver
     const Vector nowhere = Vector::Zero(static_cast<Eigen::Index>(problem.system.states));
     const std::vector<double> found = equations::values(graph, both, 0.0, nowhere, problem.parameters);
     const auto known = [&](const Barrier& other) { return other.position == found[0] && other.above == (found[1] > 0.0); };
-    if (std::any_of(list.begin(), list.end(), known)) continue;  // of another mode
+    if (std::any_of(list.begin(), list.end(), known)) continue;  // the same barrier in another mode
     const std::string text = is_built_in(problem)
                                  ? fmt::format("barrier x = r = {}", rounded(found[0], 6))
                                  : fmt::format("stop at {} = {}", state_columns(problem)[state], rounded(found[0], 6));
@@ -143,9 +143,11 @@ StatePair portrait_plane(const Json& result) {
 
 namespace {
 
-/// What stands behind a name on an axis: " / mm", " (dimensionless)".
+/// The unit after a name on an axis: " / mm", " (dimensionless)".
 std::string unit_behind(const Json& result, const std::string& name) {
-  if (!result.contains("states") && !result.contains("converted_from")) return " (dimensionless)";  // without making the system
+  if (!result.contains("states") && !result.contains("converted_from"))
+    return " (dimensionless)";  // avoids building the
+                                // system
   return unit_behind(problem_of(result), name);
 }
 

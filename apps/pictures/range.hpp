@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Range: the values that one axis of a picture has to show.
+// Range: the values that one axis of a picture must show.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@ struct Range {
     high = std::max(high, value);
   }
   bool empty() const { return !(low <= high); }
-  /// Wider by a share of its width on either side, and never of no width.
+  /// The range widened by a share of its width on either side; its width is never zero.
   std::array<double, 2> with_margin(double share) const {
     const double margin = share * std::max(high - low, 1e-9 * (1.0 + std::abs(high)));
     return {low - margin, high + margin};

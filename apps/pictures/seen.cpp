@@ -13,7 +13,7 @@ namespace graze::apps {
 
 namespace {
 
-/// The values where states stand; empty: not known.
+/// The quantity's values in the form of states; empty: unknown.
 Json values_of(const Json& point, const std::string& quantity) {
   const Json& value = point.at("y").at(quantity);
   Json list = Json::array();
@@ -24,7 +24,7 @@ Json values_of(const Json& point, const std::string& quantity) {
   return list;
 }
 
-/// False: the point has none.
+/// Puts the quantity in place of the state; false: the point has no value.
 bool see(Json& point, const std::string& quantity) {
   Json values = values_of(point, quantity);
   if (values.empty()) return false;
@@ -36,7 +36,7 @@ bool see(Json& point, const std::string& quantity) {
 
 void see_branch(Json& branch, const std::string& quantity) {
   Json points = Json::array(), special = Json::array();
-  std::vector<std::size_t> number;  // of each point among those that stay, or of the last before it
+  std::vector<std::size_t> number;  // index of each point among those that remain, or of the last one before it
   bool gap = false;
   for (Json& point : branch.at("points")) {
     if (!see(point, quantity)) {
@@ -57,7 +57,7 @@ void see_branch(Json& branch, const std::string& quantity) {
   branch["special_points"] = std::move(special);
 }
 
-/// Of a trajectory or a section.
+/// Puts the quantity in place of a state of a trajectory or a section.
 void see_columns(Json& out, const std::string& quantity) {
   const Json& columns = out["columns"];
   const auto from = static_cast<std::size_t>(std::find(columns.rbegin(), columns.rend(), quantity).base() - columns.begin()) - 1;
@@ -109,7 +109,7 @@ Picture draw_seen(const PictureKind& kind, const Json& result) {
     one.below.clear();
     one.title.clear();
     one.subtitle.clear();
-    for (Curve& curve : one.curves) curve.title.clear();  // the legend above is for all
+    for (Curve& curve : one.curves) curve.title.clear();  // the legend above serves all axes
     one.x_range = picture.x_range;
     further.push_back(std::move(one));
   }

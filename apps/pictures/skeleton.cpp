@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Picture of graze.branch/1 as a whole: every branch in the colour of its period, special points marked by type, z along
-// branches.
+// Picture of graze.branch/1 as a whole: every branch in the colour of its period, special points marked by type, z written
+// along the branches.
 #include <graze/apps/pictures/pictures.hpp>
 #include <graze/apps/pictures/skeleton.hpp>
 #include <graze/apps/text/number.hpp>
@@ -17,7 +17,7 @@ namespace graze::apps {
 
 namespace {
 
-/// Longer periods have more and closer curves.
+/// Longer periods have more and closer curves, which are drawn thinner.
 double width_of(int period, Stroke stroke) {
   const double stable = period <= 2 ? 3.0 : period <= 4 ? 2.4 : 1.8;
   return stroke == Stroke::solid ? stable : stroke == Stroke::dotted ? 1.6 : period <= 4 ? 1.5 : 0.9;
@@ -49,7 +49,7 @@ void SkeletonAxes::take_in(const SkeletonCurves& parts) {
 void SkeletonAxes::add_margins(const SkeletonCurves& parts) {
   const double aside = 0.01 * std::max(x[1] - x[0], 1e-9), above = 0.08 * std::max(y[1] - y[0], 1e-6);
   x = {x[0] - aside, x[1] + aside};
-  // Above, where the largest iterates are, their names need room.
+  // The names of the largest iterates need room above.
   y = {y[0] - above, y[1] + (parts.named.size() > 6 ? 3.0 : 1.5) * above};
 }
 
@@ -155,8 +155,8 @@ std::size_t nearest_to(double x, const std::vector<double>& list) {
   return static_cast<std::size_t>(std::min_element(list.begin(), list.end(), closer) - list.begin());
 }
 
-/// The doubling at which an end of a doubled branch lies, by its nearness; null if there is none. Branches begin and stop a
-/// little beside it, which a square root makes a gap that is seen.
+/// The doubling at one end of a doubled branch, found by distance; null if there is none. Branches begin and stop slightly
+/// beside it. A square root turns this distance into a visible gap.
 const Json* doubling_at(const Json& result, const Json& branch, const Json& end) {
   const int period = branch.at("period");
   const double value = end.at("value");
@@ -177,7 +177,7 @@ const Json* doubling_at(const Json& result, const Json& branch, const Json& end)
   return nearest;
 }
 
-/// Lines from the ends of a doubled branch to the doublings at which it begins and ends.
+/// Adds lines from the ends of a doubled branch to the doublings at which it begins and ends.
 void close_gaps(const Json& result, const Json& branch, SkeletonCurves& parts) {
   const Json& points = branch.at("points");
   if (points.empty()) return;
@@ -235,7 +235,7 @@ SkeletonCurves skeleton_curves(const Json& result) {
 
 namespace {
 
-/// Length of a curve from its first point to each, in columns; rows are about twice as high as columns are wide.
+/// Length of a curve from its first point to each point, in columns; rows are about twice as high as columns are wide.
 std::vector<double> lengths(const std::vector<Cell>& curve) {
   std::vector<double> list = {0.0};
   for (std::size_t i = 0; i + 1 < curve.size(); ++i)
@@ -243,7 +243,7 @@ std::vector<double> lengths(const std::vector<Cell>& curve) {
   return list;
 }
 
-/// A stretch of a branch along which z stays the same: its points, by iterate.
+/// A part of a branch along which z is constant: its points, by iterate.
 struct Stretch {
   int period = 0;
   std::string z;
@@ -275,7 +275,7 @@ std::vector<Stretch> stretches_of(const Json& result, const SkeletonAxes& axes) 
   return list;
 }
 
-/// Places along the stretch that may carry its z, from the middle outwards, iterate beside iterate.
+/// Places along the part that may carry its z, from the middle outwards, alternating between iterates.
 std::vector<Cell> middle_of(const Stretch& stretch) {
   std::vector<std::pair<double, Cell>> found;
   for (const std::vector<Cell>& curve : stretch.iterates) {
@@ -295,7 +295,7 @@ std::vector<Cell> middle_of(const Stretch& stretch) {
   return list;
 }
 
-/// Puts words where there is room for them, and counts those for which there was none.
+/// Places words if there is room, and counts those without room.
 class Wording {
  public:
   Wording(const SkeletonCurves& parts, const SkeletonAxes& axes, const std::vector<Barrier>& barriers,
@@ -317,7 +317,7 @@ class Wording {
     words_.leaders.size = 0.7;
   }
 
-  /// Names of the special points whose period is within the limits.
+  /// Names the special points whose period is within the limits.
   void name_points(const std::vector<SkeletonCurves::Named>& points, int from, int to, double farthest) {
     struct Group {
       std::vector<Cell> marks;
@@ -336,7 +336,7 @@ class Wording {
         groups.insert(groups.begin(), {marks, point.label, 1});
         continue;
       }
-      // Only where every one of the group has a mark can the words stand for all.
+      // The words can stand for the whole group only at a mark that all its points share.
       std::erase_if(same->marks, [&](const Cell& mark) {
         return std::none_of(marks.begin(), marks.end(), [&](const Cell& other) { return one_mark(mark, other); });
       });
@@ -352,7 +352,7 @@ class Wording {
     }
   }
 
-  /// Those from one length to another.
+  /// Labels the parts whose length lies between two limits.
   void label_stretches(const std::vector<Stretch>& stretches, double from, double to) {
     for (const Stretch& stretch : stretches) {
       if (const double length = stretch.length(); length < from || length >= to) continue;
@@ -364,7 +364,7 @@ class Wording {
   SkeletonWords words() && { return std::move(words_); }
 
  private:
-  /// Marks that cover each other have their words in one place.
+  /// Whether two marks overlap, so that their words share one place.
   static bool one_mark(Cell a, Cell b) { return std::abs(a.column - b.column) < 1.0 && std::abs(a.row - b.row) < 0.5; }
 
   void put(const PlacedWords& placed, const std::string& text, const std::string& colour) {
@@ -386,7 +386,8 @@ SkeletonWords skeleton_words(const Json& result, const SkeletonCurves& parts, co
                              const std::vector<Barrier>& barriers, const std::vector<Curve>& samples) {
   Wording wording(parts, axes, barriers, samples);
   const std::vector<Stretch> stretches = stretches_of(result, axes);
-  constexpr double conspicuous = 15.0, shortest = 6.0;  // lengths that z comes first on, and that it has room on
+  constexpr double conspicuous = 15.0, shortest = 6.0;  // length above which z has priority, and shortest length with room for
+                                                        // z
   wording.label_stretches(stretches, conspicuous, HUGE_VAL);
   wording.name_points(parts.named, 1, longest_with_words, 22.0);
   wording.label_stretches(stretches, shortest, conspicuous);

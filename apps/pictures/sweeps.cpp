@@ -36,13 +36,13 @@ Picture draw_states(const Json& result) {
   return picture;
 }
 
-/// The directions are told apart by their colours, the first exponent from the others by its strength.
+/// The colour tells the directions apart, its intensity the first exponent from the others.
 std::string exponent_colour(const std::string& direction, std::size_t exponent) {
   if (direction == "up") return exponent == 0 ? "#1f77b4" : "#9ecae1";
   return exponent == 0 ? "#d95f02" : "#fdc08a";
 }
 
-/// Marks at the lower edge where the first exponent is -infinity, for the motion sticks.
+/// Adds marks at the lower edge where the first exponent is -infinity because the motion sticks.
 void add_forgetful(Picture& picture, const Json& result) {
   double lowest = -0.1;
   Curve marks{.title = "exponent 1 is -infinity", .stroke = Stroke::marks, .colour = "#a0127d", .size = 0.8, .mark = 11};
@@ -72,7 +72,7 @@ Picture exponents_within(const Json& result, const std::array<double, 2>& x_rang
       Curve& curve = list[i];
       curve.title = "exponent " + std::to_string(i + 1) + ", sweep " + direction;
       curve.colour = exponent_colour(direction, i);
-      curve.size = direction == "up" ? 1.3 : 3.0;  // both are seen where they go together
+      curve.size = direction == "up" ? 1.3 : 3.0;  // both are visible where they coincide
       curve.points.push_back({row.at("value"), exponents[i].is_null() ? NAN : exponents[i].get<double>(), 0.0});
     }
   }
@@ -87,7 +87,7 @@ Picture exponents_within(const Json& result, const std::array<double, 2>& x_rang
 
 Picture draw_exponents(const Json& result) { return exponents_within(result, range_of(result)); }
 
-/// The attractors above their exponents, on one axis.
+/// The attractors above their exponents, on a common axis.
 Picture draw_diagram(const Json& result) {
   Picture picture = draw_states(result);
   picture.title = "Attractors and their Lyapunov exponents";
@@ -98,17 +98,17 @@ Picture draw_diagram(const Json& result) {
 }  // namespace
 
 void add_sweep_dots(Picture& picture, const std::map<std::string, std::vector<std::array<double, 3>>>& states) {
-  // Where both go the same way, the wider band of "down" is seen beside "up", which is drawn after it.
+  // If both directions agree, the wider band of "down" is visible beside "up", which is drawn later.
   std::vector<Curve> curves;
   for (const auto& [direction, points] : states) {
     if (points.empty()) continue;
     const bool wide = direction != "up" && states.size() > 1;
     curves.push_back({.stroke = Stroke::dots, .colour = direction == "up" ? "#1f77b4" : "#fdae6b", .size = wide ? 0.5 : 0.25});
     curves.back().points = points;
-    Curve entry = legend_entry("sweep " + direction, curves.back().colour);  // such fine dots would not be seen in it
+    Curve entry = legend_entry("sweep " + direction, curves.back().colour);  // dots this fine would be invisible in the legend
     entry.stroke = Stroke::dots;
     entry.size = 1.2;
-    entry.points = {{1e30, points.front()[1], 0.0}};  // to the right alone: the range of x is given, that of y is not
+    entry.points = {{1e30, points.front()[1], 0.0}};  // far only in x: the range of x is given, that of y is not
     picture.curves.push_back(std::move(entry));
   }
   for (Curve& curve : curves) picture.curves.push_back(std::move(curve));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Pictures of CSV tables: graze's own, known by their header, and any other.
+// Pictures of CSV tables: graze's own, recognised by their header, and any other.
 #include <graze/apps/pictures/branch_curves.hpp>
 #include <graze/apps/pictures/pictures.hpp>
 #include <graze/apps/pictures/range.hpp>
@@ -33,14 +33,14 @@ bool has(const Table& table, const std::string& name) {
 
 double number(const std::vector<std::string>& row, std::size_t i) { return parse_number(row[i]).value_or(std::nan("")); }
 
-/// A table as `graze continue --csv` writes it: the parameter stands between "impacts" and "x".
+/// Whether the table has the form of `graze continue --csv`: the parameter stands between "impacts" and "x".
 bool is_branches(const Table& table) {
   for (const char* name : {"branch", "label", "period", "impacts", "x", "stable", "admissible"})
     if (!has(table, name)) return false;
   return column(table, "x") == column(table, "impacts") + 2;
 }
 
-/// Column `up` against column `across`: x against the parameter unless they are named.
+/// Column `up` against column `across`: x against the parameter if they are not named.
 Picture draw_branches(const Table& table, const std::string& across, const std::string& up) {
   const std::size_t branch = column(table, "branch"), label = column(table, "label"), period = column(table, "period"),
                     x = column(table, up.empty() ? "x" : up),
@@ -50,7 +50,7 @@ Picture draw_branches(const Table& table, const std::string& across, const std::
   picture.title = "Periodic orbits";
   picture.x_label = table.columns[value] + (across.empty() ? " (dimensionless)" : "");
   picture.y_label = up.empty() ? "x at forcing phase 0 (dimensionless)" : up;
-  std::map<std::string, std::size_t> colours;  // by branch, in the order in which they come
+  std::map<std::string, std::size_t> colours;  // by branch, in order of appearance
   std::map<std::string, bool> titled;
   std::set<std::string> branches;
   for (const auto& row : table.rows) branches.insert(row[branch]);
@@ -66,7 +66,7 @@ Picture draw_branches(const Table& table, const std::string& across, const std::
     if (special) picture.labels.push_back({here[0], here[1], row[label], mark_of_type(row[label].substr(0, 2)), colour});
     const Stroke stroke = row[admissible] == "no" ? Stroke::dotted : row[stable] == "no" ? Stroke::dashed : Stroke::solid;
     const bool goes_on = id == last_branch && !picture.curves.empty();
-    // A special point ends one stroke and begins the next; its own stability is that of neither.
+    // A special point ends one stroke and begins the next; its own stability belongs to neither.
     if (!goes_on || (!special && picture.curves.back().stroke != stroke)) {
       Curve curve;
       curve.stroke = stroke;
@@ -87,10 +87,10 @@ Picture draw_branches(const Table& table, const std::string& across, const std::
   return picture;
 }
 
-/// A table as `graze trajectory --csv` writes it.
+/// Whether the table has the form of `graze trajectory --csv`.
 bool is_trajectory(const Table& table) { return table.columns == Columns{"tau", "x", "v"}; }
 
-/// Whether v jumps between a row and the one before, as at a hard impact: it changes by far more than in the steps beside that.
+/// Whether v jumps between a row and the previous one, as at a hard impact: it changes by far more than in the adjacent steps.
 bool jumps_at(const Table& table, std::size_t row) {
   const auto change = [&](std::size_t i) {
     return i >= 1 && i < table.rows.size() ? std::abs(number(table.rows[i], 2) - number(table.rows[i - 1], 2)) : 0.0;
@@ -98,8 +98,8 @@ bool jumps_at(const Table& table, std::size_t row) {
   return table.rows.size() > 3 && row >= 1 && change(row) > 5.0 * std::max(change(row - 1), change(row + 1));
 }
 
-/// The numbers of several columns; a line ends where another branch, orbit or direction begins,
-/// and where v of a trajectory jumps.
+/// The numbers of several columns. A line ends where another branch, orbit or direction begins, and where v of a trajectory
+/// jumps.
 Picture draw_columns(const Table& table, const std::string& x, const Columns& y) {
   const auto numeric = [&](std::size_t i) {
     return std::any_of(table.rows.begin(), table.rows.end(), [&](const auto& row) { return std::isfinite(number(row, i)); });
@@ -143,13 +143,13 @@ Picture draw_columns(const Table& table, const std::string& x, const Columns& y)
   return picture;
 }
 
-/// What an axis shows of a column. @throws std::invalid_argument if there is nothing.
+/// The range of an axis that shows a column. @throws std::invalid_argument if the column has no numbers.
 std::array<double, 2> axis(const Range& range, const std::string& column) {
   if (range.empty()) throw std::invalid_argument(fmt::format("there is nothing to draw: the column {} has no numbers", column));
   return range.with_margin(0.02);
 }
 
-/// A table as `graze sweep --csv` writes it: the parameter comes first.
+/// Whether the table has the form of `graze sweep --csv`: the parameter comes first.
 bool is_sweep(const Table& table) {
   const Columns rest = {"direction", "attractor", "period", "impacts", "exponent1", "exponent2", "x", "v"};
   return !table.columns.empty() && Columns(table.columns.begin() + 1, table.columns.end()) == rest;
@@ -173,7 +173,7 @@ Picture draw_sweep(const Table& table) {
   return picture;
 }
 
-/// A table as `graze attractors --csv` writes it.
+/// Whether the table has the form of `graze attractors --csv`.
 bool is_starts(const Table& table) { return table.columns == Columns{"x", "v", "attractor", "type", "period", "impacts"}; }
 
 Picture draw_starts(const Table& table) {
@@ -192,7 +192,7 @@ Picture draw_starts(const Table& table) {
     x.take(starts.back()[0]);
     v.take(starts.back()[1]);
     const int id = parse_count(row[attractor]).value_or(0);
-    // 0 is for lost motions; starts beyond the barrier and those that were not run are nobody's.
+    // 0 is for lost motions; starts beyond the barrier and those that were not run get no dot.
     colour.push_back(id > 0 || row[type] == "lost" ? id : -1);
     if (colour.back() < 0) continue;
     titles[id] = row[period].empty() ? row[type] : fmt::format("z = {}/{}", row[impacts], row[period]);
@@ -208,7 +208,7 @@ Picture draw_starts(const Table& table) {
   return picture;
 }
 
-/// A table as `graze map --csv` writes it.
+/// Whether the table has the form of `graze map --csv`.
 bool is_map(const Table& table) {
   for (const char* name : {"layer", "type", "period", "impacts", "lambda_1", "standard_error"})
     if (!has(table, name)) return false;
@@ -227,7 +227,7 @@ Picture picture_of(const Table& table, const std::string& x, const std::vector<s
   if (!choice && is_sweep(table)) return draw_sweep(table);
   if (!choice && is_starts(table)) return draw_starts(table);
   Picture picture = draw_columns(table, x, y);
-  // Points of a section or of an attractor follow each other in time, but lines between them mean nothing.
+  // Points of a section or of an attractor follow each other in time, but lines between them would have no meaning.
   const bool section = table.columns == Columns{"x", "v"} || table.columns == Columns{"phase", "speed"};
   if (!section && !is_sweep(table) && !is_starts(table)) return picture;
   for (Curve& curve : picture.curves) {

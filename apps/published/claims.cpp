@@ -39,7 +39,7 @@ std::vector<SweepRow> run(const Problem& problem, const SweepOptions& options) {
 
 Claim claim_of_equal_exponents(const Published& published, const std::string& soft, const std::string& hard,
                                const ClaimOptions& options) {
-  constexpr double unit = 1e-3;  // the last decimal that the source prints of them
+  constexpr double unit = 1e-3;  // the last decimal that the source prints
   Claim claim;
   claim.name = "equal-exponents";
   claim.statement = fmt::format("near grazing {} and {} have the same exponents", soft, hard);

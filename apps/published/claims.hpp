@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the source says in words, put to the test: by a criterion that is stated with the verdict.
+// Claims that the source makes in words, tested by a criterion that is stated with the verdict.
 #pragma once
 
 #include <graze/apps/published/comparison.hpp>
@@ -15,11 +15,11 @@ namespace graze::apps {
 
 struct Claim {
   std::string name;       ///< for files
-  std::string statement;  ///< what the source says
-  std::string criterion;  ///< when it counts as right
+  std::string statement;  ///< as the source makes it
+  std::string criterion;  ///< condition under which the claim counts as right
   std::string computed;
   Verdict verdict = Verdict::differs;
-  Json details = Json::object();  ///< the numbers behind it, which the picture is drawn from
+  Json details = Json::object();  ///< the underlying numbers, from which the picture is drawn
 };
 
 struct ClaimOptions {
@@ -28,8 +28,8 @@ struct ClaimOptions {
   std::function<void(double fraction)> progress = {};
 };
 
-/// "Near grazing the undamped Hertz contact and Newton's with k_r = 1 have the same exponents": both over eta around the grazing
-/// of the motion without impact.
+/// "Near grazing the undamped Hertz contact and Newton's with k_r = 1 have the same exponents": both over eta around the
+/// grazing of the motion without impact.
 Claim claim_of_equal_exponents(const Published& published, const std::string& soft, const std::string& hard,
                                const ClaimOptions& options);
 

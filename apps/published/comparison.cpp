@@ -10,7 +10,7 @@ namespace graze::apps {
 const char* verdict_name(Verdict verdict) { return verdict == Verdict::agrees ? "agrees" : "differs"; }
 
 bool agrees_with_print(double computed, double error, double printed, int digits) {
-  // A value in the middle between two printed ones may be rounded either way.
+  // A value halfway between two printed ones may be rounded either way.
   const double half_unit = 0.5 * std::pow(10.0, -digits), rounding = 1e-9 * half_unit;
   return std::abs(computed - printed) <= half_unit + rounding + 3.0 * error;
 }

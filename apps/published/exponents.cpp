@@ -15,7 +15,7 @@ namespace graze::apps {
 
 namespace {
 
-/// "(-0.015, -0.089)" with so many decimals.
+/// "(-0.015, -0.089)" with this number of decimals.
 std::string pair_text(const std::vector<double>& values, int decimals) {
   std::string text;
   for (const double value : values)
@@ -85,7 +85,7 @@ class Comparing {
   }
 
  private:
-  /// The attractor that is most like the one described; among equals the one with the nearest exponents.
+  /// The attractor most like the described one; among equals the one with the nearest exponents.
   FoundAttractor& choose() {
     return *std::min_element(found_.begin(), found_.end(), [&](const FoundAttractor& a, const FoundAttractor& b) {
       const int like_a = likeness(a.attractor, item_.attractor), like_b = likeness(b.attractor, item_.attractor);
@@ -106,7 +106,7 @@ class Comparing {
                                          {"exponents", json_of(finite(other.attractor.exponents))}});
   }
 
-  /// What is there instead of the motion described.
+  /// Remarks on the motion found instead of the described one.
   void remark_on_motion(Comparison& row, const FoundAttractor& meant) const {
     const Attractor& attractor = meant.attractor;
     if (is_described(attractor, item_.attractor)) return;
@@ -133,7 +133,7 @@ class Comparing {
       remark_on_average(row, attractor);
   }
 
-  /// How far eta would have to move, and what lies next to it.
+  /// Remarks on the required change in eta, and on nearby bifurcations.
   void remark_on_branch(Comparison& row, const PeriodicOrbit& orbit) const {
     NeighbourhoodOptions asking;
     asking.exponent = item_.lambda.front();
@@ -155,7 +155,7 @@ class Comparing {
     }
   }
 
-  /// The same average from other states, and what Liouville's identity says of the printed pair.
+  /// Remarks on the same average from other states, and on Liouville's identity for the printed pair.
   void remark_on_average(Comparison& row, const Attractor& attractor) const {
     if (attractor.exponents.empty()) return;
     const double error = attractor.standard_errors[0];
@@ -163,7 +163,7 @@ class Comparing {
                                        rounded(std::abs(attractor.exponents[0] - item_.lambda[0]) / error, 2)));
     AttractorOptions again = finding_;
     again.transient = 1000;
-    again.lyapunov.standard_error = 1e-3;  // a tenth of the time: another attractor would show
+    again.lyapunov.standard_error = 1e-3;  // a tenth of the time, which is enough to reveal another attractor
     Json others = Json::array();
     double low = attractor.exponents[0], high = low;
     const Vector first = start_state(problem_, std::nullopt);
@@ -189,7 +189,7 @@ class Comparing {
                                        rounded(sum, 5)));
   }
 
-  /// The average as the source stopped it, from several states on the attractor.
+  /// Remarks on averages stopped as in the source, from several states on the attractor.
   void remark_on_rule(Comparison& row, const Attractor& attractor) const {
     LyapunovOptions rule;
     rule.interval = 15;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Published exponents beside computed ones: on the attractor that the source means, as far as it is there, exact where it is
-// periodic. Where they differ, the remark says what is known: another attractor, a sign lost in print, how far eta would have to
-// move, the bifurcation next to it, by how much the source's rule of stopping scatters.
+// Published exponents beside computed ones: on the attractor that the source describes, if it exists, and exact if that is
+// periodic. If they differ, the remark states the known reasons: another attractor, a sign lost in print, the required change
+// in eta, a nearby bifurcation, the scatter of the source's stopping rule.
 #pragma once
 
 #include <graze/apps/published/attractors.hpp>
@@ -14,15 +14,15 @@
 namespace graze::apps {
 
 struct ExponentsOptions {
-  int transient = 5000;                ///< forcing periods before anything is measured, as in the source
-  double standard_error = 1e-4;        ///< wanted of an average
+  int transient = 5000;                ///< forcing periods before any measurement, as in the source
+  double standard_error = 1e-4;        ///< requested of an average
   std::int64_t max_periods = 1000000;  ///< of one average
-  int source_runs = 8;                 ///< averages stopped by the source's rule, from as many states of a chaotic motion
+  int source_runs = 8;  ///< number of averages stopped by the source's rule, each from another state of a chaotic motion
   std::function<bool()> cancelled = {};
 };
 
-/// `starts`: see attractors_from. details.computed_attractor says which attractor is compared, details.beta and eta where.
-/// @throws std::invalid_argument for a system that is not there.
+/// `starts`: see attractors_from. details.computed_attractor names the attractor compared, details.beta and eta its parameters.
+/// @throws std::invalid_argument for an unknown system.
 Comparison compare_exponents(const Published& published, const PublishedExponents& item, const std::vector<Start>& starts,
                              const ExponentsOptions& options);
 

@@ -33,7 +33,7 @@ Picture portrait_of_orbit(const Problem& problem, const Json& attractor) {
   return picture_of(result, "phase");
 }
 
-/// Portrait beside section, both of the attractor itself: from its state, no transient is left to take off.
+/// Portrait beside section, both on the attractor itself: from its state there is no transient left to discard.
 Picture portrait_of_chaos(const Problem& problem, const Vector& state) {
   Json result = result_head("trajectory/1", "reproduce", problem, Json::object());
   const Motion motion =

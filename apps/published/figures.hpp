@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The figures of a reproduction: diagrams over spectra, phase portraits and Poincaré sections, and what the claims rest on; and
-// the page that shows them beside the comparison.
+// The figures of a reproduction: diagrams with spectra, phase portraits and Poincaré sections, and the data behind the claims;
+// and the page that shows them beside the comparison.
 #pragma once
 
 #include <graze/apps/drawing/picture.hpp>
@@ -15,10 +15,10 @@ namespace graze::apps {
 struct Figure {
   std::string name;  ///< of its file: "figure-4b"
   std::string caption;
-  std::function<Picture()> picture;  ///< computes what is still needed for it: the motion itself
+  std::function<Picture()> picture;  ///< computes the missing data: the motion itself
 };
 
-/// In the order of the file. `published` and `reproduction` must outlive them.
+/// The figures in the order of the file. `published` and `reproduction` must outlive them.
 std::vector<Figure> figures_of(const Published& published, const Reproduction& reproduction);
 
 /// The page: comparison, claims, figures (as `name`.png beside it). Plain HTML without scripts.

@@ -16,9 +16,9 @@ namespace graze::apps {
 
 namespace {
 
-constexpr double reach = 0.02;  // in eta, within which a printed point is looked for
+constexpr double reach = 0.02;  // in eta, within which a printed point is searched for
 
-/// The point of that type nearest to the printed one, on the branches of what is settled on around it.
+/// The point of that type nearest to the printed one, on the branches of the orbits on which motions settle around it.
 std::optional<SpecialPoint> locate_near(const Published& published, const PublishedPoint& item,
                                         const std::function<bool()>& cancelled) {
   std::optional<SpecialPoint> best;
@@ -54,7 +54,7 @@ bool agree(std::vector<std::complex<double>> computed, const std::vector<std::co
   });
 }
 
-/// Largest distance of a printed multiplier from the nearest of the others.
+/// Largest distance of a printed multiplier from the nearest computed one.
 double distance(const std::vector<std::complex<double>>& computed, const std::vector<std::complex<double>>& printed) {
   double largest = 0.0;
   for (const std::complex<double>& value : printed) {
@@ -117,7 +117,7 @@ Comparison compare_multipliers(const Published& published, const PublishedPoint&
   row.uncertainty = orbit.checks.residual;
   row.verdict = orbit.converged() && agree(computed, item.multipliers, item.digits) ? Verdict::agrees : Verdict::differs;
   if (row.verdict == Verdict::agrees || parameter(problem, "beta") != 0.0) return row;
-  // Those of the motion without impact: exp((-b +- i sqrt(1 - b^2)) T).
+  // Multipliers of the motion without impact: exp((-b +- i sqrt(1 - b^2)) T).
   const double b = parameter(problem, "b"), T = forcing_period(problem.system, problem.parameters);
   const std::complex<double> free = std::exp(std::complex<double>(-b, std::sqrt(1.0 - b * b)) * T);
   const double off = distance({free, std::conj(free)}, item.multipliers);

@@ -10,8 +10,8 @@
 
 namespace graze::apps {
 
-/// One row for the point, and one for its multipliers if there are any printed. @throws std::invalid_argument for a type or a
-/// system that is not there.
+/// One row for the point, and one for its multipliers if any are printed. @throws std::invalid_argument for an unknown type or
+/// system.
 std::vector<Comparison> compare_point(const Published& published, const PublishedPoint& item,
                                       const std::function<bool()>& cancelled = {});
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Published: figures printed in a study, as data to compare with (data/published.toml says how such a file looks).
+// Published: figures printed in a study, as data for comparison (data/published.toml is an example of such a file).
 //
-//   [[system]]         id, contact, parameters = { b = 0.05, ... }      the parameters that all its figures share
+//   [[system]]         id, contact, parameters = { b = 0.05, ... }      the common parameters of all its figures
 //   [[special_point]]  system, type = "PD", eta, digits                 and printed_multipliers_at, printed_multipliers
 //   [[exponents]]      system, eta, attractor, lambda, digits, figure   and beta, z = [p, n], periods, initial = [x, v]
-//   [[diagram]]        system, figure, eta = [from, to], step, windows  what a sweep passes through
+//   [[diagram]]        system, figure, eta = [from, to], step, windows  the windows that a sweep passes through
 //
-// `attractor` is "impactless", "periodic" or "chaotic"; `digits` the number of decimals printed. A printed value is a claim.
+// `attractor` is "impactless", "periodic" or "chaotic"; `digits` is the number of printed decimals. A printed value is a claim.
 #pragma once
 
 #include <graze/apps/problem/problem.hpp>
@@ -20,11 +20,11 @@
 
 namespace graze::apps {
 
-/// What the source says a motion is. A z of [p, n] or a number of periods may be missing.
+/// The source's description of a motion. z = [p, n] or the number of periods may be missing.
 struct PublishedAttractor {
   std::string type;  ///< "impactless", "periodic", "chaotic"
   std::optional<std::array<int, 2>> z;
-  int periods = 0;  ///< 0: not said
+  int periods = 0;  ///< 0: not stated
 };
 
 /// "impactless", "chaotic", "z = 7/8", "period 2", "periodic".
@@ -72,15 +72,15 @@ struct Published {
   std::vector<PublishedExponents> exponents;
   std::vector<PublishedDiagram> diagrams;
 
-  /// Rows of the comparison: points, their multipliers, exponents, windows.
+  /// Number of rows of the comparison: points, their multipliers, exponents, windows.
   std::size_t items() const;
 };
 
-/// @throws std::invalid_argument with one sentence: file, line, what was given, what is allowed.
+/// @throws std::invalid_argument with one sentence: file, line, given value, allowed values.
 Published load_published(const std::string& file);
 Published parse_published(std::string_view text, const std::string& file);
 
-/// The model of a system at its parameters, with eta and beta as given. beta is 0 unless it is said.
+/// The model of a system at its parameters, with eta and beta as given. beta is 0 unless it is given.
 Problem problem_of(const Published& published, const std::string& system, std::optional<double> eta = {},
                    std::optional<double> beta = {});
 

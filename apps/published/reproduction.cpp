@@ -15,7 +15,7 @@ namespace graze::apps {
 
 namespace {
 
-// Shares of the time that the parts take.
+// Progress at which the diagrams and the rows are complete, from their shares of the run time.
 constexpr double until_diagrams = 0.45, until_rows = 0.8;
 
 SweptDiagram sweep_diagram(const Published& published, const PublishedDiagram& diagram, const ReproductionOptions& options,
@@ -28,7 +28,7 @@ SweptDiagram sweep_diagram(const Published& published, const PublishedDiagram& d
   sweeping.directions = {SweepDirection::up, SweepDirection::down};
   sweeping.samples = options.samples;
   sweeping.attractor.transient = 500;
-  sweeping.attractor.periods_on_orbit = 0;  // the multipliers say it all
+  sweeping.attractor.periods_on_orbit = 0;  // the multipliers are sufficient
   sweeping.attractor.lyapunov.min_periods = 5000;
   sweeping.attractor.lyapunov.max_periods = options.sweep_periods;
   sweeping.attractor.lyapunov.standard_error = options.sweep_error;
@@ -40,7 +40,7 @@ SweptDiagram sweep_diagram(const Published& published, const PublishedDiagram& d
   return out;
 }
 
-/// Rows of the points and exponents, side by side; those that take long come first.
+/// Rows of the points and exponents, in parallel; the slow ones come first.
 class Rows {
  public:
   Rows(const Published& published, const ReproductionOptions& options, const std::vector<SweptDiagram>& diagrams,
@@ -84,14 +84,14 @@ class Rows {
     return (item.beta.value_or(0.0) != 0.0 ? 2 : 0) + (item.attractor.type == "chaotic" ? 1 : 0);
   }
 
-  /// What was interrupted says nothing, and is left out.
+  /// An interrupted row carries no information, and is left out.
   std::vector<Comparison> points(const PublishedPoint& item) const {
     if (cancelled()) return {};
     std::vector<Comparison> rows = compare_point(published_, item, options_.cancelled);
     return cancelled() ? std::vector<Comparison>() : rows;
   }
 
-  /// The row of the earlier run, if it has one; else a new one, empty where it was interrupted.
+  /// The row of the earlier run, if it has one; otherwise a new one, empty if it was interrupted.
   Comparison motion(const PublishedExponents& item) const {
     for (const Comparison& row : so_far_)
       if (row.quantity == "exponents" && row.system == item.system && row.figure == item.figure &&

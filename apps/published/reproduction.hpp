@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Reproduction: every figure of a published study computed anew, and what its pictures are drawn from.
+// Reproduction: every figure of a published study, recomputed, with the data of its pictures.
 #pragma once
 
 #include <graze/apps/published/claims.hpp>
@@ -20,7 +20,7 @@ struct ReproductionOptions {
   ExponentsOptions exponents = {};
   bool claims = true;
   std::function<bool()> cancelled = {};
-  /// By one thread at a time: what is being computed, and what share of the whole is done.
+  /// Called by one thread at a time: the current item, and the completed share of the whole.
   std::function<void(const std::string& what, double fraction)> progress = {};
 };
 
@@ -31,8 +31,8 @@ struct Reproduction {
   bool complete = false;
 };
 
-/// `so_far`: what an earlier run of the same options has left; it is kept, and gone on with.
-/// @throws std::invalid_argument for a file that names what there is not.
+/// `so_far`: the results of an earlier run with the same options, which are kept and continued. @throws std::invalid_argument
+/// for a file with unknown names.
 Reproduction reproduce(const Published& published, const ReproductionOptions& options, const Reproduction& so_far = {});
 
 }  // namespace graze::apps

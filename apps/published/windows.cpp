@@ -14,7 +14,7 @@ namespace graze::apps {
 
 namespace {
 
-/// Attractors that a note names: "z = 7/10", "period-24", "period 24".
+/// The attractors that a note names: "z = 7/10", "period-24", "period 24".
 std::vector<PublishedAttractor> named_in(const std::string& note) {
   std::vector<PublishedAttractor> list;
   const std::regex z("(\\d+)/(\\d+)"), period("period[- ](\\d+)");
@@ -35,7 +35,7 @@ bool in_window(const SweepRow& row, const PublishedWindow& window, double step) 
   return direction && row.value > window.from - 0.01 * step && row.value < window.to + 0.01 * step;
 }
 
-/// "up z = 0/1 (0.65 to 0.71), z = 1/1 (0.711); down ..." of rows in the order of a sweep.
+/// "up z = 0/1 (0.65 to 0.71), z = 1/1 (0.711); down ..." for rows in the order of a sweep.
 std::string stretches(const std::vector<const SweepRow*>& rows) {
   std::string text;
   const SweepRow* first = nullptr;

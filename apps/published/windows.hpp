@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Published bifurcation diagrams beside sweeps: what each window of the printed diagram holds.
+// Published bifurcation diagrams beside sweeps: the attractors in each window of the printed diagram.
 #pragma once
 
 #include <graze/apps/published/attractors.hpp>
@@ -18,8 +18,8 @@ struct SweptDiagram {
   std::vector<SweepRow> rows;
 };
 
-/// One row per window: it agrees where at every value of eta, in its direction or in both, the attractor is the one described;
-/// what the source's note names beside it (a window of period 10, z = 2/3 that coexists) counts as described too.
+/// One row per window. A window agrees if the described attractor is found at every value of eta, in its direction or in both.
+/// Attractors that the source's note also names (a window of period 10, a coexisting z = 2/3) count as described.
 std::vector<Comparison> compare_windows(const SweptDiagram& swept);
 
 /// The attractors of the sweeps at this value of eta, as states to start from.
