@@ -36,7 +36,7 @@ namespace {
 constexpr int most_starts = 1000000;  // a result is held in memory before it is written
 
 struct Options {
-  StartOptions start;  // only its problem and settings
+  StartOptions start;  // problem, settings, and the states that are not varied
   std::string x, v, plane, resume;
   std::optional<int> random, seed;
   int transient = 1000, periods = 20000, max_period = 64;

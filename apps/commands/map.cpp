@@ -206,7 +206,7 @@ bool wants_part(const Options& options) {
   return !options.output.json.empty() || !options.output.csv.empty() || !options.output.plot.empty();
 }
 
-/// What happens to an unfinished map without a folder.
+/// Tells the user the fate of an unfinished map without a folder.
 std::string without_folder(const Options& options) {
   std::string text = "they are lost without --out DIR";
   if (wants_part(options)) {

@@ -93,7 +93,7 @@ int run(const Options& options, const Console& console) {
   return 0;
 }
 
-/// "branch (graze.branch/1): what it shows", one line each.
+/// The kinds of pictures for the help, one line each: name, schema, summary.
 std::string kinds_text() {
   std::string text = "Kinds of pictures:";
   for (const PictureKind& kind : picture_kinds())

@@ -4,7 +4,6 @@
 //
 // `names` are CLI11's: "--near", "-o,--output", or "PROBLEM" for a positional argument. The target must outlive the parsing of
 // the command line. Only arguments.cpp and program.cpp include CLI11 itself.
-// parsed. CLI11 itself is included by arguments.cpp and program.cpp only.
 #pragma once
 
 #include <graze/lib/numerics/vector.hpp>

@@ -20,7 +20,7 @@ void set_stint_length(double seconds);
 
 class CheckpointTimer {
  public:
-  /// What happens to the work at the end of a stint. If it stops, unfinished pieces are lost.
+  /// Whether the work stops or continues at the end of a stint. If it stops, unfinished pieces are lost.
   enum class End { stops, goes_on };
 
   /// nullopt: a single stint without end.

@@ -28,7 +28,7 @@ Column<MapPoint> column_of(const char* name, const char* meaning, double MapPoin
   return Column<MapPoint>(
       name, meaning, [member](const MapPoint& point) { return finite(point.*member); },
       [member](MapPoint& point, MaybeFinite number) {
-        if (!std::isnan(number.value)) point.*member = number.value;  // "sticking" may have set it otherwise
+        if (!std::isnan(number.value)) point.*member = number.value;  // if it is null, "sticking" may have set it
       });
 }
 

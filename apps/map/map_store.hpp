@@ -24,7 +24,7 @@ enum class MapBeginning { anew, overwriting, resuming };
 
 class MapStore {
  public:
-  /// In memory. `advice`: what happens to the chunks if the run ends early.
+  /// In memory. `advice`: tells the user the fate of the chunks if the run ends early.
   MapStore(const MapPlan& plan, const Json& head, const std::string& advice);
   /// In `folder`/chunks. Resuming continues from the chunks that an interrupted run of the same head has left there. @throws
   /// std::invalid_argument in one sentence: the folder holds another run or another map, the options differ, another program is

@@ -141,7 +141,7 @@ void check_parameter_name(const Problem& problem, std::string_view name) {
 }
 
 void set_parameter(Problem& problem, std::string_view name, double value, const std::string& option) {
-  check_parameter_name(problem, name);  // an unknown name is not the fault of this option
+  check_parameter_name(problem, name);  // an unknown name is not an error of this option
   try {
     set_parameter(problem, name, value);
   } catch (const std::invalid_argument& error) {

@@ -61,17 +61,17 @@ Settled settle_down(const Problem& problem, const StartOptions& options, const C
 
 struct OrbitResult : FoundOrbits {
   Status status = Status::failed;
-  std::string message;  ///< why there is none, and what was found instead
-  std::string remark;   ///< what the motion settled on, where a search had to follow
+  std::string message;  ///< why no orbit was found, and what was found instead
+  std::string remark;   ///< the attractor reached, if a search had to follow
 };
 
-/// Orbits at the parameters of the problem, with finite-difference checks on those returned.
+/// Orbits at the parameters of the problem; each returned orbit carries finite-difference checks.
 OrbitResult find_orbits(const Problem& problem, const OrbitOptions& options, const Console& console);
 
 /// The same, by the global search only.
 OrbitResult search_for_orbits(const Problem& problem, const OrbitOptions& options, const Console& console);
 
-/// What of the search for an orbit goes into every result: origin, and the settled state.
+/// The part of the search that every result holds: origin, and the settled state.
 const Columns<OrbitResult>& origin_columns();
 
 }  // namespace graze::apps

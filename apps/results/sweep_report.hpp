@@ -21,8 +21,8 @@ using RowQuantities = std::vector<QuantityValues>;
 RowQuantities measure(const Quantities& quantities, const Problem& problem, const std::string& parameter,
                       const std::vector<SweepRow>& rows, int threads);
 
-/// Columns of a row. Read back is only what a sweep needs to continue from the row and to write it again: state, label and
-/// multipliers of orbits, and the length of averages.
+/// Columns of a row. The reader takes only the data needed to continue a sweep from the row and to write it again: state, label
+/// and multipliers of orbits, and the length of averages.
 const Columns<SweepRow>& row_columns();
 
 template <>
