@@ -90,7 +90,7 @@ Matrix grid_of(const Plane& plane, const std::array<Axis, 2>& axes, int threads)
   return starts;
 }
 
-/// Widens the box until it contains the attractors reached from some starts in it.
+/// Widens the box so that it contains the attractors reached from some starts in it.
 void widen(std::array<Axis, 2>& axes, const Plane& plane, const Options& options, const Problem& problem,
            const Console& console) {
   std::array<Axis, 2> few = axes;

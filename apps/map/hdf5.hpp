@@ -22,7 +22,7 @@ class Handle {
   Handle(Handle&& other) noexcept : id_(other.id_), close_(other.close_) { other.id_ = -1; }
   Handle(const Handle&) = delete;
   Handle& operator=(const Handle&) = delete;
-  operator hid_t() const { return id_; }  // it stands for the number
+  operator hid_t() const { return id_; }  // NOLINT(google-explicit-constructor): it stands for the number
 
  private:
   hid_t id_;

@@ -144,8 +144,7 @@ using namespace hdf5;
 namespace {
 
 constexpr int deflation = 4;  // a higher level takes more time than it saves
-constexpr std::size_t least_growth = std::size_t(1) << 16, most_growth = std::size_t(1) << 24;  // of the file in memory, in
-                                                                                                // bytes
+constexpr std::size_t least_growth = std::size_t(1) << 16, most_growth = std::size_t(1) << 24;  // bytes, of the file in memory
 
 /// A text type of variable length, which h5py and MATLAB return as a string rather than bytes, and which netCDF can read. From
 /// a list of fixed-length texts netCDF 4.9 reads only the first. Octave reads only fixed-length texts, and everything else if

@@ -145,9 +145,7 @@ namespace {
 
 /// The unit after a name on an axis: " / mm", " (dimensionless)".
 std::string unit_behind(const Json& result, const std::string& name) {
-  if (!result.contains("states") && !result.contains("converted_from"))
-    return " (dimensionless)";  // avoids building the
-                                // system
+  if (!result.contains("states") && !result.contains("converted_from")) return " (dimensionless)";  // without making the system
   return unit_behind(problem_of(result), name);
 }
 

@@ -386,8 +386,7 @@ SkeletonWords skeleton_words(const Json& result, const SkeletonCurves& parts, co
                              const std::vector<Barrier>& barriers, const std::vector<Curve>& samples) {
   Wording wording(parts, axes, barriers, samples);
   const std::vector<Stretch> stretches = stretches_of(result, axes);
-  constexpr double conspicuous = 15.0, shortest = 6.0;  // length above which z has priority, and shortest length with room for
-                                                        // z
+  constexpr double conspicuous = 15.0, shortest = 6.0;  // lengths: z has priority; z has room
   wording.label_stretches(stretches, conspicuous, HUGE_VAL);
   wording.name_points(parts.named, 1, longest_with_words, 22.0);
   wording.label_stretches(stretches, shortest, conspicuous);

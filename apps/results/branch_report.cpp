@@ -314,9 +314,7 @@ Branch branch_from(const Json& json, const Problem& problem, const std::string& 
     const Json& item = json.at("points").at(i);
     p[index] = branch.points[i].value;
     complete(branch.points[i], item, problem.system, p, branch.period);
-    if (!item.contains("arclength"))
-      branch.points[i].arclength = static_cast<double>(i);  // results of older versions have no
-                                                            // arclength
+    if (!item.contains("arclength")) branch.points[i].arclength = static_cast<double>(i);  // older versions
   }
   for (std::size_t i = 0; i < branch.special_points.size(); ++i) {
     PeriodicOrbit& orbit = branch.special_points[i].orbit;

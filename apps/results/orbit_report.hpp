@@ -35,8 +35,7 @@ Table contacts_table(const std::vector<Contact>& contacts);
 
 /// "z = 2/3": impacts and forcing periods.
 std::string z_label(int impacts, int period);
-std::string z_label(int impacts, int isolated, int period);  ///< `isolated` of the impacts lie outside complete chatters:
-                                                             ///< sticking, see PeriodicOrbit
+std::string z_label(int impacts, int isolated, int period);  ///< `isolated` of them: sticking, see PeriodicOrbit
 std::string z_label(const PeriodicOrbit& orbit);
 std::string z_label_of(const Json& orbit);  ///< of an orbit, a special point or a periodic attractor in a result
 /// The behaviour of a mass at rest on its stop, from the exponents of a disturbance (lib/motion/rest.hpp).

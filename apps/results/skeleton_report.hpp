@@ -38,8 +38,8 @@ struct SeedsSoFar {
 /// std::invalid_argument if something is missing or damaged.
 SeedsSoFar seeds_from(const Json& result, const Problem& problem, const std::string& parameter);
 
-/// The fineness of the search (as put_skeleton writes it), branches, special points, cascades, and the families of
-/// orbits that were not followed.
+/// The fineness of the search (as put_skeleton writes it), branches, special points, cascades, and the branches that
+/// were not followed.
 std::string skeleton_text(const Json& search, std::size_t seeds, const std::vector<Branch>& branches,
                           const std::vector<CutOff>& cut_off, const std::string& parameter);
 

@@ -36,7 +36,7 @@ RowQuantities measure(const Quantities& quantities, const Problem& problem, cons
     const SweepRow& row = rows[k];
     if (row.states.empty()) return;
     const bool forced = is_forced(problem.system), closes = row.attractor.type == AttractorType::periodic;
-    if (!forced && !closes) return;  // without the duration, which its returns do not give
+    if (!forced && !closes) return;  // its returns do not give its duration
     Vector p = problem.parameters;
     p[index] = row.value;
     MeasuredMotion motion{.states = row.states, .duration = row.attractor.duration, .closes = closes};
