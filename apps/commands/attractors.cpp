@@ -11,11 +11,11 @@
 #include <graze/apps/pictures/range.hpp>
 #include <graze/apps/problem/axis.hpp>
 #include <graze/apps/problem/flow_choice.hpp>
-#include <graze/lib/motion/sampled_motion.hpp>
 #include <graze/apps/results/attractor_report.hpp>
 #include <graze/apps/results/find_orbit.hpp>
 #include <graze/apps/results/input_file.hpp>
 #include <graze/apps/text/number.hpp>
+#include <graze/lib/motion/sampled_motion.hpp>
 
 #include <graze/floquet/basins/basins.hpp>
 #include <graze/lib/models/oscillator.hpp>
@@ -169,7 +169,7 @@ std::array<Axis, 2> axes_of(const Plane& plane, const Options& options, const Pr
     if (is_default && !earlier.is_null())
       axes = {axis_from(earlier, plane.name[0], axes[0]), axis_from(earlier, plane.name[1], axes[1])};
   } catch (const nlohmann::json::exception&) {
-    refuse_to_resume(options.resume, "attractors", "is damaged; compute it anew");
+    throw_not_resumable(options.resume, "attractors", "is damaged; compute it anew");
   }
   if (!options.x.empty()) axes[0] = parse_axis("--x", options.x, counted);
   if (!options.v.empty()) axes[1] = parse_axis("--v", options.v, counted);
@@ -306,7 +306,7 @@ Basins earlier_basins(const Json& earlier, const std::string& folder, const Json
     }
     basins.periods = earlier.at("periods");
   } catch (const nlohmann::json::exception&) {
-    refuse_to_resume(folder, "attractors", "is damaged; compute it anew");
+    throw_not_resumable(folder, "attractors", "is damaged; compute it anew");
   }
   return basins;
 }
@@ -323,7 +323,7 @@ void starts_csv(const Problem& problem, const Matrix& starts, const Basins& basi
   head.columns.push_back("attractor");
   add_columns(head, shown);
   sink(csv(head));
-  hand_on_items(threads, basins.outcomes.size(), sink, [&](std::size_t k, std::string& lines) {
+  write_items(threads, basins.outcomes.size(), sink, [&](std::size_t k, std::string& lines) {
     const StartOutcome& outcome = basins.outcomes[k];
     const auto start = starts.col(static_cast<Eigen::Index>(k));
     const std::string_view other = outcome.fate == Fate::inadmissible ? ",beyond the barrier,,\n"
@@ -370,18 +370,18 @@ std::size_t starts_done(const Basins& basins) {
                                                 [](const StartOutcome& outcome) { return outcome.fate != Fate::not_run; }));
 }
 
-BasinOptions basin_options(const Options& options, const Console& console, Progress& progress, CheckpointTimer& stints,
+BasinOptions basin_options(const Options& options, const Console& console, Progress& progress, CheckpointTimer& checkpoints,
                            std::size_t starts) {
   BasinOptions out;
   out.transient = options.transient;
   out.max_period = options.max_period;
   out.periods = options.periods;
   out.threads = console.thread_count();
-  out.cancelled = [&stints] { return interrupted() || stints.over(); };
+  out.cancelled = [&checkpoints] { return interrupted() || checkpoints.over(); };
   out.flow.kind = options.flow.kind();
   out.flow.cancelled = interrupted;
-  out.progress = [&progress, &stints, starts](std::size_t done, std::size_t attractors) {
-    stints.news();
+  out.progress = [&progress, &checkpoints, starts](std::size_t done, std::size_t attractors) {
+    checkpoints.news();
     progress.update(static_cast<double>(done) / static_cast<double>(starts),
                     [&] { return fmt::format("{} of {} starts, {}", done, starts, counted(attractors, "attractor")); });
   };
@@ -420,7 +420,7 @@ int run(const Options& given, const Console& console) {
   Basins basins;
   if (!options.resume.empty()) basins = earlier_basins(folder.earlier(), options.resume, result.json);
   if (!basins.outcomes.empty() && basins.outcomes.size() != count)
-    refuse_to_resume(options.resume, "attractors", "is damaged; compute it anew");
+    throw_not_resumable(options.resume, "attractors", "is damaged; compute it anew");
   const auto with_basins = [&, head = result.json](Status status, const std::string& message) {
     Json json = head;
     set_status(json, status, message);
@@ -431,12 +431,12 @@ int run(const Options& given, const Console& console) {
   };
   {
     Progress progress(console.err, console.quiet, "carrying on");
-    CheckpointTimer stints(keeping_stints(options.output), CheckpointTimer::End::stops);
+    CheckpointTimer checkpoints(checkpoint_interval(options.output), CheckpointTimer::End::stops);
     for (;;) {
-      stints.begin(starts_done(basins));
+      checkpoints.begin(starts_done(basins));
       basins = find_attractors(problem.system, problem.parameters, starts,
-                               basin_options(options, console, progress, stints, count), basins);
-      if (interrupted() || !stints.over() || basins.complete) break;
+                               basin_options(options, console, progress, checkpoints, count), basins);
+      if (interrupted() || !checkpoints.over() || basins.complete) break;
       const std::string message = fmt::format("kept after {} of {} starts, while it went on", starts_done(basins), count);
       keep(with_basins(Status::interrupted, message), options.output, "attractors", console);
     }
@@ -458,7 +458,7 @@ int run(const Options& given, const Console& console) {
   for (const CoexistingAttractor& one : basins.attractors)
     if (notes.empty()) notes = order_notes(problem, one.attractor.state, std::max(1, one.attractor.period));
   add_notes(result, notes);
-  if (status != Status::done) console.err << "graze attractors: " << message << how_to_go_on(status, options.output) << "\n";
+  if (status != Status::done) console.err << "graze attractors: " << message << resume_advice(status, options.output) << "\n";
   return deliver(result, options.output, "attractors", exit_code(status), console);
 }
 

@@ -121,7 +121,7 @@ struct Earlier {
   bool skeleton_done = false;
   std::vector<Branch> branches;
   std::vector<CutOff> cut_off;
-  SeedsSoFar seeds;  // of an unfinished skeleton
+  PartialSeeds seeds;  // of an unfinished skeleton
   std::vector<SweepRow> rows;
 };
 
@@ -130,13 +130,13 @@ using KeepPart = std::function<void(const Json& part, const std::string& message
 
 /// @throws std::invalid_argument if the earlier run has another model or range, or cannot be resumed.
 void check_earlier(Earlier& earlier, const Options& options, const Problem& problem) {
-  const auto refuse = [&](const std::string& why) { refuse_to_resume(options.resume, "diagram", why); };
+  const auto refuse = [&](const std::string& why) { throw_not_resumable(options.resume, "diagram", why); };
   const Json& result = earlier.result;
   problem_of(result);  // throws if it is invalid
-  Json before = essence(result, {"model", "parameters"}), wanted = result_head("", "", problem, {});
+  Json before = identity_of(result, {"model", "parameters"}), wanted = result_head("", "", problem, {});
   before["parameters"].erase(options.parameter);
   wanted["parameters"].erase(options.parameter);
-  if (const auto found = difference(before, essence(wanted, {"model", "parameters"})))
+  if (const auto found = difference(before, identity_of(wanted, {"model", "parameters"})))
     refuse(fmt::format("is of another run: {}; give the same problem and settings", *found));
   const Json given = result.value("options", Json::object());
   if (given.value("param", "") != options.parameter || given.value("from", 0.0) != *options.from ||
@@ -157,7 +157,7 @@ void check_earlier(Earlier& earlier, const Options& options, const Problem& prob
     refuse("is damaged; compute it anew");
   }
   if (earlier.rows.empty()) return;
-  const Json sweeps = essence({{"options", sweeps_json(options, problem)}}, {"options"})["options"];
+  const Json sweeps = identity_of({{"options", sweeps_json(options, problem)}}, {"options"})["options"];
   for (const auto& [name, value] : sweeps.items())
     if (const auto found = difference({{name, given.value(name, Json())}}, {{name, value}}))
       refuse(fmt::format("has sweeps of another start or of other options: {}; give the same", *found));
@@ -181,23 +181,23 @@ Status add_skeleton(Result& result, Earlier& earlier, const Options& options, co
   } else {
     const std::size_t parameter = parameter_index(problem.system.parameters, options.parameter);
     Progress progress(console.err, console.quiet, "skeleton");
-    CheckpointTimer stints(keeping_stints(options.output), CheckpointTimer::End::goes_on);
+    CheckpointTimer checkpoints(checkpoint_interval(options.output), CheckpointTimer::End::goes_on);
     std::size_t told = 0;
     SkeletonOptions computing = skeleton_options(options, problem, console, progress);
     computing.seeds_so_far = std::move(earlier.seeds.seeds);
     computing.searched_so_far = std::move(earlier.seeds.searched);
     computing.keep = [&](const std::function<Skeleton()>& so_far) {
       ++told;
-      stints.news();
-      if (!stints.over()) return;
+      checkpoints.news();
+      if (!checkpoints.over()) return;
       const Skeleton part = so_far();
       Json json = result.json;
       put_skeleton(json, part, parameter, console.thread_count());
       put_parts(json, options, earlier, Status::interrupted);
       keep_part(json, fmt::format("kept with {} branches complete, while it went on", part.graph.branches.size()));
-      stints.begin(told);
+      checkpoints.begin(told);
     };
-    stints.begin(told);
+    checkpoints.begin(told);
     Skeleton found = skeleton(problem.system, problem.parameters, computing);
     put_skeleton(result.json, found, parameter, console.thread_count());
     earlier.branches = std::move(found.graph.branches);
@@ -222,7 +222,7 @@ std::string where_interrupted(const Json& skeleton, std::size_t branches) {
 }
 
 /// Whether simulation and continuation agree.
-std::string off_branches_text(const OffBranches& off, const std::vector<SweepRow>& rows, const Options& options) {
+std::string off_branches_text(const SweepComparison& off, const std::vector<SweepRow>& rows, const Options& options) {
   std::string text =
       off.rows.empty() ? fmt::format("\nall {} periodic values up to period {} lie on branches", off.compared, options.max_period)
                        : fmt::format("\n{} of {} periodic values up to period {} lie on no branch", off.rows.size(), off.compared,
@@ -235,16 +235,16 @@ std::string off_branches_text(const OffBranches& off, const std::vector<SweepRow
 }
 
 /// Runs the sweeps up and down over the range, and adds them to the result.
-Swept add_sweeps(Result& result, const Earlier& earlier, const SweepRange& range, const Options& options, const Problem& problem,
-                 const Quantities& quantities, const Console& console, const KeepPart& keep_part) {
-  const auto keep_rows = [&](const Swept& part) {
+SweepOutcome add_sweeps(Result& result, const Earlier& earlier, const SweepRange& range, const Options& options,
+                        const Problem& problem, const Quantities& quantities, const Console& console, const KeepPart& keep_part) {
+  const auto keep_rows = [&](const SweepOutcome& part) {
     Json json = result.json;
     json["parts"]["sweeps"] = status_name(part.status);
     json["rows"] = rows_json(part.rows);
     keep_part(json, part.message);
   };
-  Swept swept = carry_out_sweeps(problem, options.start, range, options.sweeping, console, earlier.rows,
-                                 {keeping_stints(options.output), keep_rows});
+  SweepOutcome swept = carry_out_sweeps(problem, options.start, range, options.sweeping, console, earlier.rows,
+                                        {checkpoint_interval(options.output), keep_rows});
   const std::vector<ChaoticWindow> windows = chaotic_windows(swept.rows);
   const RowQuantities measured = measure(quantities, problem, options.parameter, swept.rows, console.thread_count());
   result.json["rows"] = rows_json(swept.rows, measured);
@@ -254,7 +254,8 @@ Swept add_sweeps(Result& result, const Earlier& earlier, const SweepRange& range
                                  : "chaotic windows:\n" + aligned(chaotic_windows_table(windows, options.parameter));
   add_notes(result, order_notes(problem, options.parameter, swept.rows));
   if (swept.status == Status::interrupted) return swept;
-  const OffBranches off = off_branches(problem.system, earlier.branches, swept.rows, options.max_period, console.thread_count());
+  const SweepComparison off =
+      compare_sweep_with_branches(problem.system, earlier.branches, swept.rows, options.max_period, console.thread_count());
   result.json["off_branches"] = {{"compared", off.compared}, {"longer", off.longer}, {"rows", off.rows}};
   result.text += off_branches_text(off, swept.rows, options);
   return swept;
@@ -332,13 +333,13 @@ int run(const Options& given, const Console& console) {
     message = fmt::format("no periodic orbit was found for {} in [{}, {}]", options.parameter, exact(*options.from),
                           exact(*options.to));
   if (!options.skeleton && status != Status::interrupted) {
-    const Swept swept = add_sweeps(result, earlier, range_of(options), options, problem, quantities, console, keep_part);
+    const SweepOutcome swept = add_sweeps(result, earlier, range_of(options), options, problem, quantities, console, keep_part);
     result.json["parts"]["sweeps"] = status_name(swept.status);
     if (status == Status::done || swept.status == Status::interrupted) message = swept.message;
     if (swept.status != Status::done) status = swept.status;
   }
   result.json = complete(std::move(result.json), status, message);
-  if (status != Status::done) console.err << "graze diagram: " << message << how_to_go_on(status, options.output) << "\n";
+  if (status != Status::done) console.err << "graze diagram: " << message << resume_advice(status, options.output) << "\n";
   return deliver(result, options.output, "diagram", exit_code(status), console);
 }
 

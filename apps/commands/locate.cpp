@@ -84,7 +84,7 @@ double last_digit(double value) {
 }
 
 /// Whether a point lies as close to --near as its digits suggest.
-bool is_meant(const SpecialPoint& point, double near, double reach) {
+bool is_intended(const SpecialPoint& point, double near, double reach) {
   return std::abs(point.value - near) <= std::min(last_digit(near), meant_share * reach) + point.precision;
 }
 
@@ -96,9 +96,9 @@ struct Located {
 };
 
 /// Follows each orbit that lies on no known branch, until the intended point is found.
-class Hunt {
+class PointSearch {
  public:
-  Hunt(const Problem& problem, const Options& options, double reach, const Console& console)
+  PointSearch(const Problem& problem, const Options& options, double reach, const Console& console)
       : problem_(problem), options_(options), reach_(reach), progress_(console.err, console.quiet, "locating") {
     continuation_.parameter = options.parameter;
     continuation_.cancelled = interrupted;
@@ -118,7 +118,7 @@ class Hunt {
       for (Branch& branch : follow_near(problem_.system, orbit, *options_.near, reach_, continuation_))
         branches.push_back(std::move(branch));
       nearest = nearest_point(problem_.system, branches, options_.parameter, point_type(options_.type), *options_.near, reach_);
-      if (nearest.point && is_meant(*nearest.point, *options_.near, reach_)) return true;
+      if (nearest.point && is_intended(*nearest.point, *options_.near, reach_)) return true;
     }
     return interrupted();
   }
@@ -131,7 +131,7 @@ class Hunt {
     const std::size_t parameter = parameter_index(problem_.system.parameters, options_.parameter);
     const double value = orbit.parameters[static_cast<Eigen::Index>(parameter)];
     return std::any_of(branches.begin(), branches.end(),
-                       [&](const Branch& branch) { return lies_on(problem_.system, branch, orbit.states, value); });
+                       [&](const Branch& branch) { return branch_contains(problem_.system, branch, orbit.states, value); });
   }
 
   const Problem& problem_;
@@ -144,7 +144,7 @@ class Hunt {
 /// Seeks orbits at every place, by settling and by searching.
 Located locate_near(const Problem& problem, const Options& options, double reach, const Console& console) {
   Located out;
-  Hunt hunt(problem, options, reach, console);
+  PointSearch hunt(problem, options, reach, console);
   const Console silent{console.out, console.err, true, console.threads};
   const auto look_at = [&](const Problem& place, bool is_first) {
     try {
@@ -177,7 +177,7 @@ std::string remark(const Located& located, const Options& options, double reach)
   const SpecialPoint& point = *located.nearest.point;
   std::vector<std::string> parts;
   const double distance = std::abs(point.value - *options.near);
-  if (!is_meant(point, *options.near, reach))
+  if (!is_intended(point, *options.near, reach))
     parts.push_back(fmt::format("the nearest {} lies {} from --near {}, farther than {}", options.type, rounded(distance, 3),
                                 exact(*options.near),
                                 distance > meant_share * reach ? "a tenth of the reach" : "its digits suggest"));

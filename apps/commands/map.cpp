@@ -196,7 +196,7 @@ std::optional<MapFile> finished_map(const Options& options, const Json& head) {
   if (options.resume.empty() || !std::filesystem::exists(file) || std::filesystem::exists(options.resume + "/chunks/run.json"))
     return std::nullopt;
   MapFile map(file);
-  if (const auto found = difference(map.head(), head, map_essentials))
+  if (const auto found = difference(map.head(), head, map_identity_parts))
     throw std::invalid_argument(fmt::format("--resume: {} is of another run: {}; give the same", file, *found));
   return map;
 }
@@ -284,7 +284,7 @@ int lead(const Options& given, Ranks& ranks, const Console& console) {
 int run(const Options& options, const Console& console) {
   Ranks ranks;
   const int helper_threads = console.threads > 0 ? console.threads : 1;
-  if (ranks.rank() > 0) return help_with_map(ranks, helper_threads);
+  if (ranks.rank() > 0) return run_map_helper(ranks, helper_threads);
   try {
     return lead(options, ranks, console);
   } catch (...) {

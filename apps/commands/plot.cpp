@@ -72,7 +72,7 @@ Picture picture_of_file(const Options& options) {
     if (!options.x.empty()) throw std::invalid_argument("--x is for CSV tables");
     Json result = parse_json(text);
     if (!options.y.empty() && result.value("schema", "") != "graze.map/1") result = with_quantities(std::move(result), options.y);
-    if (!options.plane.empty()) result[seen_plane] = plane_of(problem_of(result), options.plane);
+    if (!options.plane.empty()) result[shown_plane] = plane_of(problem_of(result), options.plane);
     return picture_of_result(result, options);
   } catch (const std::invalid_argument& error) {
     const std::string message = error.what();  // the error of a table already names file and line

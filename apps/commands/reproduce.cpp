@@ -66,7 +66,7 @@ Reproduction earlier_run(const Json& json, const Options& options, const Publish
           earlier.diagrams.push_back(
               {diagram, problem_of(published, diagram.system), value_of<std::vector<SweepRow>>(swept.at("rows"))});
   } catch (const Json::exception& error) {
-    refuse_to_resume(options.resume, "reproduce", fmt::format("is damaged ({}); compute it anew", plain(error)));
+    throw_not_resumable(options.resume, "reproduce", fmt::format("is damaged ({}); compute it anew", plain(error)));
   }
   return earlier;
 }
@@ -153,7 +153,7 @@ int run(const Options& given, const Console& console) {
   result.table.columns.emplace_back("remark");
   for (std::size_t k = 0; k < found.rows.size(); ++k) result.table.rows[k].push_back(found.rows[k].remark);
   result.text = report(found);
-  if (status != Status::done) console.err << "graze reproduce: " << message << how_to_go_on(status, options.output) << "\n";
+  if (status != Status::done) console.err << "graze reproduce: " << message << resume_advice(status, options.output) << "\n";
   int code = deliver(result, options.output, "reproduce", exit_code(status), console);
   if (options.output.out.empty() || status != Status::done) return code;
   for (const std::string& failure : write_pictures(published, found, options.output.out, console)) {

@@ -42,7 +42,7 @@ std::vector<SweepRow> earlier_rows(const Json& earlier, const std::string& folde
   try {
     rows = value_of<std::vector<SweepRow>>(earlier.at("rows"));
   } catch (const Json::exception&) {
-    refuse_to_resume(folder, "sweep", "is damaged; compute it anew");
+    throw_not_resumable(folder, "sweep", "is damaged; compute it anew");
   }
   return rows;
 }
@@ -75,23 +75,23 @@ int run(const Options& given, const Console& console) {
   result.json["parameter"] = options.parameter;
   std::vector<SweepRow> so_far;
   if (!options.resume.empty()) so_far = earlier_rows(folder.earlier(), options.resume, result.json);
-  const auto with_status = [head = result.json](const Swept& swept) {
+  const auto with_status = [head = result.json](const SweepOutcome& swept) {
     Json json = head;
     set_status(json, swept.status, swept.message);
     json["rows"] = nullptr;
     return json;
   };
   RowQuantities measured;  // once all rows are finished
-  const auto rows_of = [&measured](const Swept& swept) {
+  const auto rows_of = [&measured](const SweepOutcome& swept) {
     return LongList{"rows", swept.rows.size(), [&rows = swept.rows, &measured](std::size_t k, std::string& text) {
                       JsonText json(text);
                       write_row(rows[k], json, measured.empty() ? QuantityValues{} : measured[k]);
                     }};
   };
-  const KeepingRows keeping{keeping_stints(options.output), [&](const Swept& swept) {
-                              keep(with_status(swept), options.output, "sweep", console, rows_of(swept));
-                            }};
-  Swept swept = carry_out_sweeps(problem, options.start, range, options.sweeping, console, so_far, keeping);
+  const RowCheckpoints keeping{checkpoint_interval(options.output), [&](const SweepOutcome& swept) {
+                                 keep(with_status(swept), options.output, "sweep", console, rows_of(swept));
+                               }};
+  SweepOutcome swept = carry_out_sweeps(problem, options.start, range, options.sweeping, console, so_far, keeping);
   measured = measure(quantities, problem, options.parameter, swept.rows, console.thread_count());
   result.json = with_status(swept);
   result.list = rows_of(swept);
@@ -101,7 +101,7 @@ int run(const Options& given, const Console& console) {
   result.text = describe(problem, options.parameter) + "\n\n" + aligned(sweep_overview(swept.rows, options.parameter, measured));
   add_notes(result, order_notes(problem, options.parameter, swept.rows));
   if (swept.status != Status::done)
-    console.err << "graze sweep: " << swept.message << how_to_go_on(swept.status, options.output) << "\n";
+    console.err << "graze sweep: " << swept.message << resume_advice(swept.status, options.output) << "\n";
   const int code = deliver(result, options.output, "sweep", exit_code(swept.status), console);
   // Releasing hundreds of thousands of rows, each with several lists, takes time: done in parallel.
   on_threads(console.thread_count(), swept.rows.size(), [&](std::size_t k) { swept.rows[k] = {}; });

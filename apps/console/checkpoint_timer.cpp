@@ -17,9 +17,9 @@ constexpr double worth = 20.0;
 
 double steady_seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-double stint_length() { return usual_length; }
+double interval_length() { return usual_length; }
 
-void set_stint_length(double seconds) { usual_length = seconds; }
+void set_interval_length(double seconds) { usual_length = seconds; }
 
 CheckpointTimer::CheckpointTimer(std::optional<double> length, End end, Clock clock)
     : length_(length), end_(end), clock_(std::move(clock)) {}

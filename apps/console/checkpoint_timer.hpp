@@ -15,8 +15,8 @@ using Clock = std::function<double()>;
 double steady_seconds();
 
 /// Shortest length of a stint in seconds; tests can set it.
-double stint_length();
-void set_stint_length(double seconds);
+double interval_length();
+void set_interval_length(double seconds);
 
 class CheckpointTimer {
  public:

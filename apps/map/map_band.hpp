@@ -51,11 +51,11 @@ struct BandData {
     for (const MapField& field : fields) memory.emplace_back(band.points() * field.bytes(states), '\0');
   }
   void put(std::size_t i, const MapPoint& point) {
-    for (std::size_t k = 0; k < memory.size(); ++k) put_bytes(fields[k], point, &memory[k][i * fields[k].bytes(states)]);
+    for (std::size_t k = 0; k < memory.size(); ++k) write_bytes(fields[k], point, &memory[k][i * fields[k].bytes(states)]);
   }
   MapPoint get(std::size_t i) const {
     MapPoint point;
-    for (std::size_t k = 0; k < memory.size(); ++k) take_bytes(fields[k], &memory[k][i * fields[k].bytes(states)], states, point);
+    for (std::size_t k = 0; k < memory.size(); ++k) read_bytes(fields[k], &memory[k][i * fields[k].bytes(states)], states, point);
     return point;
   }
 };

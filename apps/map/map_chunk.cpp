@@ -52,7 +52,7 @@ std::string chunk_bytes(const MapChunk& chunk, const MapPlan& plan, std::uint64_
     const std::size_t size = field.bytes(plan.problem.system.states);
     std::size_t at = bytes.size();
     bytes.resize(at + chunk.points.size() * size);
-    for (const MapPoint& point : chunk.points) put_bytes(field, point, &bytes[std::exchange(at, at + size)]);
+    for (const MapPoint& point : chunk.points) write_bytes(field, point, &bytes[std::exchange(at, at + size)]);
   }
   put(bytes, checksum(bytes));
   return bytes;
@@ -75,7 +75,7 @@ std::optional<MapChunk> chunk_from(std::string_view bytes, const MapPlan& plan, 
     if (reader.take<std::int32_t>() != wanted) return std::nullopt;
   chunk.points.resize(points);
   for (const MapField& field : plan.fields)
-    for (MapPoint& point : chunk.points) take_bytes(field, reader.take(field.bytes(states)).data(), states, point);
+    for (MapPoint& point : chunk.points) read_bytes(field, reader.take(field.bytes(states)).data(), states, point);
   for (const MapPoint& point : chunk.points)
     if (point.type >= MapType::not_run) return std::nullopt;
   return chunk;

@@ -100,7 +100,7 @@ std::size_t MapField::bytes() const {
                                                              : sizeof(double);
 }
 
-void put_bytes(const MapField& field, const MapPoint& point, char* bytes) {
+void write_bytes(const MapField& field, const MapPoint& point, char* bytes) {
   std::visit(
       [&](const auto member) {
         if constexpr (std::is_same_v<decltype(member), const Eigen::Index>) {
@@ -114,7 +114,7 @@ void put_bytes(const MapField& field, const MapPoint& point, char* bytes) {
       field.member);
 }
 
-void take_bytes(const MapField& field, const char* bytes, std::size_t states, MapPoint& point) {
+void read_bytes(const MapField& field, const char* bytes, std::size_t states, MapPoint& point) {
   std::visit(
       [&](const auto member) {
         if constexpr (std::is_same_v<decltype(member), const Eigen::Index>) {

@@ -43,8 +43,8 @@ const Columns<MapPoint>& map_columns();
 double quantity_of(const MapPoint& point, Eigen::Index place);
 
 /// The numbers of a point in the machine's format: field.bytes(states) bytes.
-void put_bytes(const MapField& field, const MapPoint& point, char* bytes);
-void take_bytes(const MapField& field, const char* bytes, std::size_t states, MapPoint& point);
+void write_bytes(const MapField& field, const MapPoint& point, char* bytes);
+void read_bytes(const MapField& field, const char* bytes, std::size_t states, MapPoint& point);
 
 /// Whether the motion sticks to the barrier in every turn. Such a motion forgets its past at once: its first exponent is
 /// -infinity. Its number of impacts is a matter of definition.

@@ -171,7 +171,7 @@ class Master {
   Ranks& ranks_;
   std::vector<int> todo_;
   std::size_t next_ = 0;
-  MapLanes lanes_;
+  MapThreads lanes_;
   std::deque<int> wanting_;
   std::vector<double> quiet_for_;
   Progress progress_;
@@ -221,7 +221,7 @@ class Helper {
  private:
   Ranks& ranks_;
   MapPlan plan_;
-  std::optional<MapLanes> lanes_;
+  std::optional<MapThreads> lanes_;
 };
 
 /// The first message from rank 0: the plan, or the end.
@@ -253,7 +253,7 @@ MapRun run_map(MapStore& store, const Json& head, Ranks& ranks, int threads, con
   return run;
 }
 
-int help_with_map(Ranks& ranks, int threads) {
+int run_map_helper(Ranks& ranks, int threads) {
   const Message first = first_message(ranks);
   bool ended = first.text == "E";
   int code = 0;

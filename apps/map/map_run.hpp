@@ -27,7 +27,7 @@ MapRun run_map(MapStore& store, const Json& head, Ranks& ranks, int threads, con
                const std::function<bool()>& write);
 
 /// The part of the other ranks. Returns the exit code.
-int help_with_map(Ranks& ranks, int threads);
+int run_map_helper(Ranks& ranks, int threads);
 
 /// Releases the other ranks if there is no work for them after all.
 void dismiss(Ranks& ranks);

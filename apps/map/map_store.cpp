@@ -20,12 +20,12 @@ namespace fs = std::filesystem;
 constexpr const char* run_file = "/run.json";
 
 /// Identifies a run by everything on which a point's numbers depend.
-std::uint64_t fingerprint_of(const Json& head) { return checksum(flat(essence(head, map_essentials))); }
+std::uint64_t fingerprint_of(const Json& head) { return checksum(flat(identity_of(head, map_identity_parts))); }
 
 /// Whether a file is the map that a run with this head would produce.
 bool is_map_of(const std::string& file, const Json& head) {
   try {
-    return !difference(MapFile(file).head(), head, map_essentials);
+    return !difference(MapFile(file).head(), head, map_identity_parts);
   } catch (const std::exception&) {  // not a map
     return false;
   }
@@ -83,7 +83,7 @@ void MapStore::take_up(const Json& head) {
     throw refuse(fmt::format(": {}; compute the map anew", broken.what()));
   }
   if (const auto found = difference(run, head, {"schema"})) throw refuse(fmt::format(" is of another kind: {}", *found));
-  if (const auto found = difference(run, head, map_essentials))
+  if (const auto found = difference(run, head, map_identity_parts))
     throw refuse(fmt::format(" is of another run: {}; give the same", *found));
   if (plan_.chunk_rows < 1) throw refuse(" is damaged; compute the map anew");
   finished_.assign(static_cast<std::size_t>(plan_.chunks()), false);

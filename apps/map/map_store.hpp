@@ -17,7 +17,7 @@
 namespace graze::apps {
 
 /// The parts of a map's head on which its numbers depend; see essence().
-inline const std::vector<std::string> map_essentials = {"graze", "model", "parameters", "options"};
+inline const std::vector<std::string> map_identity_parts = {"graze", "model", "parameters", "options"};
 
 /// Only `overwriting` replaces another map that already exists.
 enum class MapBeginning { anew, overwriting, resuming };

@@ -22,7 +22,7 @@ MapOptions with(MapOptions options, std::function<bool()> cancelled, std::functi
 
 }  // namespace
 
-MapLanes::MapLanes(const MapPlan& plan, std::uint64_t fingerprint, int threads)
+MapThreads::MapThreads(const MapPlan& plan, std::uint64_t fingerprint, int threads)
     : plan_(plan), fingerprint_(fingerprint),
       work_(plan_.problem.system, plan_.problem.parameters, plan_.grid, layers_of(plan_),
             with(
@@ -42,14 +42,14 @@ MapLanes::MapLanes(const MapPlan& plan, std::uint64_t fingerprint, int threads)
   });
 }
 
-MapLanes::~MapLanes() {
+MapThreads::~MapThreads() {
   stop();
   thread_.join();
 }
 
-void MapLanes::give(int number) { work_.give(plan_.first_row(number), plan_.rows_of(number)); }
+void MapThreads::give(int number) { work_.give(plan_.first_row(number), plan_.rows_of(number)); }
 
-std::optional<FinishedChunk> MapLanes::take() {
+std::optional<FinishedChunk> MapThreads::take() {
   const std::lock_guard lock(mutex_);
   if (finished_.empty() && !error_.empty()) throw std::runtime_error(error_);
   if (finished_.empty()) return std::nullopt;
@@ -58,17 +58,17 @@ std::optional<FinishedChunk> MapLanes::take() {
   return chunk;
 }
 
-void MapLanes::wait(std::chrono::milliseconds longest) {
+void MapThreads::wait(std::chrono::milliseconds longest) {
   std::unique_lock lock(mutex_);
   done_.wait_for(lock, longest, [this] { return !finished_.empty(); });
 }
 
-void MapLanes::stop() {
+void MapThreads::stop() {
   stopped_ = true;
   close();
 }
 
-void MapLanes::finish(int first_row, std::vector<MapPoint> points) {
+void MapThreads::finish(int first_row, std::vector<MapPoint> points) {
   const auto not_run = [](const MapPoint& point) { return point.type == MapType::not_run; };
   if (std::any_of(points.begin(), points.end(), not_run)) return;  // cancelled
   const int number = plan_.chunk_of(first_row);

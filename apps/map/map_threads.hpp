@@ -23,12 +23,12 @@ struct FinishedChunk {
   std::string bytes;
 };
 
-class MapLanes {
+class MapThreads {
  public:
-  MapLanes(const MapPlan& plan, std::uint64_t fingerprint, int threads);
-  ~MapLanes();  ///< cancels the work in progress, without results
-  MapLanes(const MapLanes&) = delete;
-  MapLanes& operator=(const MapLanes&) = delete;
+  MapThreads(const MapPlan& plan, std::uint64_t fingerprint, int threads);
+  ~MapThreads();  ///< cancels the work in progress, without results
+  MapThreads(const MapThreads&) = delete;
+  MapThreads& operator=(const MapThreads&) = delete;
 
   void give(int number);
   /// Whether one more chunk would give work to an idle thread.

@@ -66,7 +66,7 @@ void OutputFolder::check_free_for(const Json& head) const {
   if (!std::filesystem::exists(file, error)) return;
   const Json there = result_in(file);
   // As it would be read back: in a file, a number that is not finite is null.
-  const auto found = difference(there, parse_json(flat(head)), run_essentials);
+  const auto found = difference(there, parse_json(flat(head)), run_identity_parts);
   if (found || there.is_null())
     throw std::invalid_argument(
         fmt::format("--out {}: another result is there, {}{}; give another folder, or --overwrite to replace it", options_.out,

@@ -108,9 +108,9 @@ void check_outputs(const OutputOptions& options, const std::string& input) {
   check_kind("--csv", options.csv, {".csv"});
 }
 
-std::optional<double> keeping_stints(const OutputOptions& options) {
+std::optional<double> checkpoint_interval(const OutputOptions& options) {
   const bool kept = !options.out.empty() || (!options.json.empty() && options.json != "-" && !is_special(options.json));
-  return kept ? std::optional(stint_length()) : std::nullopt;
+  return kept ? std::optional(interval_length()) : std::nullopt;
 }
 
 void keep(const Json& part, const OutputOptions& options, const std::string& command, const Console& console,
@@ -122,7 +122,7 @@ void keep(const Json& part, const OutputOptions& options, const std::string& com
   }
 }
 
-std::string how_to_go_on(Status status, const OutputOptions& options) {
+std::string resume_advice(Status status, const OutputOptions& options) {
   if (status != Status::interrupted || options.out.empty()) return "";
   return fmt::format("; --resume {} goes on from there", options.out);
 }

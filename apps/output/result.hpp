@@ -50,14 +50,14 @@ bool wants_json(const OutputOptions& options);
 bool wants_table(const OutputOptions& options);
 
 /// Shortest time between checkpoints in seconds (checkpoint_timer.hpp); nullopt: keep() has nothing to write.
-std::optional<double> keeping_stints(const OutputOptions& options);
+std::optional<double> checkpoint_interval(const OutputOptions& options);
 
 /// Writes the JSON files only, with the results so far. A file that cannot be written is reported on console.err.
 void keep(const Json& part, const OutputOptions& options, const std::string& command, const Console& console,
           const LongList& list = {});
 
 /// The addition to the message of an interrupted run that can be resumed: "; --resume DIR goes on from there". Otherwise empty.
-std::string how_to_go_on(Status status, const OutputOptions& options);
+std::string resume_advice(Status status, const OutputOptions& options);
 
 /// Writes the files, then prints the result on console.out: the text, or the JSON or CSV if that was directed to stdout.
 /// Returns `code`. Instead of 0 it returns 2 if something could not be written (each with a sentence on console.err), and 130

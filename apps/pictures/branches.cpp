@@ -19,7 +19,7 @@ namespace graze::apps {
 namespace {
 
 /// Whether a multiplier of the point lies on the unit circle.
-bool of_multipliers(const Json& point) {
+bool has_critical_multiplier(const Json& point) {
   const std::string type = point.at("type");
   return type == "PD" || type == "LP" || type == "BP" || type == "NS";
 }
@@ -152,7 +152,7 @@ Picture draw_multipliers(const Json& result) {
         up = std::max(up, std::abs(im));
       }
     for (const Json& point : branch.at("special_points")) {
-      if (!of_multipliers(point)) continue;
+      if (!has_critical_multiplier(point)) continue;
       add_critical(critical, point);
     }
   }

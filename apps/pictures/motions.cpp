@@ -4,9 +4,9 @@
 #include <graze/apps/pictures/range.hpp>
 #include <graze/apps/pictures/seen.hpp>
 #include <graze/apps/problem/head.hpp>
-#include <graze/lib/motion/sampled_motion.hpp>
 #include <graze/apps/results/orbit_report.hpp>
 #include <graze/apps/text/number.hpp>
+#include <graze/lib/motion/sampled_motion.hpp>
 
 #include <fmt/format.h>
 
@@ -84,7 +84,7 @@ std::vector<Sampled> orbits_of(const Json& result) {
 void sample_more_finely(Sampled& motion, const Json& result, const StatePair& plane) {
   const auto periods = result.at("periods").get<std::size_t>();
   const std::size_t finer = std::min(most_samples_per_period, most_samples / std::max<std::size_t>(periods, 1));
-  if (result.contains(seen_quantity) || periods == 0 || finer == 0 || motion.rows.size() > finer * periods) return;
+  if (result.contains(shown_quantity) || periods == 0 || finer == 0 || motion.rows.size() > finer * periods) return;
   const Problem problem = problem_of(result);
   const double T = is_forced(problem.system) ? forcing_period(problem.system, problem.parameters) : 0.0;
   // For an autonomous system, which may have a duration instead of returns.
@@ -152,7 +152,7 @@ Picture phase_portrait(const Json& result, const std::vector<Sampled>& motions) 
 
 Picture time_series(const Json& result, const std::vector<Sampled>& motions) {
   Picture picture;
-  picture.title = result.contains(seen_quantity) || result.contains("states") ? "Motion" : "Displacement";
+  picture.title = result.contains(shown_quantity) || result.contains("states") ? "Motion" : "Displacement";
   picture.subtitle = model_title(result);
   picture.x_label = time_label(result);
   const std::size_t shown = portrait_plane(result)[0];

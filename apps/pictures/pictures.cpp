@@ -104,7 +104,7 @@ namespace {
 
 /// Whether a quantity takes the place of the state.
 bool is_seen(const Json& result, std::size_t state) {
-  return result.contains(seen_quantity) && state == result.value(seen_place, std::size_t{0});
+  return result.contains(shown_quantity) && state == result.value(shown_place, std::size_t{0});
 }
 
 }  // namespace
@@ -133,7 +133,7 @@ std::vector<Barrier> barriers_of(const Json& result, std::size_t state, bool ver
 }
 
 StatePair portrait_plane(const Json& result) {
-  if (result.contains(seen_plane)) return result[seen_plane].get<StatePair>();
+  if (result.contains(shown_plane)) return result[shown_plane].get<StatePair>();
   const Problem problem = problem_of(result);
   for (const equations::ModeExpressions& mode : problem.written->modes)
     for (std::size_t j = 1; j < problem.system.states; ++j)
@@ -165,7 +165,7 @@ std::string time_label(const Json& result) {
 }
 
 std::string state_name(const Json& result, std::size_t state) {
-  if (is_seen(result, state)) return result[seen_quantity];
+  if (is_seen(result, state)) return result[shown_quantity];
   return result.contains("states") ? result["states"].at(state).get<std::string>() : state == 0 ? "x" : "x'";
 }
 

@@ -62,16 +62,16 @@ void see_columns(Json& out, const std::string& quantity) {
   const Json& columns = out["columns"];
   const auto from = static_cast<std::size_t>(std::find(columns.rbegin(), columns.rend(), quantity).base() - columns.begin()) - 1;
   const bool section = out.contains("points");
-  if (section) out[seen_place] = 1;
+  if (section) out[shown_place] = 1;
   for (Json& row : out[section ? "points" : "samples"]) row.at(1) = row.at(from).is_null() ? Json(std::nan("")) : row.at(from);
   out["events"] = Json::array();
 }
 
 }  // namespace
 
-Json seen_through(const Json& result, const std::string& quantity) {
+Json with_quantity_as_state(const Json& result, const std::string& quantity) {
   Json out = result;
-  out[seen_quantity] = quantity;
+  out[shown_quantity] = quantity;
   if (out.contains("branches"))
     for (Json& branch : out["branches"]) see_branch(branch, quantity);
   if (out.contains("rows"))
@@ -101,7 +101,7 @@ Picture draw_seen(const PictureKind& kind, const Json& result) {
   Picture picture;
   std::vector<Picture> further;
   for (const Json& quantity : options["y"]) {
-    Picture one = kind.draw(seen_through(result, quantity));
+    Picture one = kind.draw(with_quantity_as_state(result, quantity));
     if (picture.y_label.empty()) {
       picture = std::move(one);
       continue;

@@ -8,14 +8,14 @@
 namespace graze::apps {
 
 /// The member of such a result that names the quantity.
-inline constexpr const char* seen_quantity = "seen_quantity";
+inline constexpr const char* shown_quantity = "seen_quantity";
 /// The member with the index of the state that the quantity replaces; absent: the first state.
-inline constexpr const char* seen_place = "seen_place";
+inline constexpr const char* shown_place = "seen_place";
 
 /// The result with the quantity in place of the state. Points of branches at which the quantity is unknown are left out; the
 /// next point then has "after_gap". In a section the quantity replaces the second state. Events of a motion are removed: their
 /// quantity is unknown.
-Json seen_through(const Json& result, const std::string& quantity);
+Json with_quantity_as_state(const Json& result, const std::string& quantity);
 
 /// The result with only these of its quantities, in this order. @throws std::invalid_argument for one that it does not have.
 Json with_quantities(Json result, const std::vector<std::string>& chosen);

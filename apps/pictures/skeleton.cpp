@@ -296,10 +296,10 @@ std::vector<Cell> middle_of(const Stretch& stretch) {
 }
 
 /// Places words if there is room, and counts those without room.
-class Wording {
+class WordPlacement {
  public:
-  Wording(const SkeletonCurves& parts, const SkeletonAxes& axes, const std::vector<Barrier>& barriers,
-          const std::vector<Curve>& samples)
+  WordPlacement(const SkeletonCurves& parts, const SkeletonAxes& axes, const std::vector<Barrier>& barriers,
+                const std::vector<Curve>& samples)
       : axes_(axes), places_(axes.rows) {
     for (const auto& [key, points] : parts.curves)
       for (std::size_t i = 0; i + 1 < points.size(); ++i)
@@ -384,7 +384,7 @@ class Wording {
 
 SkeletonWords skeleton_words(const Json& result, const SkeletonCurves& parts, const SkeletonAxes& axes,
                              const std::vector<Barrier>& barriers, const std::vector<Curve>& samples) {
-  Wording wording(parts, axes, barriers, samples);
+  WordPlacement wording(parts, axes, barriers, samples);
   const std::vector<Stretch> stretches = stretches_of(result, axes);
   constexpr double conspicuous = 15.0, shortest = 6.0;  // lengths: z has priority; z has room
   wording.label_stretches(stretches, conspicuous, HUGE_VAL);

@@ -43,7 +43,7 @@ std::string exponent_colour(const std::string& direction, std::size_t exponent) 
 }
 
 /// Adds marks at the lower edge where the first exponent is -infinity because the motion sticks.
-void add_forgetful(Picture& picture, const Json& result) {
+void add_sticking_marks(Picture& picture, const Json& result) {
   double lowest = -0.1;
   Curve marks{.title = "exponent 1 is -infinity", .stroke = Stroke::marks, .colour = "#a0127d", .size = 0.8, .mark = 11};
   for (const Json& row : result.at("rows")) {
@@ -76,7 +76,7 @@ Picture exponents_within(const Json& result, const std::array<double, 2>& x_rang
       curve.points.push_back({row.at("value"), exponents[i].is_null() ? NAN : exponents[i].get<double>(), 0.0});
     }
   }
-  add_forgetful(picture, result);
+  add_sticking_marks(picture, result);
   std::size_t most = 0;
   for (const auto& [direction, list] : curves) most = std::max(most, list.size());
   for (std::size_t i = most; i-- > 0;)  // the first exponent over the others

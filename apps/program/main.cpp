@@ -10,7 +10,7 @@
 namespace {
 
 /// Discards all output.
-class Nowhere : public std::streambuf {
+class NullBuffer : public std::streambuf {
   int overflow(int character) override { return character; }
   std::streamsize xsputn(const char*, std::streamsize size) override { return size; }
 };
@@ -22,7 +22,7 @@ int main(int argc, char** argv) {
   const std::vector<std::string> arguments(argv + (argc > 0 ? 1 : 0), argv + argc);
   if (!graze::apps::is_helper()) return graze::apps::run_program(arguments, std::cout, std::cerr);
   // Of several processes under mpirun, only one prints.
-  Nowhere nowhere;
+  NullBuffer nowhere;
   std::ostream silent(&nowhere);
   const int code = graze::apps::run_program(arguments, silent, silent);
   // A failure here also stops the rank that prints. The launcher would then end that rank because of this one's exit code: give

@@ -33,7 +33,7 @@ std::vector<FoundAttractor> attractors_from(const Problem& problem, const std::v
   return list;
 }
 
-int likeness(const Attractor& attractor, const PublishedAttractor& described) {
+int match_level(const Attractor& attractor, const PublishedAttractor& described) {
   if (described.type == "chaotic") return attractor.type == AttractorType::periodic ? 0 : 3;
   if (attractor.type != AttractorType::periodic) return 0;
   if (described.type == "impactless") return attractor.impacts == 0 ? 3 : 1;
@@ -44,7 +44,7 @@ int likeness(const Attractor& attractor, const PublishedAttractor& described) {
 }
 
 bool is_described(const Attractor& attractor, const PublishedAttractor& described) {
-  return likeness(attractor, described) == 3 && (described.type != "chaotic" || attractor.type == AttractorType::chaotic);
+  return match_level(attractor, described) == 3 && (described.type != "chaotic" || attractor.type == AttractorType::chaotic);
 }
 
 std::optional<double> end_of_impactless(const Problem& problem) {

@@ -29,7 +29,7 @@ std::vector<FoundAttractor> attractors_from(const Problem& problem, const std::v
                                             const AttractorOptions& options);
 
 /// How well an attractor matches the description of the source: 3: in every respect; 2: its period; 1: its type; 0: not at all.
-int likeness(const Attractor& attractor, const PublishedAttractor& described);
+int match_level(const Attractor& attractor, const PublishedAttractor& described);
 
 /// Whether the likeness is 3.
 bool is_described(const Attractor& attractor, const PublishedAttractor& described);

@@ -37,9 +37,9 @@ double gap(const std::vector<double>& a, const std::vector<double>& b) {
   return largest;
 }
 
-class Comparing {
+class ExponentComparison {
  public:
-  Comparing(const Published& published, const PublishedExponents& item, const ExponentsOptions& options)
+  ExponentComparison(const Published& published, const PublishedExponents& item, const ExponentsOptions& options)
       : item_(item), options_(options), problem_(problem_of(published, item.system, item.eta, item.beta)) {
     finding_.transient = options.transient;
     finding_.lyapunov.cancelled = options.cancelled;
@@ -66,7 +66,7 @@ class Comparing {
       return row;
     }
     for (FoundAttractor& found : found_)
-      if (found.attractor.type == AttractorType::periodic || likeness(found.attractor, item_.attractor) == 3)
+      if (found.attractor.type == AttractorType::periodic || match_level(found.attractor, item_.attractor) == 3)
         average_on_attractor(problem_.system, problem_.parameters, found.attractor, finding_);
     FoundAttractor& meant = choose();
     if (meant.attractor.exponents.empty()) average_on_attractor(problem_.system, problem_.parameters, meant.attractor, finding_);
@@ -88,7 +88,7 @@ class Comparing {
   /// The attractor most like the described one; among equals the one with the nearest exponents.
   FoundAttractor& choose() {
     return *std::min_element(found_.begin(), found_.end(), [&](const FoundAttractor& a, const FoundAttractor& b) {
-      const int like_a = likeness(a.attractor, item_.attractor), like_b = likeness(b.attractor, item_.attractor);
+      const int like_a = match_level(a.attractor, item_.attractor), like_b = match_level(b.attractor, item_.attractor);
       if (like_a != like_b) return like_a > like_b;
       return gap(a.attractor.exponents, item_.lambda) < gap(b.attractor.exponents, item_.lambda);
     });
@@ -138,7 +138,7 @@ class Comparing {
     NeighbourhoodOptions asking;
     asking.exponent = item_.lambda.front();
     asking.cancelled = options_.cancelled;
-    const Neighbourhood near = neighbourhood(problem_.system, orbit, asking);
+    const NearestSpecialPoints near = nearest_special_points(problem_.system, orbit, asking);
     const double eta = *row.eta;
     if (near.value_of_exponent) {
       row.details["eta_for_printed_value"] = *near.value_of_exponent;
@@ -231,7 +231,7 @@ class Comparing {
 
 Comparison compare_exponents(const Published& published, const PublishedExponents& item, const std::vector<Start>& starts,
                              const ExponentsOptions& options) {
-  return Comparing(published, item, options).compare(starts);
+  return ExponentComparison(published, item, options).compare(starts);
 }
 
 }  // namespace graze::apps

@@ -66,22 +66,22 @@ Json read_to_resume(const std::string& folder, const std::string& command) {
     throw std::invalid_argument(fmt::format("--resume: {}: {}; compute it anew", file, refused.what()));
   }
   if (!result.is_object() || result.value("command", "") != command)
-    refuse_to_resume(folder, command, "is not a result of graze " + command);
+    throw_not_resumable(folder, command, "is not a result of graze " + command);
   const std::vector<std::string> known = schemas_of(command);
   if (const std::string schema = schema_of(result); std::find(known.begin(), known.end(), schema) == known.end())
-    refuse_to_resume(folder, command,
-                     fmt::format("is {}, which this graze does not know; it goes on with {}",
-                                 schema.empty() ? "of no schema" : "of schema " + schema, fmt::join(known, " and ")));
+    throw_not_resumable(folder, command,
+                        fmt::format("is {}, which this graze does not know; it goes on with {}",
+                                    schema.empty() ? "of no schema" : "of schema " + schema, fmt::join(known, " and ")));
   remove_unfinished(folder, command);
   return result;
 }
 
 void check_same_run(const Json& earlier, const Json& head, const std::string& folder) {
-  if (const auto found = difference(earlier, head, run_essentials))
-    refuse_to_resume(folder, head["command"], fmt::format("is of another run: {}; give the same", *found));
+  if (const auto found = difference(earlier, head, run_identity_parts))
+    throw_not_resumable(folder, head["command"], fmt::format("is of another run: {}; give the same", *found));
 }
 
-void refuse_to_resume(const std::string& folder, const std::string& command, const std::string& why) {
+void throw_not_resumable(const std::string& folder, const std::string& command, const std::string& why) {
   throw std::invalid_argument(fmt::format("--resume: {}/{}.json {}", folder, command, why));
 }
 

@@ -28,6 +28,6 @@ Json read_to_resume(const std::string& folder, const std::string& command);
 void check_same_run(const Json& earlier, const Json& head, const std::string& folder);
 
 /// @throws std::invalid_argument saying why the result in a folder cannot be resumed.
-[[noreturn]] void refuse_to_resume(const std::string& folder, const std::string& command, const std::string& why);
+[[noreturn]] void throw_not_resumable(const std::string& folder, const std::string& command, const std::string& why);
 
 }  // namespace graze::apps

@@ -30,7 +30,7 @@ std::optional<std::string> difference_in(const Json& there, const Json& now, con
 
 }  // namespace
 
-Json essence(const Json& head, const std::vector<std::string>& parts) {
+Json identity_of(const Json& head, const std::vector<std::string>& parts) {
   Json out = Json::object();
   for (const std::string& part : parts) out[part] = head.value(part, Json());
   if (out.contains("options") && out["options"].is_object())
@@ -41,7 +41,7 @@ Json essence(const Json& head, const std::vector<std::string>& parts) {
 std::optional<std::string> difference(const Json& there, const Json& now) { return difference_in(there, now, {}); }
 
 std::optional<std::string> difference(const Json& there, const Json& now, const std::vector<std::string>& parts) {
-  return difference(essence(there, parts), essence(now, parts));
+  return difference(identity_of(there, parts), identity_of(now, parts));
 }
 
 }  // namespace graze::apps

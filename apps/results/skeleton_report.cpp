@@ -271,8 +271,8 @@ void put_skeleton(Json& result, const Skeleton& found, std::size_t parameter, in
   result["cut_off"] = json_of(found.graph.cut_off);
 }
 
-SeedsSoFar seeds_from(const Json& result, const Problem& problem, const std::string& parameter) {
-  SeedsSoFar out;
+PartialSeeds seeds_from(const Json& result, const Problem& problem, const std::string& parameter) {
+  PartialSeeds out;
   const Json& search = result.at("seed_search");
   out.searched.resize(search.at("parts").get<std::size_t>());
   for (const Json& part : search.at("done")) out.searched.at(part.get<std::size_t>()) = 1;

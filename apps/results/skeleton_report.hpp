@@ -29,14 +29,14 @@ Json skeleton_schema();
 /// seed, so that finished parts are not searched again.
 void put_skeleton(Json& result, const Skeleton& found, std::size_t parameter, int threads);
 
-struct SeedsSoFar {
+struct PartialSeeds {
   std::vector<SkeletonSeed> seeds;
   std::vector<char> searched;  ///< as in Skeleton
 };
 
 /// The seeds of an interrupted skeleton, and which parts of the search are done. @throws Json::exception, std::out_of_range or
 /// std::invalid_argument if something is missing or damaged.
-SeedsSoFar seeds_from(const Json& result, const Problem& problem, const std::string& parameter);
+PartialSeeds seeds_from(const Json& result, const Problem& problem, const std::string& parameter);
 
 /// The fineness of the search (as put_skeleton writes it), branches, special points, cascades, and the branches that
 /// were not followed.

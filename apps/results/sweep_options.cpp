@@ -88,8 +88,9 @@ void check_sweep_start(const Problem& problem, const StartOptions& start, const 
   }
 }
 
-Swept carry_out_sweeps(const Problem& problem, const StartOptions& start, const SweepRange& range, const SweepingOptions& options,
-                       const Console& console, const std::vector<SweepRow>& so_far, const KeepingRows& keeping) {
+SweepOutcome carry_out_sweeps(const Problem& problem, const StartOptions& start, const SweepRange& range,
+                              const SweepingOptions& options, const Console& console, const std::vector<SweepRow>& so_far,
+                              const RowCheckpoints& keeping) {
   Progress progress(console.err, console.quiet, "sweeping");
   SweepOptions sweeping = sweep_options(range, options);
   sweeping.first_transient = settle_of(problem, start);
@@ -100,17 +101,17 @@ Swept carry_out_sweeps(const Problem& problem, const StartOptions& start, const 
                     [&] { return fmt::format("{} = {}", range.parameter, rounded(value, 7)); });
   };
   sweeping.cancelled = interrupted;
-  CheckpointTimer stints(keeping.stints, CheckpointTimer::End::goes_on);
+  CheckpointTimer checkpoints(keeping.checkpoints, CheckpointTimer::End::goes_on);
   sweeping.keep = [&](const std::function<std::vector<SweepRow>()>& rows) {
-    stints.news();
-    if (!stints.over()) return;
-    Swept part{rows(), Status::interrupted, {}};
+    checkpoints.news();
+    if (!checkpoints.over()) return;
+    SweepOutcome part{rows(), Status::interrupted, {}};
     part.message = fmt::format("kept after {} of {} values, while it went on", part.rows.size(), expected);
     keeping.keep(part);
-    stints.begin(part.rows.size());
+    checkpoints.begin(part.rows.size());
   };
-  stints.begin(so_far.size());
-  Swept out{{}, Status::done, {}};
+  checkpoints.begin(so_far.size());
+  SweepOutcome out{{}, Status::done, {}};
   out.rows = sweep(problem.system, problem.parameters, sweep_start(problem, start, range), sweeping, so_far);
   if (interrupted() && out.rows.size() < expected) {
     out.status = Status::interrupted;

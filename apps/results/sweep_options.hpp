@@ -42,7 +42,7 @@ struct SweepRange {
 /// @throws std::invalid_argument if the motion cannot begin at the first value of a direction.
 void check_sweep_start(const Problem& problem, const StartOptions& start, const SweepRange& range);
 
-struct Swept {
+struct SweepOutcome {
   std::vector<SweepRow> rows;
   Status status = Status::failed;
   std::string message;  ///< why some values were not reached
@@ -50,14 +50,15 @@ struct Swept {
 
 /// Checkpoints: `keep` receives the rows finished so far, every `stints` seconds (checkpoint_timer.hpp); nullopt: no
 /// checkpoints.
-struct KeepingRows {
-  std::optional<double> stints;
-  std::function<void(const Swept&)> keep;
+struct RowCheckpoints {
+  std::optional<double> checkpoints;
+  std::function<void(const SweepOutcome&)> keep;
 };
 
 /// Runs the sweeps, with progress on the console. Ctrl-C ends them and keeps the finished rows. `so_far`: rows of an earlier
 /// run.
-Swept carry_out_sweeps(const Problem& problem, const StartOptions& start, const SweepRange& range, const SweepingOptions& options,
-                       const Console& console, const std::vector<SweepRow>& so_far, const KeepingRows& keeping);
+SweepOutcome carry_out_sweeps(const Problem& problem, const StartOptions& start, const SweepRange& range,
+                              const SweepingOptions& options, const Console& console, const std::vector<SweepRow>& so_far,
+                              const RowCheckpoints& keeping);
 
 }  // namespace graze::apps

@@ -119,7 +119,7 @@ void samples_csv(const Problem& problem, const std::vector<SweepRow>& rows, cons
   const auto with_values = std::find_if(measured.begin(), measured.end(), [](const auto& values) { return !values.empty(); });
   if (with_values != measured.end()) add_columns(head, *with_values);
   sink(csv(head));
-  hand_on_items(threads, rows.size(), sink, [&](std::size_t k, std::string& lines) {
+  write_items(threads, rows.size(), sink, [&](std::size_t k, std::string& lines) {
     const SweepRow& row = rows[k];
     std::string begin;
     append_cells(begin, columns, shown, row);

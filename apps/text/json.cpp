@@ -83,7 +83,7 @@ void pretty(const Json& json, const LongList& list, int threads, const TextSink&
       continue;
     }
     sink(out + "[");
-    hand_on_items(threads, listed ? list.size : here.size(), sink, [&](std::size_t k, std::string& text) {
+    write_items(threads, listed ? list.size : here.size(), sink, [&](std::size_t k, std::string& text) {
       text += k == 0 ? "\n    " : ",\n    ";
       lay_out(listed ? text_of(list, k) : flat(here[k]), 4, text);
     });

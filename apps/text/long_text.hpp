@@ -39,7 +39,7 @@ template <class Work> void on_threads(int threads, std::size_t n, const Work& wo
 }
 
 /// Passes the texts that write(0, text) ... write(n - 1, text) append to `sink`, in order.
-template <class Write> void hand_on_items(int threads, std::size_t n, const TextSink& sink, const Write& write) {
+template <class Write> void write_items(int threads, std::size_t n, const TextSink& sink, const Write& write) {
   constexpr std::size_t fewest = 16, most = 256, blocks_of_a_thread = 64, ahead_of_a_thread = 16;
   const auto width = static_cast<std::size_t>(std::max(threads, 1));
   const std::size_t together = std::clamp(n / (blocks_of_a_thread * width), fewest, most);
@@ -59,9 +59,9 @@ template <class Write> void hand_on_items(int threads, std::size_t n, const Text
     return std::exchange(next, next + together);
   });
   const auto make = tbb::make_filter<std::size_t, std::string>(tbb::filter_mode::parallel, block);
-  const auto hand_on = tbb::make_filter<std::string, void>(tbb::filter_mode::serial_in_order, sink);
+  const auto publish = tbb::make_filter<std::string, void>(tbb::filter_mode::serial_in_order, sink);
   tbb::task_arena arena(threads);
-  arena.execute([&] { tbb::parallel_pipeline(ahead_of_a_thread * width, begin & make & hand_on); });
+  arena.execute([&] { tbb::parallel_pipeline(ahead_of_a_thread * width, begin & make & publish); });
 }
 
 }  // namespace graze::apps

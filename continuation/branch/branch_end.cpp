@@ -31,7 +31,8 @@ OrbitProblem orbit_problem(const HybridSystem& system, const PeriodicOrbit& orbi
           orbit.section_phase};
 }
 
-std::optional<PeriodicOrbit> half_of(const HybridSystem& system, const Branch& branch, const ContinuationOptions& options) {
+std::optional<PeriodicOrbit> half_period_orbit(const HybridSystem& system, const Branch& branch,
+                                               const ContinuationOptions& options) {
   const BranchPoint& last = branch.points.back();
   // The nodes stay clear of hard impacts, across which the two halves may differ by a jump.
   const std::size_t half = last.nodes.size() / 2;
@@ -59,8 +60,8 @@ std::optional<PeriodicOrbit> half_of(const HybridSystem& system, const Branch& b
   return orbit;
 }
 
-std::optional<GrazingEnd> grazing_end_of(const HybridSystem& system, const Branch& branch, const ContinuationOptions& options,
-                                         double low, double high) {
+std::optional<GrazingEnd> relocate_grazing_end(const HybridSystem& system, const Branch& branch,
+                                               const ContinuationOptions& options, double low, double high) {
   if (branch.stop != BranchStop::grazing) return std::nullopt;
   const SpecialPoint& point = branch.special_points.back();
   for (std::size_t back = 1; back <= 8 && back <= branch.points.size(); ++back) {
@@ -107,10 +108,11 @@ GrazingEdge first_edge(const SpecialPoint& point, const Branch& branch) {
   return edge_at(point, at_grazing, branch.points.front().impacts);
 }
 
-const KnownEdge* edge_beyond(const std::vector<KnownEdge>& edges, std::size_t index, const SpecialPoint& point, GrazingEnd end) {
+const KnownEdge* partner_edge_among(const std::vector<KnownEdge>& edges, std::size_t index, const SpecialPoint& point,
+                                    GrazingEnd end) {
   GrazingEdge partner = partner_edge(point, end.grazing, end.lost);
   // The partner has one impact more, or several if several contacts graze together.
-  for (int more = 0; more < (end.lost ? 1 : most_together); ++more, ++partner.impacts)
+  for (int more = 0; more < (end.lost ? 1 : max_simultaneous_contacts); ++more, ++partner.impacts)
     for (const KnownEdge& known : edges)
       if (known.branch != index && same_edge(known.edge, partner)) return &known;
   return nullptr;
@@ -125,7 +127,7 @@ void set_scenario(Branch& branch, const std::function<void(SpecialPoint&)>& chan
     branch.message.replace(at, before.size(), name());
 }
 
-void set_scenario_alone(Branch& branch, const std::string& reason, bool none) {
+void set_scenario_without_partner(Branch& branch, const std::string& reason, bool none) {
   if (is_smooth(branch.special_points.back())) return;
   set_scenario(branch, [&](SpecialPoint& point) {
     const std::string response = std::get<std::string>(point.details.at("scenario"));

@@ -18,12 +18,13 @@ OrbitProblem orbit_problem(const HybridSystem& system, const PeriodicOrbit& orbi
 
 /// The orbit of half the period on which a doubled branch ends: Newton's method from the mean of the two halves of the last
 /// point, which nearly coincide. Empty if there is none.
-std::optional<PeriodicOrbit> half_of(const HybridSystem& system, const Branch& branch, const ContinuationOptions& options);
+std::optional<PeriodicOrbit> half_period_orbit(const HybridSystem& system, const Branch& branch,
+                                               const ContinuationOptions& options);
 
 /// The grazing at the end of the branch, located again from the last of its points that Newton's method reproduces. Empty if
 /// none of them leads there.
-std::optional<GrazingEnd> grazing_end_of(const HybridSystem& system, const Branch& branch, const ContinuationOptions& options,
-                                         double low, double high);
+std::optional<GrazingEnd> relocate_grazing_end(const HybridSystem& system, const Branch& branch,
+                                               const ContinuationOptions& options, double low, double high);
 
 /// True if `child`, born on the grazing at the end of `ended`, is the family beyond it with one impact more or less, and not a
 /// family of a multiple of the period.
@@ -33,13 +34,14 @@ bool is_partner(const Branch& child, const Branch& ended);
 GrazingEdge first_edge(const SpecialPoint& point, const Branch& branch);
 
 /// The known edge of the family on the other side of the grazing `point`, on which branch `index` ended; null if unknown.
-const KnownEdge* edge_beyond(const std::vector<KnownEdge>& edges, std::size_t index, const SpecialPoint& point, GrazingEnd end);
+const KnownEdge* partner_edge_among(const std::vector<KnownEdge>& edges, std::size_t index, const SpecialPoint& point,
+                                    GrazingEnd end);
 
 /// Changes the scenario of the grazing at the end of the branch, both in its details and in the message of the branch.
 void set_scenario(Branch& branch, const std::function<void(SpecialPoint&)>& change);
 
 /// Records, with the reason, that no family was found to begin at the grazing. With `none` the scenario becomes "none";
 /// otherwise it is that of the linear response alone, or "undecided" if the response does not decide.
-void set_scenario_alone(Branch& branch, const std::string& reason, bool none);
+void set_scenario_without_partner(Branch& branch, const std::string& reason, bool none);
 
 }  // namespace graze

@@ -88,18 +88,18 @@ void BranchFollower::begin(BranchProblem& problem, const Vector& u, Branch& bran
 /// Locates the special points between the last point and the next, and appends the next point. False if the step must be
 /// halved. `met`: special points that are already located in the step.
 bool BranchFollower::take(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, BranchPoint point,
-                          std::vector<MetPoint> met, Branch& branch) {
+                          std::vector<PointInStep> met, Branch& branch) {
   // A special point that is announced but not found may be a step onto a nearby branch.
   constexpr double smallest_doubt = 1e-5, smallest_step = 1e-8;
   const bool long_step = !corner_ && after.arclength - before.arclength > smallest_doubt;
-  const auto doubtful = [&](const MetPoint& special) { return special.point.status != PointStatus::converged && long_step; };
+  const auto doubtful = [&](const PointInStep& special) { return special.point.status != PointStatus::converged && long_step; };
   if (std::any_of(met.begin(), met.end(), doubtful)) return false;
   const TestPoint a{before, branch.points.back()}, b{after, point};
   for (const TestFunction& test : test_functions()) {
     const double f_a = test.value(a), f_b = test.value(b);
     if (!std::isfinite(f_a) || !std::isfinite(f_b) || (f_a < 0.0) == (f_b < 0.0) || !test.confirm(a, b)) continue;
     if (in_rounding(test, a, b)) continue;
-    std::optional<MetPoint> special = locate(problem, test, a, b, branch);
+    std::optional<PointInStep> special = locate(problem, test, a, b, branch);
     if (!special) {
       if (long_step) return false;
       continue;
@@ -120,8 +120,8 @@ bool BranchFollower::take(BranchProblem& problem, const CurvePoint& before, cons
     if (doubtful(met.back())) return false;
   }
   user_points(problem, before, after, branch, met);
-  std::stable_sort(met.begin(), met.end(), [](const MetPoint& x, const MetPoint& y) { return x.place < y.place; });
-  for (MetPoint& special : met) branch.special_points.push_back(std::move(special.point));
+  std::stable_sort(met.begin(), met.end(), [](const PointInStep& x, const PointInStep& y) { return x.place < y.place; });
+  for (PointInStep& special : met) branch.special_points.push_back(std::move(special.point));
   branch.points.push_back(std::move(point));
   last_ = after.u;
   if (options_.progress) options_.progress(branch);
@@ -171,8 +171,9 @@ Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& 
   if (change == 1 && hard_contacts_) return Verdict::reject;
   const bool close = after.arclength - before.arclength <= 1e-7;
   if (change > 1 && hard_contacts_ && !close) return Verdict::reject;
-  if (const auto part = goes_through_half(problem, before.u, after.u)) return end_at_half(problem, before, *part, after, branch);
-  std::vector<MetPoint> met;
+  if (const auto part = half_period_crossing(problem, before.u, after.u))
+    return end_at_half(problem, before, *part, after, branch);
+  std::vector<PointInStep> met;
   if (change == 1 || (change > 1 && !hard_contacts_)) met.push_back(locate_impact_change(problem, before, after, point, branch));
   if (change > 1 && !close && met.back().point.status != PointStatus::converged) return Verdict::reject;
   if (!take(problem, before, after, std::move(point), std::move(met), branch)) return Verdict::reject;
@@ -195,8 +196,8 @@ Verdict BranchFollower::monitor_beyond_grazing(SignatureProblem& problem, const 
       fastest_ = speed;
       fastest_point_ = after.u;
     }
-    if (speed < weakest_kept) return Verdict::go_on;
-    const std::optional<CurvePoint> nearer = beside_grazing(problem, beginning_, after);
+    if (speed < least_kept_speed) return Verdict::go_on;
+    const std::optional<CurvePoint> nearer = special_point_near_grazing(problem, beginning_, after);
     begin(problem, nearer ? nearer->u : after.u, branch);
     if (!nearer) return Verdict::go_on;
     BranchPoint point = problem.branch_point(after.u, after.arclength - nearer->arclength);
@@ -205,7 +206,7 @@ Verdict BranchFollower::monitor_beyond_grazing(SignatureProblem& problem, const 
     branch.special_points.clear();
     return Verdict::reject;
   }
-  if (fastest_ < weakest_told) return outside ? Verdict::stop : Verdict::reject;
+  if (fastest_ < least_resolved_speed) return outside ? Verdict::stop : Verdict::reject;
   begin(problem, fastest_point_, branch);
   if (outside || reaches_grazing(problem, before, after, branch)) return Verdict::stop;
   branch.points.clear();
@@ -223,7 +224,8 @@ Verdict BranchFollower::monitor_signature(SignatureProblem& problem, const Curve
   if (refused_) return reaches_grazing(problem, before, after, branch) ? Verdict::stop : Verdict::reject;
   BranchPoint point = problem.branch_point(after.u, branch.points.back().arclength + after.arclength - before.arclength);
   if (!point.multipliers.valid || leaves_branch(system_, symmetries_, branch, point)) return Verdict::reject;
-  if (const auto part = goes_through_half(problem, before.u, after.u)) return end_at_half(problem, before, *part, after, branch);
+  if (const auto part = half_period_crossing(problem, before.u, after.u))
+    return end_at_half(problem, before, *part, after, branch);
   if (!take(problem, before, after, std::move(point), {}, branch)) return Verdict::reject;
   return end.value_or(Verdict::go_on);
 }
@@ -265,7 +267,9 @@ Curve BranchFollower::follow_states(OrbitProblem& problem, const BranchStart& gi
   // Start of the branch: a closed branch returns there, possibly with its nodes on another section.
   std::optional<CurvePoint> first, origin;
   double first_section = 0.0;
-  const OriginsOf origins_of = [&](const CurvePoint& start_point) { return images_of(problem, origin.value_or(start_point)); };
+  const ClosurePoints closure_points = [&](const CurvePoint& start_point) {
+    return images_of(problem, origin.value_or(start_point));
+  };
   TraceOptions trace_options = options_.trace;
   for (;;) {
     section_blocked_ = false;
@@ -281,7 +285,7 @@ Curve BranchFollower::follow_states(OrbitProblem& problem, const BranchStart& gi
       }
       return monitor_states(problem, before, after, branch);
     };
-    curve = trace(zero, start, direction, trace_options, on_branch, origins_of);
+    curve = trace(zero, start, direction, trace_options, on_branch, closure_points);
     const Vector plain = std::copysign(1.0, direction[direction.size() - 1]) * problem.parameter_direction();
     if (curve.stop == TraceStop::start_failed && branch.points.empty() && direction != plain) {
       direction = plain;
@@ -290,7 +294,7 @@ Curve BranchFollower::follow_states(OrbitProblem& problem, const BranchStart& gi
     if (curve.stop == TraceStop::min_step && !hard_contacts_ && !branch.points.empty()) {
       CurvePoint last = curve.points.back();
       trace_options.initial_step = 1e-6;
-      if (around_corner(problem, branch, last)) {
+      if (step_around_corner(problem, branch, last)) {
         start = last.u;
         direction = last.tangent;
         continue;
@@ -361,8 +365,8 @@ Curve BranchFollower::follow_signature(SignatureProblem& problem, const BranchSt
 /// The start for continuing the branch in states where the coordinates of the events end: where an impact with zero restitution
 /// turns into sticking, or where events of a contact that leads through other modes coincide. `problem` is moved to the section
 /// of the branch's last point.
-std::optional<BranchStart> BranchFollower::goes_on_in_states(OrbitProblem& problem, const SignatureProblem& signature,
-                                                             const Curve& curve, const Branch& branch) const {
+std::optional<BranchStart> BranchFollower::continuation_in_states(OrbitProblem& problem, const SignatureProblem& signature,
+                                                                  const Curve& curve, const Branch& branch) const {
   if (curve.stop != TraceStop::min_step || grazing_ || branch.points.empty() || curve.points.empty()) return std::nullopt;
   const std::vector<std::size_t>& sequence = signature.equations().sequence();
   const bool through_modes = std::any_of(sequence.begin(), sequence.end(), [&](std::size_t event) {
@@ -399,7 +403,7 @@ std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const Br
                                problem.scale(), problem.equations().options());
     signature.measure_by(by_events->u);
     const Curve curve = follow_signature(signature, *by_events, branch);
-    if (const auto states = goes_on_in_states(problem, signature, curve, branch)) {
+    if (const auto states = continuation_in_states(problem, signature, curve, branch)) {
       last_ = states->u;
       const Curve on = follow_states(problem, *states, branch);
       return finish(problem, on, branch, false);
@@ -415,7 +419,7 @@ std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const C
   TraceStop why = curve.stop;
   branch.time_carried = problem.time_carried();
   // Orbits between two grazings are kept if the second grazing could not be resolved.
-  if (branch.points.empty() && on_grazing && why == TraceStop::min_step && fastest_ >= weakest_told)
+  if (branch.points.empty() && on_grazing && why == TraceStop::min_step && fastest_ >= least_resolved_speed)
     begin(problem, fastest_point_, branch);
   const bool nothing_beyond = branch.points.empty() && on_grazing && !curve.points.empty();
   if (branch.points.empty() && !curve.points.empty() && !on_grazing) begin(problem, curve.points.front().u, branch);
@@ -443,7 +447,7 @@ std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const C
   auto* states = dynamic_cast<OrbitProblem*>(&problem);
   // If a free motion does not reproduce a weak impact of the last point, following in states cannot start there.
   const bool broken_off = why == TraceStop::min_step || why == TraceStop::start_failed;
-  if (broken_off && states) grazing_ = broken_off_at_grazing(*states, branch);
+  if (broken_off && states) grazing_ = grazing_at_failure(*states, branch);
   if (grazing_) {
     const SpecialPoint& point = branch.special_points.back();
     branch.stop_value = point.value;
@@ -569,11 +573,11 @@ void BranchFollower::mark(BranchProblem& problem, const Vector& u, PointType typ
 }
 
 void BranchFollower::user_points(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, const Branch& branch,
-                                 std::vector<MetPoint>& met) const {
+                                 std::vector<PointInStep>& met) const {
   if (options_.user_values.empty()) return;
   // If the branch turns within the step, a value may be passed on both sides of the fold.
   std::vector<Vector> course{before.u};
-  for (const MetPoint& point : met)
+  for (const PointInStep& point : met)
     if (point.point.type == PointType::LP && point.point.status == PointStatus::converged) course.push_back(point.u);
   course.push_back(after.u);
   for (std::size_t k = 0; k + 1 < course.size(); ++k) {
@@ -591,8 +595,8 @@ void BranchFollower::user_points(BranchProblem& problem, const CurvePoint& befor
 }
 
 /// Empty if the sign changes without a special point of this type.
-std::optional<MetPoint> BranchFollower::locate(BranchProblem& problem, const TestFunction& test, const TestPoint& before,
-                                               const TestPoint& after, const Branch& branch) const {
+std::optional<PointInStep> BranchFollower::locate(BranchProblem& problem, const TestFunction& test, const TestPoint& before,
+                                                  const TestPoint& after, const Branch& branch) const {
   /// Largest distance of a multiplier from its critical value at a sign change that Newton's method did not confirm.
   constexpr double announced = 1e-3;
   const ZeroProblem zero = problem.zero_problem();
@@ -603,7 +607,7 @@ std::optional<MetPoint> BranchFollower::locate(BranchProblem& problem, const Tes
   BranchPoint best_branch = after.branch;
   int side = 0;
   // Narrows the bracket of the sign change along the curve (Illinois method).
-  const auto close_in = [&](int steps, double small, double narrow) {
+  const auto narrow_bracket = [&](int steps, double small, double narrow) {
     for (int i = 0; i < steps && hi - lo > narrow; ++i) {
       const double s = std::clamp((lo * f_hi - hi * f_lo) / (f_hi - f_lo), lo + 0.01 * (hi - lo), hi - 0.01 * (hi - lo));
       CurvePoint trial;
@@ -633,7 +637,7 @@ std::optional<MetPoint> BranchFollower::locate(BranchProblem& problem, const Tes
       if (std::abs(f) < small) break;
     }
   };
-  close_in(8, 1e-5, 1e-7);
+  narrow_bracket(8, 1e-5, 1e-7);
   SpecialPoint point;
   point.type = test.type;
   point.after_point = branch.points.size() - 1;
@@ -656,7 +660,7 @@ std::optional<MetPoint> BranchFollower::locate(BranchProblem& problem, const Tes
   } else {
     // If Newton's method fails, as at the corner of a stiff contact, the sign change along the curve is bracketed down to
     // rounding. A sign change without a multiplier at its critical value belongs to another event, or to a jump.
-    close_in(60, 0.0, 1e-12);
+    narrow_bracket(60, 0.0, 1e-12);
     if (!corner_ && !(test.distance(best_branch) < announced)) return std::nullopt;
     point.value = problem.value(best.u);
     point.precision = std::max(std::abs(value_hi - value_lo), 1e-13 * (1.0 + std::abs(point.value)));
@@ -669,7 +673,7 @@ std::optional<MetPoint> BranchFollower::locate(BranchProblem& problem, const Tes
   }
   point.interval[0] = point.value - point.precision;
   point.interval[1] = point.value + point.precision;
-  return MetPoint{place_of(zero, before.curve, best.u), best.u, std::move(point)};
+  return PointInStep{place_of(zero, before.curve, best.u), best.u, std::move(point)};
 }
 
 SpecialPoint BranchFollower::grazing_point(const LocatedGrazing& located, int impacts_before, int impacts_after,
@@ -696,8 +700,8 @@ SpecialPoint BranchFollower::grazing_point(const LocatedGrazing& located, int im
   return point;
 }
 
-MetPoint BranchFollower::locate_impact_change(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after,
-                                              const BranchPoint& reached, const Branch& branch) const {
+PointInStep BranchFollower::locate_impact_change(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after,
+                                                 const BranchPoint& reached, const Branch& branch) const {
   const BranchPoint& last = branch.points.back();
   const bool lost = reached.impacts < last.impacts;
   const int change = std::abs(reached.isolated_impacts - last.isolated_impacts);
@@ -765,7 +769,7 @@ bool BranchFollower::reaches_grazing(SignatureProblem& problem, const CurvePoint
   Vector good = before.u;
   double lo = 0.0, hi = 1.0;
   // Bisects until the last motion (with impacts of at least that speed) and the first solution that is no motion are adjacent.
-  const auto close_in = [&](double speed) {
+  const auto narrow_bracket = [&](double speed) {
     for (int i = 0; i < 40 && (hi - lo) * length > 1e-9; ++i) {
       const double middle = 0.5 * (lo + hi);
       Vector u = before.u + middle * chord;
@@ -781,15 +785,15 @@ bool BranchFollower::reaches_grazing(SignatureProblem& problem, const CurvePoint
     }
     return true;
   };
-  if (!close_in(weakest_kept)) return false;
+  if (!narrow_bracket(least_kept_speed)) return false;
   // An orbit about to gain an impact is kept only at this distance before the grazing, where a free run separates it from the
   // grazing.
-  constexpr double told_apart = 1e-8;
+  constexpr double least_separation = 1e-8;
   CurvePoint last = before;
   last.u = good;
   double kept = lo;
-  if (!beyond->lost && lo * length > told_apart) {
-    const double earlier = lo - told_apart / length;
+  if (!beyond->lost && lo * length > least_separation) {
+    const double earlier = lo - least_separation / length;
     Vector u = before.u + earlier * chord;
     if (correct(zero, chord, u, options_.trace).converged() && !problem.violation(u)) {
       last.u = std::move(u);
@@ -801,7 +805,7 @@ bool BranchFollower::reaches_grazing(SignatureProblem& problem, const CurvePoint
   BranchPoint point;
   if (kept > 0.0 && last.tangent.size() > 0) point = problem.branch_point(last.u, branch.points.back().arclength + kept * length);
   hi = 1.0;
-  if (!close_in(0.0)) return false;
+  if (!narrow_bracket(0.0)) return false;
   const std::size_t parameter = parameter_index(system_.parameters, options_.parameter);
   // Added to the width of the bracket: the effect of rounding in a speed or a gap.
   constexpr double next_to = 1e-7;
@@ -810,7 +814,7 @@ bool BranchFollower::reaches_grazing(SignatureProblem& problem, const CurvePoint
   // Special points before the grazing are located in this step; the multipliers at the grazing itself are singular.
   if (point.multipliers.valid && !take(problem, before, last, std::move(point), {}, branch)) return false;
   if (!(kept > 0.0 && last.tangent.size() > 0)) last = before;
-  if (!take_up_to_grazing(problem, ahead->u, last, branch)) return false;
+  if (!append_points_before_grazing(problem, ahead->u, last, branch)) return false;
   const int impacts = branch.points.back().impacts;
   branch.special_points.push_back(
       grazing_point(ahead->grazing, impacts, impacts + (ahead->lost ? -ahead->grazing.touches : 1), branch));
@@ -822,8 +826,8 @@ bool BranchFollower::reaches_grazing(SignatureProblem& problem, const CurvePoint
 /// Detects a fold or a period doubling closer to the grazing than the branch's points: the signs of its conditions, regular in
 /// the coordinates of the events, differ between the grazing and `point`. Then halves the distance to the grazing until the
 /// signs are those at the grazing, and returns that point; empty if there is none.
-std::optional<CurvePoint> BranchFollower::beside_grazing(SignatureProblem& problem, const Vector& grazing,
-                                                         const CurvePoint& point) const {
+std::optional<CurvePoint> BranchFollower::special_point_near_grazing(SignatureProblem& problem, const Vector& grazing,
+                                                                     const CurvePoint& point) const {
   const ZeroProblem zero = problem.zero_problem();
   struct Signs {
     bool turned, doubled;
@@ -837,7 +841,7 @@ std::optional<CurvePoint> BranchFollower::beside_grazing(SignatureProblem& probl
   const Signs there = signs(grazing, tangent);
   if (there == signs(point.u, point.tangent)) return std::nullopt;
   const Vector chord = point.u - grazing;
-  for (double part = 0.5; part * weighted_norm(zero.weights, chord) > weakest_told; part *= 0.5) {
+  for (double part = 0.5; part * weighted_norm(zero.weights, chord) > least_resolved_speed; part *= 0.5) {
     CurvePoint between;
     between.u = grazing + part * chord;
     if (!correct(zero, chord, between.u, options_.trace).converged() || problem.violation(between.u)) return std::nullopt;
@@ -850,8 +854,9 @@ std::optional<CurvePoint> BranchFollower::beside_grazing(SignatureProblem& probl
   return std::nullopt;
 }
 
-bool BranchFollower::take_up_to_grazing(SignatureProblem& problem, const Vector& grazing, CurvePoint& last, Branch& branch) {
-  std::optional<CurvePoint> nearer = beside_grazing(problem, grazing, last);
+bool BranchFollower::append_points_before_grazing(SignatureProblem& problem, const Vector& grazing, CurvePoint& last,
+                                                  Branch& branch) {
+  std::optional<CurvePoint> nearer = special_point_near_grazing(problem, grazing, last);
   if (!nearer) return true;
   nearer->arclength = 2.0 * last.arclength - nearer->arclength;  // mirrored: here the grazing lies ahead
   BranchPoint point = problem.branch_point(nearer->u, branch.points.back().arclength + nearer->arclength - last.arclength);
@@ -864,7 +869,7 @@ bool BranchFollower::take_up_to_grazing(SignatureProblem& problem, const Vector&
 /// Moves `last`, the end of the branch, beyond the grazing of a stiff contact. That grazing is a corner of the branch, narrower
 /// than the steps can be (proportional to stiffness^-2); beyond it the branch continues like that of a hard contact. False if
 /// there is no corner.
-bool BranchFollower::around_corner(OrbitProblem& problem, Branch& branch, CurvePoint& last) {
+bool BranchFollower::step_around_corner(OrbitProblem& problem, Branch& branch, CurvePoint& last) {
   constexpr double near = 1e-4;
   const ZeroProblem zero = problem.zero_problem();
   const BranchPoint& end = branch.points.back();
@@ -895,7 +900,7 @@ bool BranchFollower::around_corner(OrbitProblem& problem, Branch& branch, CurveP
       next.arclength = last.arclength + weighted_norm(zero.weights, next.u - last.u);
       BranchPoint point = problem.branch_point(next.u, end.arclength + next.arclength - last.arclength);
       if (next.tangent.size() == 0 || !point.multipliers.valid || point.isolated_impacts != impacts) continue;
-      std::vector<MetPoint> met;
+      std::vector<PointInStep> met;
       if (!passed)
         met.push_back({place_of(zero, last, located.u), located.u, grazing_point(located, end.impacts, point.impacts, branch)});
       corner_ = Corner{value, place_of(zero, last, located.u), to_contact};
@@ -909,7 +914,7 @@ bool BranchFollower::around_corner(OrbitProblem& problem, Branch& branch, CurveP
   return false;
 }
 
-std::optional<GrazingEnd> BranchFollower::broken_off_at_grazing(OrbitProblem& problem, Branch& branch) {
+std::optional<GrazingEnd> BranchFollower::grazing_at_failure(OrbitProblem& problem, Branch& branch) {
   const BranchPoint& end = branch.points.back();
   std::optional<LocatedGrazing> located = grazing_beside(problem, problem.pack(end.nodes, end.duration, end.value));
   if (!located) return std::nullopt;

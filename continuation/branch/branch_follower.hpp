@@ -17,10 +17,10 @@ namespace graze {
 
 /// Least speed of the weakest impact for which an orbit is kept as a point of a branch (dimensionless). Below it a free run no
 /// longer reproduces the orbit: the instant of the impact has error (rounding of the state) / (impact speed).
-inline constexpr double weakest_kept = 1e-5;
+inline constexpr double least_kept_speed = 1e-5;
 
 /// Speed below which an impact cannot be distinguished from rounding (dimensionless).
-inline constexpr double weakest_told = 1e-10;
+inline constexpr double least_resolved_speed = 1e-10;
 
 struct GrazingEnd {
   LocatedGrazing grazing;
@@ -28,7 +28,7 @@ struct GrazingEnd {
 };
 
 /// A special point within a step: `place` along the step orders it among the others, `u` is the orbit there.
-struct MetPoint {
+struct PointInStep {
   double place = 0.0;
   Vector u;
   SpecialPoint point;
@@ -47,9 +47,9 @@ class BranchFollower {
   // Following in states and in the coordinates of the signature, and the work common to both at each step.
   Curve follow_states(OrbitProblem& problem, const BranchStart& given, Branch& branch);
   Curve follow_signature(SignatureProblem& problem, const BranchStart& start, Branch& branch);
-  std::optional<BranchStart> goes_on_in_states(OrbitProblem& problem, const SignatureProblem& signature, const Curve& curve,
-                                               const Branch& branch) const;
-  bool around_corner(OrbitProblem& problem, Branch& branch, CurvePoint& last);
+  std::optional<BranchStart> continuation_in_states(OrbitProblem& problem, const SignatureProblem& signature, const Curve& curve,
+                                                    const Branch& branch) const;
+  bool step_around_corner(OrbitProblem& problem, Branch& branch, CurvePoint& last);
   Verdict monitor_states(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
   Verdict monitor_signature(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
   Verdict monitor_beyond_grazing(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
@@ -57,7 +57,7 @@ class BranchFollower {
   bool interrupted_now();
   std::optional<Verdict> end_of_range(BranchProblem& problem, const CurvePoint& before, CurvePoint& after) const;
   bool take(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, BranchPoint point,
-            std::vector<MetPoint> met, Branch& branch);
+            std::vector<PointInStep> met, Branch& branch);
   void begin(BranchProblem& problem, const Vector& u, Branch& branch);
   bool end_on_bound(BranchProblem& problem, Branch& branch);
   std::optional<GrazingEnd> finish(BranchProblem& problem, const Curve& curve, Branch& branch, bool on_grazing);
@@ -65,17 +65,18 @@ class BranchFollower {
   std::optional<BranchStart> to_signature(OrbitProblem& problem, const BranchStart& start) const;
 
   // Special points.
-  std::optional<MetPoint> locate(BranchProblem& problem, const TestFunction& test, const TestPoint& before,
-                                 const TestPoint& after, const Branch& branch) const;
-  MetPoint locate_impact_change(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after,
-                                const BranchPoint& reached, const Branch& branch) const;
+  std::optional<PointInStep> locate(BranchProblem& problem, const TestFunction& test, const TestPoint& before,
+                                    const TestPoint& after, const Branch& branch) const;
+  PointInStep locate_impact_change(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after,
+                                   const BranchPoint& reached, const Branch& branch) const;
   bool reaches_grazing(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
-  std::optional<CurvePoint> beside_grazing(SignatureProblem& problem, const Vector& grazing, const CurvePoint& point) const;
-  bool take_up_to_grazing(SignatureProblem& problem, const Vector& grazing, CurvePoint& last, Branch& branch);
-  std::optional<GrazingEnd> broken_off_at_grazing(OrbitProblem& problem, Branch& branch);
+  std::optional<CurvePoint> special_point_near_grazing(SignatureProblem& problem, const Vector& grazing,
+                                                       const CurvePoint& point) const;
+  bool append_points_before_grazing(SignatureProblem& problem, const Vector& grazing, CurvePoint& last, Branch& branch);
+  std::optional<GrazingEnd> grazing_at_failure(OrbitProblem& problem, Branch& branch);
   SpecialPoint grazing_point(const LocatedGrazing& located, int impacts_before, int impacts_after, const Branch& branch) const;
   void user_points(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, const Branch& branch,
-                   std::vector<MetPoint>& met) const;
+                   std::vector<PointInStep>& met) const;
   SpecialPoint plain_point(BranchProblem& problem, const Vector& u, PointType type, const Branch& branch) const;
   void mark(BranchProblem& problem, const Vector& u, PointType type, Branch& branch);
   Vector at_value(BranchProblem& problem, Vector u, double value) const;

@@ -42,7 +42,7 @@ double asymmetry(const HybridSystem& system, const Symmetry& symmetry, const Bra
   return (*mirrored - point.state()).lpNorm<Eigen::Infinity>() / (1.0 + point.state().lpNorm<Eigen::Infinity>());
 }
 
-bool skips_something(const BranchPoint& last, const BranchPoint& next) {
+bool skips_bifurcation(const BranchPoint& last, const BranchPoint& next) {
   const auto a = unstable_kinds(last), b = unstable_kinds(next);
   // A complex pair outside the unit circle that meets on the real axis and separates there crosses the circle nowhere.
   for (const std::size_t real : {0, 1})
@@ -69,12 +69,12 @@ bool changes_symmetry(const HybridSystem& system, const Symmetry& symmetry, cons
 
 bool leaves_branch(const HybridSystem& system, std::span<const Symmetry> symmetries, const Branch& branch,
                    const BranchPoint& next) {
-  return skips_something(branch.points.back(), next) ||
+  return skips_bifurcation(branch.points.back(), next) ||
          std::any_of(symmetries.begin(), symmetries.end(),
                      [&](const Symmetry& symmetry) { return changes_symmetry(system, symmetry, branch, next); });
 }
 
-std::optional<double> goes_through_half(const BranchProblem& problem, const Vector& before, const Vector& after) {
+std::optional<double> half_period_crossing(const BranchProblem& problem, const Vector& before, const Vector& after) {
   // A curve that turns by at most 0.3 within the step stays closer to its chord than this fraction of the chord.
   constexpr double bend = 0.1;
   const Vector a = problem.half_difference(before), b = problem.half_difference(after);

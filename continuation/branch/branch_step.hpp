@@ -24,6 +24,6 @@ bool leaves_branch(const HybridSystem& system, std::span<const Symmetry> symmetr
 /// The place at which a doubled branch passes through the orbit of half its period, as a fraction of the way from the unknowns
 /// `before` to `after`: there the difference of the orbit's two halves, continuous in the coordinates of the branch, passes
 /// zero. Empty if it does not.
-std::optional<double> goes_through_half(const BranchProblem& problem, const Vector& before, const Vector& after);
+std::optional<double> half_period_crossing(const BranchProblem& problem, const Vector& before, const Vector& after);
 
 }  // namespace graze

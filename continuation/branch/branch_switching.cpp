@@ -42,7 +42,7 @@ SignatureStart start_with(OrbitProblem& problem, const PeriodicOrbit& orbit, con
 }
 
 /// Why the solutions right beyond the grazing are no motions; empty if they are motions.
-std::optional<SignatureEquations::Violation> violated_at_once(SignatureStart& from, const TraceOptions& options) {
+std::optional<SignatureEquations::Violation> violation_beyond(SignatureStart& from, const TraceOptions& options) {
   const ZeroProblem zero = from.problem.zero_problem();
   const Vector tangent = tangent_at(zero, from.start.u, from.start.orientation);
   // The step must move an arc that crosses a barrier deeper than the accuracy of an impact (1e-11).
@@ -184,8 +184,8 @@ std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGra
     const double value = problem.value(grazing.u);
     SignatureStart single = start_with(problem, grazing.orbit, nodes, value, added);
     if (lost) single.start.orientation = side * single.problem.parameter_direction();
-    auto violation = lost ? std::nullopt : violated_at_once(single, options);
-    while (violation && !violation->lost && violation->met && static_cast<int>(added.size()) < most_together) {
+    auto violation = lost ? std::nullopt : violation_beyond(single, options);
+    while (violation && !violation->lost && violation->met && static_cast<int>(added.size()) < max_simultaneous_contacts) {
       const EventRecord& met = *violation->met;
       double t = std::fmod(met.t, problem.equations().duration(grazing.u.head(grazing.u.size() - 1)));
       const std::size_t place = nodes.insert(met.event, t, met.x_minus);
@@ -193,7 +193,7 @@ std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGra
       added.push_back(place);
       SignatureStart several = start_with(problem, grazing.orbit, nodes, value, added);
       if (!correct(several.problem.zero_problem(), several.start.orientation, several.start.u, options).converged()) break;
-      violation = violated_at_once(several, options);
+      violation = violation_beyond(several, options);
       if (!violation) return several.start;
     }
     return single.start;
@@ -240,7 +240,7 @@ std::optional<BranchStart> multiple_start(OrbitProblem& problem, const LocatedGr
   for (int k = 0; k < pattern.struck; ++k)
     added.push_back(nodes.insert(grazing.event, std::fmod(grazing.t, turn) + k * turn, grazing.touch));
   SignatureStart start = start_with(problem, grazing.orbit, nodes, grazing.u[grazing.u.size() - 1], std::move(added));
-  if (violated_at_once(start, options)) return std::nullopt;
+  if (violation_beyond(start, options)) return std::nullopt;
   return start.start;
 }
 

@@ -33,7 +33,7 @@ std::optional<BranchStart> crossing_start(const SpecialPoint& bp, const Branch& 
                                           const TraceOptions& options);
 
 /// Largest number of contacts that may graze together.
-inline constexpr int most_together = 8;
+inline constexpr int max_simultaneous_contacts = 8;
 
 /// At the grazing of a hard contact: the orbits without the lost impact, or with the gained one, on the side of the grazing on
 /// which they exist. If the orbits with the gained impact immediately meet a barrier elsewhere, other contacts graze too (the

@@ -18,13 +18,16 @@ TestFunction branch_point_test() {
   test.value = [](const TestPoint& point) {
     std::complex<double> product = 1.0;
     for (const auto& mu : nontrivial(point.branch.multipliers)) product *= (mu - 1.0) / (1.0 + std::abs(mu));
-    const double turning = point.curve.tangent[point.curve.tangent.size() - 1];
-    return std::copysign(product.real(), product.real() * turning);
+    const double aligning_periods = point.curve.tangent[point.curve.tangent.size() - 1];
+    return std::copysign(product.real(), product.real() * aligning_periods);
   };
   test.confirm = [](const TestPoint& before, const TestPoint& after) {
     if (stands_still(before, after)) return false;
-    const auto turning = [](const TestPoint& point) { return point.curve.tangent[point.curve.tangent.size() - 1] > 0.0; };
-    const bool passes = (real_beyond(before, 1) + real_beyond(after, 1)) % 2 == 1, turns = turning(before) != turning(after);
+    const auto aligning_periods = [](const TestPoint& point) {
+      return point.curve.tangent[point.curve.tangent.size() - 1] > 0.0;
+    };
+    const bool passes = (real_beyond(before, 1) + real_beyond(after, 1)) % 2 == 1,
+               turns = aligning_periods(before) != aligning_periods(after);
     return passes != turns;
   };
   test.distance = [](const BranchPoint& point) { return nearest_multiplier(point, 1.0); };

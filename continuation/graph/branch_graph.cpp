@@ -89,7 +89,7 @@ class Graph {
         break;
       }
       std::vector<Task> round = tasks_.next_round(round_size);
-      if (!choice_.all) std::erase_if(round, [&](const Task& task) { return leaves_out(task); });
+      if (!choice_.all) std::erase_if(round, [&](const Task& task) { return excludes(task); });
       std::vector<Outcome> outcomes(round.size());
       const std::size_t known = graph_.branches.size();
       arena.execute([&] {
@@ -101,7 +101,7 @@ class Graph {
         const bool full = static_cast<int>(graph_.branches.size()) >= options_.max_branches;
         if (!outcomes[k].nothing.empty() && !cancelled()) {
           if (round[k].origin == Origin::beyond_grazing)
-            set_scenario_alone(graph_.branches[round[k].parent], outcomes[k].nothing, outcomes[k].none);
+            set_scenario_without_partner(graph_.branches[round[k].parent], outcomes[k].nothing, outcomes[k].none);
           cut_off(round[k], std::move(outcomes[k].nothing));
         } else if (outcomes[k].branch && !full) {
           accept(round[k], std::move(outcomes[k]));
@@ -135,7 +135,7 @@ class Graph {
   }
 
   /// True if FamilyChoice excludes the task; the task is then counted or listed.
-  bool leaves_out(const Task& task) {
+  bool excludes(const Task& task) {
     const auto because = [&](std::string reason) {
       ++left_out_[std::move(reason)];
       return true;
@@ -155,7 +155,7 @@ class Graph {
       return true;
     }
     const bool promising = seed ? task.orbit.stable() : is_stable_beside(*parent, parent->special_points[task.special]);
-    if (promising || fruitless_ < choice_.patience) return false;
+    if (promising || unstable_in_a_row_ < choice_.patience) return false;
     return because(fmt::format("beyond unstable orbits; {} branches in a row were stable nowhere", choice_.patience));
   }
 
@@ -180,7 +180,7 @@ class Graph {
       if (!is_stable(branch)) continue;
       kept[k] = 1;
       if (branch.stop != BranchStop::grazing || !branch.points.back().stable || !ends_[k]) continue;
-      if (const KnownEdge* edge = edge_beyond(edges_, k, branch.special_points.back(), *ends_[k])) kept[edge->branch] = 1;
+      if (const KnownEdge* edge = partner_edge_among(edges_, k, branch.special_points.back(), *ends_[k])) kept[edge->branch] = 1;
     }
     // Parents precede their children in the list.
     for (std::size_t k = branches.size(); k-- > 0;)
@@ -241,7 +241,7 @@ class Graph {
     if (!mode_at(system_, 0.0, end.orbit.state, p)) return;
     const Attractor attractor = approach_attractor(system_, p, end.orbit.state, settling);
     if (!attractor.orbit || attractor.orbit->isolated_impacts >= attractor.orbit->impacts) return;
-    add_seed({seen_at_nodes(*attractor.orbit)}, generation);
+    add_seed({at_nodes(*attractor.orbit)}, generation);
   }
 
   /// The partner born on the grazing at the end of this branch; null if there is none.
@@ -258,7 +258,7 @@ class Graph {
     const SpecialPoint& point = branch.special_points.back();
     const Branch* beyond = child_at(branch);
     bool begins = true;
-    if (const KnownEdge* edge = !beyond && ends_[index] ? edge_beyond(edges_, index, point, *ends_[index]) : nullptr) {
+    if (const KnownEdge* edge = !beyond && ends_[index] ? partner_edge_among(edges_, index, point, *ends_[index]) : nullptr) {
       beyond = &graph_.branches[edge->branch];
       begins = edge->begins;
     }
@@ -342,7 +342,7 @@ class Graph {
   /// The branch on which an orbit lies. Branches from the seed `except` are ignored.
   std::optional<std::size_t> branch_through(const std::vector<Vector>& states, double value, int except = 0) const {
     for (std::size_t k = 0; k < graph_.branches.size(); ++k)
-      if ((except == 0 || seeds_[k] != except) && lies_on(system_, graph_.branches[k], states, value)) return k;
+      if ((except == 0 || seeds_[k] != except) && branch_contains(system_, graph_.branches[k], states, value)) return k;
     return std::nullopt;
   }
 
@@ -418,7 +418,7 @@ class Graph {
     if (out.grazing)
       out.ends = edge_at(branch.special_points.back(), branch.special_points.back().orbit, branch.points.back().impacts);
     if (branch.stop == BranchStop::returned && branch.period % 2 == 0 && options_.follow_parents)
-      out.half = half_of(system_, branch, options_);
+      out.half = half_period_orbit(system_, branch, options_);
     const bool nothing = out.begins && branch.stop == BranchStop::start_failed;
     if (nothing) out.nothing = branch.message;
     if (!nothing) out.branch = std::move(branch);
@@ -481,7 +481,8 @@ class Graph {
     Outcome out;
     if (child_at(graph_.branches[task.parent])) return out;
     const std::optional<GrazingEnd> known_end =
-        ends_[task.parent] ? ends_[task.parent] : grazing_end_of(system_, graph_.branches[task.parent], options_, low_, high_);
+        ends_[task.parent] ? ends_[task.parent]
+                           : relocate_grazing_end(system_, graph_.branches[task.parent], options_, low_, high_);
     if (!known_end) {
       out.nothing = "the grazing was not found again";
       return out;
@@ -524,7 +525,7 @@ class Graph {
     if (outcome.begins && is_known(*outcome.begins)) return;
     if (outcome.ends && is_known(*outcome.ends)) return;
     // Another task of the same round may have found the same family. Points inside the branch decide: the ends of a branch may
-    // belong to other branches too. Three points are tested, since lies_on detects nothing next to a fold.
+    // belong to other branches too. Three points are tested, since branch_contains detects nothing next to a fold.
     for (const std::size_t quarter : {1, 2, 3}) {
       if (branch.points.size() <= 4) break;
       const BranchPoint& inside = branch.points[branch.points.size() * quarter / 4];
@@ -569,10 +570,11 @@ class Graph {
       edges_.push_back({edge_at(branch.special_points.back(), branch.special_points.back().orbit, branch.points.back().impacts),
                         graph_.branches.size(), false});
     graph_.branches.push_back(branch);
-    ends_.push_back(options_.max_multiple > 1 ? grazing_end_of(system_, branch, options_, low_, high_) : std::nullopt);
+    ends_.push_back(options_.max_multiple > 1 ? relocate_grazing_end(system_, branch, options_, low_, high_) : std::nullopt);
     seeds_.push_back(0);
-    add_tasks(generation,
-              branch.stop == BranchStop::returned && options_.follow_parents ? half_of(system_, branch, options_) : std::nullopt);
+    add_tasks(generation, branch.stop == BranchStop::returned && options_.follow_parents
+                              ? half_period_orbit(system_, branch, options_)
+                              : std::nullopt);
   }
 
   /// Adds tasks for the branches that begin on the last accepted branch.
@@ -580,7 +582,7 @@ class Graph {
     generations_.push_back(generation);
     const std::size_t index = graph_.branches.size() - 1;
     const Branch& branch = graph_.branches[index];
-    fruitless_ = is_stable(branch) ? 0 : fruitless_ + 1;
+    unstable_in_a_row_ = is_stable(branch) ? 0 : unstable_in_a_row_ + 1;
     if (const std::optional<SeriesLimit> found = choice_.all ? std::nullopt : series_at(index)) {
       end_series(index, *found, generation);
     } else if (branch.stop == BranchStop::grazing) {
@@ -646,7 +648,7 @@ class Graph {
   std::vector<GrazingEdge> spread_;  ///< grazing orbits whose multiples have been searched
   std::vector<ChatterSeries> series_;
   std::map<std::string, int> left_out_;  ///< number of tasks and branches left out, by reason
-  int fruitless_ = 0;                    ///< number of consecutive branches that were stable nowhere
+  int unstable_in_a_row_ = 0;            ///< number of consecutive branches that were stable nowhere
   int last_seed_ = 0, last_id_ = 0;
 };
 

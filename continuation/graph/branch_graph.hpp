@@ -73,6 +73,6 @@ BranchGraph follow_branches(const HybridSystem& system, const std::vector<Branch
 
 /// True if the orbit with these states at phase 0 of its periods, at this value of the parameter, is on the branch, up to a
 /// shift by forcing periods.
-bool lies_on(const HybridSystem& system, const Branch& branch, const std::vector<Vector>& states, double value);
+bool branch_contains(const HybridSystem& system, const Branch& branch, const std::vector<Vector>& states, double value);
 
 }  // namespace graze

@@ -36,8 +36,8 @@ void find_jumps(const Branch& branch, const auto& violated) {
   const double scale = std::max(high->value - low->value, 1e-300);
   const auto may_turn = [&](std::size_t k) {
     return std::any_of(branch.special_points.begin(), branch.special_points.end(), [&](const SpecialPoint& point) {
-      const bool turning = point.type == PointType::GR || point.type == PointType::LP || point.type == PointType::BP;
-      return turning && (point.after_point == k || point.after_point + 1 == k);
+      const bool aligning_periods = point.type == PointType::GR || point.type == PointType::LP || point.type == PointType::BP;
+      return aligning_periods && (point.after_point == k || point.after_point + 1 == k);
     });
   };
   for (std::size_t k = 1; k + 1 < branch.points.size(); ++k) {
@@ -70,7 +70,7 @@ void find_retraces(const HybridSystem& system, const Branch& branch, const auto&
     earlier.parameter = branch.parameter;
     earlier.parameters = branch.parameters;
     earlier.points.assign(branch.points.begin(), branch.points.begin() + static_cast<std::ptrdiff_t>(k - apart));
-    if (lies_on(system, earlier, branch.points[k].states, branch.points[k].value))
+    if (branch_contains(system, earlier, branch.points[k].states, branch.points[k].value))
       violated(fmt::format("point {} is an orbit that the branch has met before", k));
   }
 }
@@ -91,7 +91,7 @@ std::vector<std::string> check_branch(const HybridSystem& system, const Branch& 
     const BranchPoint& point = branch.points[k];
     if (k > 0 && !(point.arclength > branch.points[k - 1].arclength))
       violated(fmt::format("arclength does not grow at point {}", k));
-    if (point.weakest_speed < weakest_kept) {  // a free run does not reproduce it; its residual comes from its own equations
+    if (point.weakest_speed < least_kept_speed) {  // a free run does not reproduce it; its residual comes from its own equations
       if (!(point.checks.residual >= 0.0 && point.checks.residual < 1e-11))
         violated(fmt::format("point {} leaves a residual of {:.3g}", k, point.checks.residual));
       continue;

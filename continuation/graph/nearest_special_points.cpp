@@ -33,12 +33,13 @@ std::optional<double> between(const HybridSystem& system, const Branch& branch, 
 
 }  // namespace
 
-const SpecialPoint* Neighbourhood::nearest(double value) const {
+const SpecialPoint* NearestSpecialPoints::nearest(double value) const {
   if (!below || !above) return below ? &*below : above ? &*above : nullptr;
   return value - below->value < above->value - value ? &*below : &*above;
 }
 
-Neighbourhood neighbourhood(const HybridSystem& system, const PeriodicOrbit& orbit, const NeighbourhoodOptions& options) {
+NearestSpecialPoints nearest_special_points(const HybridSystem& system, const PeriodicOrbit& orbit,
+                                            const NeighbourhoodOptions& options) {
   const std::size_t parameter = parameter_index(system.parameters, options.parameter);
   const double here = orbit.parameters[static_cast<Eigen::Index>(parameter)];
   ContinuationOptions following;
@@ -48,7 +49,7 @@ Neighbourhood neighbourhood(const HybridSystem& system, const PeriodicOrbit& orb
   following.both_directions = true;
   following.switch_generations = 0;
   following.cancelled = options.cancelled;
-  Neighbourhood out;
+  NearestSpecialPoints out;
   for (const Branch& branch : continue_orbit(system, orbit, following)) {
     if (is_forced(system) && branch.period != orbit.period) continue;
     for (const SpecialPoint& point : branch.special_points) {

@@ -17,7 +17,7 @@ struct NeighbourhoodOptions {
   std::function<bool()> cancelled = {};
 };
 
-struct Neighbourhood {
+struct NearestSpecialPoints {
   /// The nearest bifurcation or grazing below and above the orbit's own value, on the orbit's branch.
   std::optional<SpecialPoint> below, above;
   /// The nearest parameter value at which the stable orbit's first exponent is the wanted one, to about 1e-12; empty if there
@@ -29,6 +29,7 @@ struct Neighbourhood {
 };
 
 /// The neighbourhood of `orbit`. @throws std::invalid_argument as continue_orbit does.
-Neighbourhood neighbourhood(const HybridSystem& system, const PeriodicOrbit& orbit, const NeighbourhoodOptions& options);
+NearestSpecialPoints nearest_special_points(const HybridSystem& system, const PeriodicOrbit& orbit,
+                                            const NeighbourhoodOptions& options);
 
 }  // namespace graze

@@ -71,7 +71,7 @@ class SeedFinder {
       fineness_.unstable_values = options_.searched_values;
       fineness_.unstable_period = std::min(options_.searched_period, longest());
     }
-    blocks_ = divided_up(static_cast<std::size_t>(fineness_.values), block_size);
+    blocks_ = divide_rounding_up(static_cast<std::size_t>(fineness_.values), block_size);
     found_.resize(ways + blocks_ +
                   static_cast<std::size_t>(fineness_.unstable_values) * static_cast<std::size_t>(fineness_.unstable_period));
     done_.resize(found_.size());
@@ -197,7 +197,7 @@ class SeedFinder {
         if (attractor.termination != Termination::time) continue;
         // A return lies on a guard, which may move with the parameter value.
         std::optional<PeriodicOrbit> orbit;
-        if (attractor.orbit) orbit = seen_at_nodes(*attractor.orbit);
+        if (attractor.orbit) orbit = at_nodes(*attractor.orbit);
         if (way != 0) previous = orbit ? orbit->state : attractor.state;
         if (orbit) found.push_back(std::move(*orbit));
         break;

@@ -9,9 +9,9 @@
 
 namespace graze {
 
-OffBranches off_branches(const HybridSystem& system, const std::vector<Branch>& branches, const std::vector<SweepRow>& rows,
-                         int longest_period, int threads) {
-  OffBranches out;
+SweepComparison compare_sweep_with_branches(const HybridSystem& system, const std::vector<Branch>& branches,
+                                            const std::vector<SweepRow>& rows, int longest_period, int threads) {
+  SweepComparison out;
   std::vector<std::size_t> compared;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (rows[i].attractor.type != AttractorType::periodic) continue;
@@ -29,7 +29,7 @@ OffBranches off_branches(const HybridSystem& system, const std::vector<Branch>& 
       // A branch of autonomous orbits stores states between the returns.
       const std::vector<Vector> states = is_forced(system) ? row.states : std::vector<Vector>{row.end};
       found[k] = std::any_of(branches.begin(), branches.end(),
-                             [&](const Branch& branch) { return lies_on(system, branch, states, row.value); });
+                             [&](const Branch& branch) { return branch_contains(system, branch, states, row.value); });
     });
   });
   for (std::size_t k = 0; k < compared.size(); ++k)

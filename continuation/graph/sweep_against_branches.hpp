@@ -11,7 +11,7 @@
 
 namespace graze {
 
-struct OffBranches {
+struct SweepComparison {
   std::size_t compared = 0;       ///< number of periodic rows up to the longest period
   std::size_t longer = 0;         ///< number of periodic rows of longer period, which no branch is expected to contain
   std::vector<std::size_t> rows;  ///< indices of the compared rows that lie on no branch
@@ -19,7 +19,7 @@ struct OffBranches {
 
 /// Compares the periodic rows of a sweep with the branches. `longest_period`: longest period that was followed. `threads` does
 /// not change the result.
-OffBranches off_branches(const HybridSystem& system, const std::vector<Branch>& branches, const std::vector<SweepRow>& rows,
-                         int longest_period, int threads = 1);
+SweepComparison compare_sweep_with_branches(const HybridSystem& system, const std::vector<Branch>& branches,
+                                            const std::vector<SweepRow>& rows, int longest_period, int threads = 1);
 
 }  // namespace graze

@@ -112,7 +112,7 @@ Vector tangent_at(const ZeroProblem& problem, const Vector& u, const Vector& ori
 }
 
 Curve trace(const ZeroProblem& problem, const Vector& u0, const Vector& orientation, const TraceOptions& options,
-            const Monitor& monitor, const OriginsOf& origins_of) {
+            const Monitor& monitor, const ClosurePoints& closure_points) {
   Curve curve;
   const Vector weights = weights_of(problem);
   CurvePoint start;
@@ -126,7 +126,7 @@ Curve trace(const ZeroProblem& problem, const Vector& u0, const Vector& orientat
     return curve;
   }
   curve.points.push_back(start);
-  const std::vector<CurvePoint> origins = origins_of ? origins_of(start) : std::vector<CurvePoint>{start};
+  const std::vector<CurvePoint> origins = closure_points ? closure_points(start) : std::vector<CurvePoint>{start};
   double step = options.initial_step;
   while (static_cast<int>(curve.points.size()) < options.max_points) {
     const CurvePoint& last = curve.points.back();

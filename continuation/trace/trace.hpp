@@ -48,12 +48,12 @@ struct Curve {
 
 /// Follows the curve through (or near) u0 in the direction of `orientation`: a vector with a positive inner product with the
 /// wanted tangent, which need not be tangent itself. `monitor` may be empty. The curve counts as closed when it passes again
-/// through one of its points or one of its origins. The only origin is the first point, unless `origins_of` returns others for
-/// it: its images under a symmetry of the problem, or a point at which the curve began earlier. A regular curve returns to its
-/// beginning first; a curve that changed over to another one at a branch point does not.
-using OriginsOf = std::function<std::vector<CurvePoint>(const CurvePoint& first)>;
+/// through one of its points or one of its origins. The only origin is the first point, unless `closure_points` returns others
+/// for it: its images under a symmetry of the problem, or a point at which the curve began earlier. A regular curve returns to
+/// its beginning first; a curve that changed over to another one at a branch point does not.
+using ClosurePoints = std::function<std::vector<CurvePoint>(const CurvePoint& first)>;
 Curve trace(const ZeroProblem& problem, const Vector& u0, const Vector& orientation, const TraceOptions& options = {},
-            const Monitor& monitor = {}, const OriginsOf& origins_of = {});
+            const Monitor& monitor = {}, const ClosurePoints& closure_points = {});
 
 /// Newton's method on H(u) = 0 with (u - u_predicted) . W direction = 0, from u = u_predicted; u is changed in place.
 NewtonReport correct(const ZeroProblem& problem, const Vector& direction, Vector& u, const TraceOptions& options);

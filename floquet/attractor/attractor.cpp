@@ -85,7 +85,7 @@ namespace {
 /// Number of chaotic motions averaged in parallel. It fills the lanes of one thread, provided that most of each motion's budget
 /// remains after parting. It grows up to the lanes of several threads if each motion lasts for at least ten times `parting`.
 constexpr std::int64_t motions_of_a_thread = 16, most_motions = 128;
-constexpr std::int64_t budget_for_many = 4 * motions_of_a_thread * parting;
+constexpr std::int64_t budget_for_many = 4 * motions_of_a_thread * decorrelation_periods;
 
 /// Expected length of an average: its budget, or the periods after which the standard error reaches its bound. (The growth per
 /// period has a standard deviation of about 1/3, and a period is about 2 pi long.)
@@ -98,13 +98,13 @@ std::int64_t expected_periods(const LyapunovOptions& averaging) {
 
 int motions_in_chaos(const LyapunovOptions& averaging) {
   if (averaging.change > 0.0 || averaging.max_periods < budget_for_many) return 1;
-  const std::int64_t wanted = expected_periods(averaging) / (10 * parting);
+  const std::int64_t wanted = expected_periods(averaging) / (10 * decorrelation_periods);
   return static_cast<int>(std::clamp(wanted / motions_of_a_thread * motions_of_a_thread, motions_of_a_thread, most_motions));
 }
 
-int motions_in_company(const LyapunovOptions& averaging) {
+int motions_in_shared_lanes(const LyapunovOptions& averaging) {
   const int alone = motions_in_chaos(averaging);
-  return expected_periods(averaging) < 4 * parting * alone ? 1 : alone;
+  return expected_periods(averaging) < 4 * decorrelation_periods * alone ? 1 : alone;
 }
 
 namespace {
@@ -118,8 +118,8 @@ void average_on_orbit(const HybridSystem& system, const Vector& p, Attractor& at
 
 /// The states of the averaged motions after a further 2000 forcing periods in total. Motions averaged in parallel are short,
 /// and the chaos may be transient.
-std::vector<Vector> later_states(const HybridSystem& system, const Vector& p, const LyapunovSpectrum& average,
-                                 const LyapunovOptions& averaging) {
+std::vector<Vector> continued_states(const HybridSystem& system, const Vector& p, const LyapunovSpectrum& average,
+                                     const LyapunovOptions& averaging) {
   constexpr int in_all = 2000;
   std::vector<Vector> states = average.others;
   states.insert(states.begin(), average.state);
@@ -150,13 +150,13 @@ void average(const HybridSystem& system, const Vector& p, Attractor& attractor, 
     return;
   }
   // The state at an interruption means nothing: the remaining periods might have led elsewhere.
-  if (average.stop == LyapunovStop::interrupted) return take_average(std::move(average), options, attractor);
-  std::vector<Vector> ends = later_states(system, p, average, averaging);
+  if (average.stop == LyapunovStop::interrupted) return evaluate_average(std::move(average), options, attractor);
+  std::vector<Vector> ends = continued_states(system, p, average, averaging);
   attractor.time_average = std::move(average);
   attractor.state = attractor.time_average.state;
-  if (ends.size() > 1) ends = that_may_settle(system, p, ends, options.lyapunov.flow);
-  const int most = periods_of_look(options, attractor.time_average.periods_each());
-  const std::size_t together = options.lyapunov.all_threads ? threads_here() : 1;
+  if (ends.size() > 1) ends = settling_candidates(system, p, ends, options.lyapunov.flow);
+  const int most = longest_period_tried(options, attractor.time_average.periods_each());
+  const std::size_t together = options.lyapunov.all_threads ? available_threads() : 1;
   for (std::size_t begin = 0; begin < ends.size(); begin += together) {
     std::vector<std::optional<PeriodicOrbit>> orbits(std::min(together, ends.size() - begin));
     in_parallel(orbits.size(), [&](std::size_t i) {
@@ -170,7 +170,7 @@ void average(const HybridSystem& system, const Vector& p, Attractor& attractor, 
     for (auto& orbit : orbits)  // one settled motion proves that the chaos was transient
       if (orbit) return settle_on(attractor, std::move(*orbit));
   }
-  take_average(std::move(attractor.time_average), options, attractor);
+  evaluate_average(std::move(attractor.time_average), options, attractor);
 }
 
 /// Laminar phase of the motion that was averaged from `begin` on. Null if there cannot be one.
@@ -178,13 +178,13 @@ std::optional<LaminarPhase> lingering(const HybridSystem& system, const Vector& 
                                       const Attractor& attractor, const AttractorOptions& options) {
   const double T = period_time(system, p, attractor.time_average);
   if (attractor.type == AttractorType::periodic || attractor.time_average.stop == LyapunovStop::interrupted ||
-      attractor.time_average.termination != Termination::time || !may_linger(attractor, round, T))
+      attractor.time_average.termination != Termination::time || !may_be_laminar(attractor, round, T))
     return std::nullopt;
   Propagator propagator(system, p, {}, options.lyapunov.flow);
-  const int most = periods_of_look(options, attractor.time_average.periods_each());
-  const Returns returns = close_returns(propagator, attractor.state, most, nearness_of(options));
+  const int most = longest_period_tried(options, attractor.time_average.periods_each());
+  const Returns returns = close_returns(propagator, attractor.state, most, return_tolerance(options));
   if (returns.periods.empty()) return std::nullopt;
-  LaminarPhase watch = watch_end(attractor, returns.periods.front(), T, options);
+  LaminarPhase watch = laminar_watch(attractor, returns.periods.front(), T, options);
   const auto stop = [&] { return cancelled(options); };
   if (!carry_watched(propagator, watch, stop)) return std::nullopt;
   watch.look_back(begin, attractor.time_average.periods_each());
@@ -212,7 +212,7 @@ void average_on_attractor(const HybridSystem& system, const Vector& p, Attractor
   for (int round = 0; attractor.termination == Termination::time && attractor.type != AttractorType::periodic; ++round) {
     const Vector begin = attractor.state;
     average(system, p, attractor, averaging, options);
-    if (wants_confirmation(options, attractor)) average(system, p, attractor, averaging, options);
+    if (needs_confirmation(options, attractor)) average(system, p, attractor, averaging, options);
     if (!goes_on(system, p, begin, round, options, attractor)) return;
     longer.transient = longer_transient(longer.transient);
     attractor = approach_attractor(system, p, attractor.state, longer);

@@ -18,7 +18,7 @@ constexpr int most_rounds = 3;
 constexpr std::int64_t periods_on_island = 1000;
 
 /// Exponent of e^40: growth that takes a rounding error to order one.
-constexpr double beyond_all_bounds = 40.0;
+constexpr double e_folds_of_rounding = 40.0;
 
 /// Exponent per forcing period: a distance grows by its exponential.
 double growth(const Attractor& attractor, double T) {
@@ -45,20 +45,21 @@ int longer_transient(int transient) {
 
 std::optional<PeriodicOrbit> look_for_orbit(Propagator& propagator, const Vector& state, int max_period,
                                             const AttractorOptions& options, RefusedOrbits* refused) {
-  if (options.recurrence > 0.0) return orbit_of_close_returns(propagator, state, max_period, nearness_of(options), refused);
+  if (options.recurrence > 0.0) return orbit_of_close_returns(propagator, state, max_period, return_tolerance(options), refused);
   return settling_orbit(propagator, state, max_period, options.lyapunov.all_threads);
 }
 
-bool may_linger(const Attractor& attractor, int round, double T) {
+bool may_be_laminar(const Attractor& attractor, int round, double T) {
   if (attractor.time_average.conservative()) return false;  // it approaches nothing else
-  return round == 0 || growth(attractor, T) * static_cast<double>(attractor.time_average.periods_each()) <= beyond_all_bounds;
+  return round == 0 || growth(attractor, T) * static_cast<double>(attractor.time_average.periods_each()) <= e_folds_of_rounding;
 }
 
-LaminarPhase watch_end(const Attractor& attractor, int period, double T, const AttractorOptions& options) {
+LaminarPhase laminar_watch(const Attractor& attractor, int period, double T, const AttractorOptions& options) {
   constexpr double most = 20000.0;
   const double each = growth(attractor, T);
-  const bool can_tell = each * most > beyond_all_bounds;
-  return {attractor.state, period, nearness_of(options), can_tell ? static_cast<std::int64_t>(beyond_all_bounds / each) : 0};
+  const bool can_tell = each * most > e_folds_of_rounding;
+  return {attractor.state, period, return_tolerance(options),
+          can_tell ? static_cast<std::int64_t>(e_folds_of_rounding / each) : 0};
 }
 
 bool goes_on(const LaminarPhase& watch, const HybridSystem& system, const Vector& p, int round, Attractor& attractor) {
@@ -71,7 +72,7 @@ bool goes_on(const LaminarPhase& watch, const HybridSystem& system, const Vector
   return true;
 }
 
-void take_average(LyapunovSpectrum average, const AttractorOptions& options, Attractor& attractor) {
+void evaluate_average(LyapunovSpectrum average, const AttractorOptions& options, Attractor& attractor) {
   attractor.time_average = std::move(average);
   attractor.state = attractor.time_average.state;
   attractor.exponents = attractor.time_average.exponents;
@@ -88,7 +89,7 @@ void take_average(LyapunovSpectrum average, const AttractorOptions& options, Att
     attractor.motion = ConservativeMotion::island;
 }
 
-bool wants_confirmation(const AttractorOptions& options, const Attractor& attractor) {
+bool needs_confirmation(const AttractorOptions& options, const Attractor& attractor) {
   return options.recurrence > 0.0 && attractor.type == AttractorType::chaotic &&
          attractor.time_average.stop == LyapunovStop::standard_error && attractor.time_average.periods < options.confirmed_below;
 }

@@ -27,27 +27,27 @@ std::optional<PeriodicOrbit> look_for_orbit(Propagator& propagator, const Vector
 /// Whether a motion that returns at the end of its average may be in a laminar phase. Not if it has been continued before, and
 /// its average since then lasted at least 40 e-folding times: a motion that leaves an orbit at its exponent, even from a
 /// rounding error away, would have gone by then. Such a motion is chaos that returns.
-bool may_linger(const Attractor& attractor, int round, double T);
+bool may_be_laminar(const Attractor& attractor, int round, double T);
 
 /// Watch on the end of an average: detects whether the motion repeats itself for longer than any motion that leaves an orbit at
 /// its exponent could.
-LaminarPhase watch_end(const Attractor& attractor, int period, double T, const AttractorOptions& options);
+LaminarPhase laminar_watch(const Attractor& attractor, int period, double T, const AttractorOptions& options);
 
 /// Whether the watched motion must be continued, from attractor.state. If it is on an unstable orbit, the state is pushed off,
 /// farther in each round. A motion that is still laminar after the last round, and was so throughout, is undecided.
 bool goes_on(const LaminarPhase& watch, const HybridSystem& system, const Vector& p, int round, Attractor& attractor);
 
 /// LyapunovOptions::motions for an average over possibly chaotic motion. motions_in_chaos: for an average computed by itself.
-/// motions_in_company: for one that shares the lanes with others; these fill the lanes, so that one motion is enough unless the
-/// average is long.
+/// motions_in_shared_lanes: for one that shares the lanes with others; these fill the lanes, so that one motion is enough unless
+/// the average is long.
 int motions_in_chaos(const LyapunovOptions& averaging);
-int motions_in_company(const LyapunovOptions& averaging);
+int motions_in_shared_lanes(const LyapunovOptions& averaging);
 
 /// Evaluates the time average of a motion that is not known to be periodic and has not settled.
-void take_average(LyapunovSpectrum average, const AttractorOptions& options, Attractor& attractor);
+void evaluate_average(LyapunovSpectrum average, const AttractorOptions& options, Attractor& attractor);
 
 /// Whether a second average must confirm that the motion is chaotic. An average that is tested often is found positive by
 /// chance or for a while; if it stopped as soon as it was positive, a second one must agree.
-bool wants_confirmation(const AttractorOptions& options, const Attractor& attractor);
+bool needs_confirmation(const AttractorOptions& options, const Attractor& attractor);
 
 }  // namespace graze

@@ -11,7 +11,7 @@ namespace graze {
 namespace {
 
 /// Periods after which a running average is checked for a motion that has settled; the interval then doubles.
-constexpr std::int64_t look_at_average = 2000;
+constexpr std::int64_t first_check_of_average = 2000;
 
 /// Cancellation test, called before forcing periods are carried.
 struct Stop {
@@ -19,9 +19,9 @@ struct Stop {
   bool operator()() const { return cancelled(options); }
 };
 
-MotionTask<SettlingLook> look(TaskSlot& lane, const HybridSystem& system, const Vector& p, const Vector& state, int most,
-                              const AttractorOptions& options, RefusedOrbits* refused = nullptr) {
-  return look_for_orbit_in_lanes(lane, system, p, state, most, nearness_of(options), options.lyapunov.flow, refused);
+MotionTask<OrbitSearchResult> look(TaskSlot& lane, const HybridSystem& system, const Vector& p, const Vector& state, int most,
+                                   const AttractorOptions& options, RefusedOrbits* refused = nullptr) {
+  return look_for_orbit_in_lanes(lane, system, p, state, most, return_tolerance(options), options.lyapunov.flow, refused);
 }
 
 /// approach_attractor in the lanes.
@@ -33,7 +33,7 @@ MotionTask<Attractor> approach(TaskSlot& lane, const HybridSystem& system, const
     co_await carry_watched(lane, approach, stop);
     if (approach.open()) approach.stop(Termination::interrupted);
     if (approach.asks() == 0) continue;
-    SettlingLook looked = co_await look(lane, system, p, approach.state(), approach.asks(), options, approach.passed_by());
+    OrbitSearchResult looked = co_await look(lane, system, p, approach.state(), approach.asks(), options, approach.passed_by());
     approach.answer(std::move(looked.orbit));
   } while (approach.open());
   co_return std::move(approach).result();
@@ -50,27 +50,28 @@ MotionTask<bool> average(TaskSlot& lane, const HybridSystem& system, const Vecto
     const AverageStart start{p, attractor.state};
     LaneAverage average(lane, system, start, averaging);
     RefusedOrbits refused;
-    for (std::int64_t periods = look_at_average;; periods *= 2) {
+    for (std::int64_t periods = first_check_of_average;; periods *= 2) {
       const bool open = co_await average.carry(lane, periods);
       if (!open) break;
-      SettlingLook looked = co_await look(lane, system, p, average.state(), periods_of_look(options, periods), options, &refused);
+      OrbitSearchResult looked =
+          co_await look(lane, system, p, average.state(), longest_period_tried(options, periods), options, &refused);
       if (!looked.orbit) continue;
       settle_on(attractor, std::move(*looked.orbit));
       co_return false;
     }
-    take_average(std::move(average).result(), options, attractor);
-    if (again || !wants_confirmation(options, attractor)) break;
+    evaluate_average(std::move(average).result(), options, attractor);
+    if (again || !needs_confirmation(options, attractor)) break;
   }
   if (stop()) co_return false;  // an interrupted average means nothing
-  const int periods = periods_of_look(options, attractor.time_average.periods_each());
-  SettlingLook looked = co_await look(lane, system, p, attractor.state, periods, options);
+  const int periods = longest_period_tried(options, attractor.time_average.periods_each());
+  OrbitSearchResult looked = co_await look(lane, system, p, attractor.state, periods, options);
   if (looked.orbit) {
     settle_on(attractor, std::move(*looked.orbit));
     co_return false;
   }
   const double T = forcing_period(system, p);
-  if (looked.closest > 0 && may_linger(attractor, round, T)) {
-    LaminarPhase watch = watch_end(attractor, looked.closest, T, options);
+  if (looked.closest > 0 && may_be_laminar(attractor, round, T)) {
+    LaminarPhase watch = laminar_watch(attractor, looked.closest, T, options);
     co_await carry_watched(lane, watch, stop);
     if (stop()) co_return false;
     watch.look_back(begin, attractor.time_average.periods_each());
@@ -83,12 +84,12 @@ MotionTask<bool> average(TaskSlot& lane, const HybridSystem& system, const Vecto
 }
 
 /// Whether the lanes support the oscillator and the options.
-bool lanes_do(const HybridSystem& system, const Vector& p, const AttractorOptions& options) {
+bool lanes_apply(const HybridSystem& system, const Vector& p, const AttractorOptions& options) {
   return options.recurrence > 0.0 && options.periods_on_orbit == 0 && LaneCarrier::applies(system, p, options.lyapunov.flow);
 }
 
-MotionTask<> find_to(TaskSlot& lane, const HybridSystem& system, const AverageStart& start, const AttractorOptions& options,
-                     Attractor& attractor) {
+MotionTask<> find_into(TaskSlot& lane, const HybridSystem& system, const AverageStart& start, const AttractorOptions& options,
+                       Attractor& attractor) {
   attractor = co_await approach_attractor_in_lanes(lane, system, start.p, start.state, options);
   co_await average_on_attractor_in_lanes(lane, system, start.p, attractor, options);
 }
@@ -97,7 +98,7 @@ MotionTask<> find_to(TaskSlot& lane, const HybridSystem& system, const AverageSt
 
 MotionTask<Attractor> approach_attractor_in_lanes(TaskSlot& lane, const HybridSystem& system, const Vector& p,
                                                   const Vector& start, const AttractorOptions& options) {
-  if (!lanes_do(system, p, options)) {
+  if (!lanes_apply(system, p, options)) {
     Attractor alone = approach_attractor(system, p, start, options);
     co_return alone;
   }
@@ -108,7 +109,7 @@ MotionTask<Attractor> approach_attractor_in_lanes(TaskSlot& lane, const HybridSy
 
 MotionTask<> average_on_attractor_in_lanes(TaskSlot& lane, const HybridSystem& system, const Vector& p, Attractor& attractor,
                                            const AttractorOptions& options) {
-  if (!lanes_do(system, p, options)) {
+  if (!lanes_apply(system, p, options)) {
     average_on_attractor(system, p, attractor, options);
     co_return;
   }
@@ -128,7 +129,7 @@ std::vector<Attractor> find_each_attractor(const HybridSystem& system, const std
   std::vector<Attractor> out(starts.size());
   LaneCarrier many(system, options.lyapunov.flow);
   TaskPool pool(many);
-  pool.run(starts.size(), [&](std::size_t i, TaskSlot& lane) { return find_to(lane, system, starts[i], options, out[i]); });
+  pool.run(starts.size(), [&](std::size_t i, TaskSlot& lane) { return find_into(lane, system, starts[i], options, out[i]); });
   return out;
 }
 

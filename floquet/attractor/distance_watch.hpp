@@ -13,10 +13,10 @@ namespace graze {
 /// sample.
 class DistanceWatch {
  public:
-  static constexpr double on_it = 1e-9;  ///< closer than this, distances are rounding
+  static constexpr double rounding_distance = 1e-9;  ///< closer than this, distances are rounding
 
   /// `slowest`: modulus of the orbit's first multiplier; `period`: period of the orbit, in forcing periods.
-  DistanceWatch(double distance, double slowest, int period) : before_(distance), closer_(distance < on_it) {
+  DistanceWatch(double distance, double slowest, int period) : before_(distance), closer_(distance < rounding_distance) {
     constexpr double most = 20000.0;
     constexpr int not_long = 256, most_times = 8;
     const double turns = slowest > 0.0 ? std::ceil(std::log(0.5) / std::log(slowest)) : 1.0;
@@ -29,7 +29,7 @@ class DistanceWatch {
   void see(double distance) {
     constexpr double far_off = 1e-3;
     ++done_;
-    const bool closer = distance < std::max(on_it, std::pow(0.75, done_) * before_);
+    const bool closer = distance < std::max(rounding_distance, std::pow(0.75, done_) * before_);
     closer_ = closer && (before_ < far_off || done_ == times_);
   }
   void stop() { done_ = times_; }

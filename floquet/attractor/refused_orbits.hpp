@@ -21,7 +21,8 @@ class RefusedOrbits {
   /// Whether the orbit is recorded, and the motion is not much closer to it now.
   template <class State> bool knows(const std::vector<State>& orbit, const Vector& now) const {
     return std::any_of(refused_.begin(), refused_.end(), [&](const One& one) {
-      return nearest_distance(orbit, one.state) < DistanceWatch::on_it && nearest_distance(orbit, now) > 0.5 * one.distance;
+      return nearest_distance(orbit, one.state) < DistanceWatch::rounding_distance &&
+             nearest_distance(orbit, now) > 0.5 * one.distance;
     });
   }
 

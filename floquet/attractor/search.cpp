@@ -56,7 +56,7 @@ class Search {
     return result.starts >= options_.max_starts || idle_ >= options_.patience || (options_.cancelled && options_.cancelled());
   }
   bool exhausted() const { return idle_ >= options_.patience; }
-  void forget_patience() { idle_ = 0; }
+  void reset_patience() { idle_ = 0; }
 
   /// Newton from a state at phase 0, or at each of the phases in turn.
   void try_state(const Vector& x) { try_state(sections_.front(), x); }
@@ -82,7 +82,7 @@ class Search {
     Vector u(section.multiple.unknowns());
     for (std::size_t j = 0; j < nodes.size(); ++j)
       u.segment(static_cast<Eigen::Index>(j) * nodes[j].size(), nodes[j].size()) = nodes[j];
-    settle_account(section, section.multiple, u);
+    add_if_new(section, section.multiple, u);
   }
 
   /// |P^n(x) - x|^2 with its gradient 2 (M - I)^T (P^n(x) - x), for NLopt; 1e6 with zero gradient where the map is undefined.
@@ -130,7 +130,7 @@ class Search {
       if (!next) return;
       u.segment(j * x.size(), x.size()) = *next;
     }
-    settle_account(section, equations, u);
+    add_if_new(section, equations, u);
   }
 
   std::optional<Vector> carried(const Vector& x, double start, double time) {
@@ -182,7 +182,7 @@ class Search {
   }
 
   /// Polishes a converged start and stores the orbit if it is new.
-  void settle_account(Section& section, ShootingEquations& equations, Vector& u) {
+  void add_if_new(Section& section, ShootingEquations& equations, Vector& u) {
     if (!scout(equations, u)) return;
     const Eigen::Index n = lower_.size();
     const double close = same_place * (1.0 + u.head(n).lpNorm<Eigen::Infinity>());
@@ -417,7 +417,7 @@ SearchResult search_orbits(const HybridSystem& system, const Vector& p, int peri
   std::mt19937_64 random(options.seed);
   from_recurrences(search, forcing_period(system, p), period, random, lower, upper);
   if (!search.finished()) from_nlopt(search, lower, upper, options.seed, options.cancelled);
-  search.forget_patience();
+  search.reset_patience();
   LowDiscrepancy sequence(lower.size(), random);
   for (int k = 0; !search.finished(); ++k) {
     if (k % 3 == 2 && search.try_near_known(random, (upper - lower).norm())) continue;

@@ -29,13 +29,13 @@ constexpr double near_halves = 4.0 * worth_trying, growth_at_doubling = 2.0;
 
 /// Fast search: returns whose tangent grows by more are skipped. A motion that approaches a stable orbit will be tested again
 /// later, when its tangent no longer grows.
-constexpr double growth_too_early = 30.0;
+constexpr double max_growth_of_return = 30.0;
 
 /// Near a stable orbit Newton's method takes full steps, or large fractions of them. (Of 30,000 attempts in a map of a damped
 /// Hertz oscillator that converged, one had a step shorter than 1/64.) Ever shorter steps mean that it creeps towards a minimum
 /// of the residual where there is no orbit, as before a fold. Twelve halvings of each step took most of the time of all
 /// attempts.
-constexpr int few_halvings = 6;
+constexpr int quick_halvings = 6;
 
 /// Number of returns that orbit_of_close_returns tries.
 constexpr std::size_t most_tries = 3;
@@ -72,7 +72,7 @@ bool approaches(Propagator& propagator, const PeriodicOrbit& orbit, const Vector
 
 /// A motion of a conservative system approaches no orbit: it is on the orbit, up to rounding, or it is not.
 bool is_on(const PeriodicOrbit& orbit, const Vector& x) {
-  return nearest_distance(orbit.states, x) < DistanceWatch::on_it * (1.0 + state_size(x));
+  return nearest_distance(orbit.states, x) < DistanceWatch::rounding_distance * (1.0 + state_size(x));
 }
 
 /// Growth of the tangent along one period from each of these states, multiplied.
@@ -90,11 +90,11 @@ double growth_along(Propagator& propagator, const std::vector<Vector>& states) {
 std::optional<PeriodicOrbit> stable_orbit_of(Propagator& propagator, const std::vector<Vector>& states) {
   ShootingOptions shooting;
   shooting.flow = propagator.options();
-  shooting.max_halvings = few_halvings;
+  shooting.max_halvings = quick_halvings;
   const HybridSystem& system = propagator.system();
   const Vector& p = propagator.parameters();
   const auto shoot_from = [&](const std::vector<Vector>& guess) {
-    if (!is_forced(system)) return seen_at_returns(system, shoot_returns(propagator, guess, shooting), guess.front());
+    if (!is_forced(system)) return at_returns(system, shoot_returns(propagator, guess, shooting), guess.front());
     return shoot(system, p, guess, static_cast<int>(guess.size()), shooting);
   };
   const auto in_front_of_barriers = [&](const std::vector<Vector>& guess) {
@@ -150,7 +150,7 @@ template <class State> std::vector<int> returns_of(const std::vector<State>& sta
 
 /// The returns to try: the closest ones, each after its divisors among the close returns. Newton's method then need not
 /// discover that an orbit is shorter.
-std::vector<int> worth_a_try(const std::vector<int>& periods) {
+std::vector<int> returns_to_try(const std::vector<int>& periods) {
   std::vector<int> out;
   for (std::size_t i = 0; i < std::min(most_tries, periods.size()); ++i)
     for (int d = 1; d <= periods[i]; ++d)
@@ -195,9 +195,9 @@ std::optional<PeriodicOrbit> orbit_of_close_returns(Propagator& propagator, cons
   if (auto rest = resting_orbit(propagator, state)) return rest;
   RefusedOrbits own;
   const Returns returns = close_returns(propagator, state, max_period, nearness);
-  for (const int n : worth_a_try(returns.periods)) {
+  for (const int n : returns_to_try(returns.periods)) {
     const std::vector<Vector> states(returns.states.begin(), returns.states.begin() + n);
-    if (growth_along(propagator, states) > growth_too_early) continue;
+    if (growth_along(propagator, states) > max_growth_of_return) continue;
     if (auto orbit = stable_orbit_near(propagator, states, refused ? *refused : own)) return orbit;
   }
   return std::nullopt;
@@ -248,11 +248,11 @@ namespace {
 
 /// The orbit to which Newton's method converges from the states around a return, or from a guess next to a period doubling.
 MotionTask<LaneOrbit> shoot_next_to_doubling(TaskSlot& lane, const std::vector<StatePair>& around) {
-  const LanePatience patience{growth_too_early, few_halvings};
+  const LanePatience patience{max_growth_of_return, quick_halvings};
   LaneOrbit orbit = co_await shoot_in_lanes(lane, around, patience);
   if (!orbit.converged && !orbit.given_up)
     if (std::vector<StatePair> half = between_halves(around, near_halves); !half.empty())
-      orbit = co_await shoot_in_lanes(lane, std::move(half), {growth_at_doubling, few_halvings});
+      orbit = co_await shoot_in_lanes(lane, std::move(half), {growth_at_doubling, quick_halvings});
   if (const auto mu = orbit.multipliers[0]; has_doubled(orbit.states.size(), mu, around.size())) {
     const Vector begin = vector_of(around.front());
     const std::span<const PeriodResult> periods = co_await lane.carry(begin, 3 * orbit.states.size());
@@ -267,10 +267,10 @@ MotionTask<LaneOrbit> shoot_next_to_doubling(TaskSlot& lane, const std::vector<S
 
 }  // namespace
 
-MotionTask<SettlingLook> look_for_orbit_in_lanes(TaskSlot& lane, const HybridSystem& system, const Vector& p, const Vector& state,
-                                                 int max_period, double nearness, const FlowOptions& flow,
-                                                 RefusedOrbits* refused) {
-  SettlingLook out;
+MotionTask<OrbitSearchResult> look_for_orbit_in_lanes(TaskSlot& lane, const HybridSystem& system, const Vector& p,
+                                                      const Vector& state, int max_period, double nearness,
+                                                      const FlowOptions& flow, RefusedOrbits* refused) {
+  OrbitSearchResult out;
   if (may_rest(system, p, state)) {
     Propagator propagator(system, p, {}, flow);
     out.orbit = resting_orbit(propagator, state);
@@ -286,7 +286,7 @@ MotionTask<SettlingLook> look_for_orbit_in_lanes(TaskSlot& lane, const HybridSys
   }
   const std::vector<int> returns = returns_of(states, nearness, max_period);
   if (!returns.empty()) out.closest = returns.front();
-  for (const int n : worth_a_try(returns)) {
+  for (const int n : returns_to_try(returns)) {
     const std::vector<StatePair> around(states.begin(), states.begin() + n);
     const LaneOrbit orbit = co_await shoot_next_to_doubling(lane, around);
     const Verdict says = verdict(orbit, state);
@@ -348,17 +348,17 @@ std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector
       std::vector<StatePair> pairs;
       std::transform(states.begin(), states.end(), std::back_inserter(pairs), pair_of);
       for (const int n : worth) guesses.push_back({0, {pairs.begin(), pairs.begin() + n}});
-      orbits = shoot_side_by_side(*many, guesses, {.max_halvings = few_halvings});
+      orbits = shoot_together(*many, guesses, {.max_halvings = quick_halvings});
     }
     const auto is_refused = [&](const auto& orbit) { return refused.knows(orbit.states, state); };
-    const auto leads_nowhere = [&](const LaneOrbit& orbit, const std::vector<Vector>& around) {
+    const auto can_be_skipped = [&](const LaneOrbit& orbit, const std::vector<Vector>& around) {
       if (!orbit.converged) return between_halves(around, near_halves).empty();
       if (has_doubled(orbit.states.size(), orbit.multipliers[0], around.size())) return false;
       return verdict(orbit, state) == Verdict::no || is_refused(orbit);
     };
     for (std::size_t i = 0; i < worth.size(); ++i) {
       const std::vector<Vector> around(states.begin(), states.begin() + worth[i]);
-      if (!orbits.empty() && leads_nowhere(orbits[i], around)) continue;
+      if (!orbits.empty() && can_be_skipped(orbits[i], around)) continue;
       auto orbit = stable_orbit_of(propagator, around);
       if (!orbit || is_refused(*orbit)) continue;
       if (orbit->conservative ? is_on(*orbit, state) : approaches(propagator, *orbit, state)) return orbit;
@@ -373,7 +373,7 @@ std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector
   std::vector<double> distances;  // of the returns
   // Whether the tangent has shrunk over one of the returns. Until then the other returns wait for the test of long-term growth.
   bool shrinks = false;
-  for (int n = 1; n <= max_period || (!worth.empty() && n <= long_enough); ++n) {
+  for (int n = 1; n <= max_period || (!worth.empty() && n <= growth_test_periods); ++n) {
     carry_period(propagator, states.back(), {.sensitivity = Sensitivity::state}, transition);
     if (transition.termination != Termination::time) break;
     const Vector next = transition.x1;
@@ -381,32 +381,32 @@ std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector
     distances.push_back(state_distance(next, state) / scale);
     if (n <= max_period && distances.back() < worth_trying && closer_than_divisors(distances)) {
       const double grown = spectral_radius(growth);
-      if (!(grown > hopeless_growth)) worth.push_back(n);
+      if (!(grown > max_growth)) worth.push_back(n);
       shrinks = shrinks || grown < 1.0;
     }
     if (shrinks && worth.size() >= together)
       if (auto orbit = look()) return orbit;
     states.push_back(next);
   }
-  return spectral_radius(growth) > hopeless_growth ? std::nullopt : look();
+  return spectral_radius(growth) > max_growth ? std::nullopt : look();
 }
 
-std::vector<Vector> that_may_settle(const HybridSystem& system, const Vector& p, const std::vector<Vector>& states,
-                                    const FlowOptions& flow) {
+std::vector<Vector> settling_candidates(const HybridSystem& system, const Vector& p, const std::vector<Vector>& states,
+                                        const FlowOptions& flow) {
   struct Motion {
     const Vector* begin;
     MotionStart at;
     Eigen::Matrix2d growth = Eigen::Matrix2d::Identity();
     bool ended = false;
   };
-  constexpr int stretch = long_enough / 4;
+  constexpr int stretch = growth_test_periods / 4;
   LaneCarrier many(system, flow);
   const std::size_t set = many.add_parameters(p);
   std::vector<Motion> motions;
   for (const Vector& state : states) motions.push_back({&state, {set, state[0], state[1]}});
   std::vector<MotionStart> starts;
   std::vector<PeriodResult> results;
-  for (int carried = 0; carried < long_enough;) {
+  for (int carried = 0; carried < growth_test_periods;) {
     starts.clear();
     for (const Motion& motion : motions) starts.push_back(motion.at);
     many.carry(starts, stretch, true, results);
@@ -418,8 +418,8 @@ std::vector<Vector> that_may_settle(const HybridSystem& system, const Vector& p,
       motion.at = {set, next[-1].x, next[-1].v};
       motion.ended = next[-1].termination != Termination::time;
     }
-    // A tangent that has grown by the square of hopeless_growth by now will not have shrunk enough at the end.
-    const double most = carried == long_enough ? hopeless_growth : hopeless_growth * hopeless_growth;
+    // A tangent that has grown by the square of max_growth by now will not have shrunk enough at the end.
+    const double most = carried == growth_test_periods ? max_growth : max_growth * max_growth;
     std::erase_if(motions, [&](const Motion& motion) { return motion.ended || spectral_radius(motion.growth) > most; });
   }
   std::vector<Vector> out;

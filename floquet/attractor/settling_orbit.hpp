@@ -41,7 +41,7 @@ std::optional<PeriodicOrbit> orbit_of_close_returns(Propagator& propagator, cons
                                                     RefusedOrbits* refused = nullptr);
 
 /// Result of a search for the orbit on which a motion is settling.
-struct SettlingLook {
+struct OrbitSearchResult {
   std::optional<PeriodicOrbit> orbit;
   int closest = 0;  ///< periods of the closest return; 0: none
 };
@@ -49,11 +49,11 @@ struct SettlingLook {
 /// orbit_of_close_returns in lanes, at the parameters of the slot; it finds the same orbit. Except in delicate cases
 /// (lane_orbits.hpp), the orbit has no events, signature, monodromy matrix and checks. `refused`: orbits that the motion was
 /// seen to pass; orbits that it passes now are added.
-MotionTask<SettlingLook> look_for_orbit_in_lanes(TaskSlot& lane, const HybridSystem& system, const Vector& p, const Vector& state,
-                                                 int max_period, double nearness, const FlowOptions& flow = {},
-                                                 RefusedOrbits* refused = nullptr);
+MotionTask<OrbitSearchResult> look_for_orbit_in_lanes(TaskSlot& lane, const HybridSystem& system, const Vector& p,
+                                                      const Vector& state, int max_period, double nearness,
+                                                      const FlowOptions& flow = {}, RefusedOrbits* refused = nullptr);
 
-/// The orbit found in lanes (with few_halvings), if it is stable and not delicate, and the motion at `state` near it approaches
+/// The orbit found in lanes (with quick_halvings), if it is stable and not delicate, and the motion at `state` near it approaches
 /// it. Uses the parameters of the slot. The orbit has the form given by look_for_orbit_in_lanes.
 MotionTask<std::optional<PeriodicOrbit>> orbit_approached_in_lanes(TaskSlot& lane, const HybridSystem& system, const Vector& p,
                                                                    const LaneOrbit& orbit, const Vector& state);
@@ -61,7 +61,7 @@ MotionTask<std::optional<PeriodicOrbit>> orbit_approached_in_lanes(TaskSlot& lan
 /// The states from which a motion may be settling on a stable orbit: the tangent does not keep growing. In chaos it does;
 /// testing all states for this costs less than running settling_orbit on a few. All states have the same parameters. Runs in
 /// lanes.
-std::vector<Vector> that_may_settle(const HybridSystem& system, const Vector& p, const std::vector<Vector>& states,
-                                    const FlowOptions& flow = {});
+std::vector<Vector> settling_candidates(const HybridSystem& system, const Vector& p, const std::vector<Vector>& states,
+                                        const FlowOptions& flow = {});
 
 }  // namespace graze

@@ -19,13 +19,13 @@ namespace graze {
 
 /// Distance (relative to 1 + |x|) of returns for which Newton's method is tried, larger than the one that triggers a search.
 /// Also the bound on the drift of a laminar phase.
-inline double nearness_of(const AttractorOptions& options) {
+inline double return_tolerance(const AttractorOptions& options) {
   return 20.0 * (options.recurrence > 0.0 ? options.recurrence : 1e-4);
 }
 
 /// Longest period in a search for an orbit after `carried` forcing periods: max_period, in fast mode at most 64 or 1/16 of
 /// `carried`. (A motion that has settled on a longer orbit is recognised by its return.)
-inline int periods_of_look(const AttractorOptions& options, std::int64_t carried) {
+inline int longest_period_tried(const AttractorOptions& options, std::int64_t carried) {
   constexpr std::int64_t always = short_return, part = 16;
   if (!(options.recurrence > 0.0)) return options.max_period;
   return static_cast<int>(std::min<std::int64_t>(options.max_period, std::max(always, carried / part)));
@@ -42,7 +42,7 @@ class Transient {
     initial_mode(system, 0.0, start, p);
     out_.state = start;
     out_.termination = Termination::time;
-    if (transient() == 0) asks_ = periods_of_look(options, 0);
+    if (transient() == 0) asks_ = longest_period_tried(options, 0);
   }
 
   bool open() const { return open_ && asks_ == 0; }
@@ -66,7 +66,7 @@ class Transient {
     out_.state = state;
     if (at_end() && resonant_periods(system_, p_, state) > periods_) return stop(Termination::resonance);
     asks_ = std::min(watch_.see(state), options_.max_period);
-    if (periods_ == transient()) asks_ = std::max(asks_, periods_of_look(options_, periods_));
+    if (periods_ == transient()) asks_ = std::max(asks_, longest_period_tried(options_, periods_));
   }
 
   /// > 0: waits for answer(), whether the motion is settling on an orbit of up to this many periods.

@@ -42,8 +42,8 @@ std::optional<std::size_t> AttractorClassifier::orbit_at(const Vector& state, in
   return std::nullopt;
 }
 
-std::optional<Nearing> AttractorClassifier::nearing(const Vector& state, int period) const {
-  std::optional<Nearing> nearest;
+std::optional<ApproachTest> AttractorClassifier::nearing(const Vector& state, int period) const {
+  std::optional<ApproachTest> nearest;
   double least = around * (1.0 + state.lpNorm<Eigen::Infinity>());
   for (std::size_t i = 0; i < list_.size(); ++i) {
     const TrappingRegion& orbit = list_[i].orbit;
@@ -57,9 +57,10 @@ std::optional<Nearing> AttractorClassifier::nearing(const Vector& state, int per
   return nearest;
 }
 
-bool AttractorClassifier::has_come_closer(const Nearing& nearing, const Vector& state) const {
-  constexpr double closer = 0.75, on_it = 1e-9;  // as for a new orbit (settling_orbit.cpp)
-  return list_[nearing.attractor].orbit.distance(state) < std::max(std::pow(closer, nearing.times) * nearing.distance, on_it);
+bool AttractorClassifier::has_come_closer(const ApproachTest& nearing, const Vector& state) const {
+  constexpr double closer = 0.75, rounding_distance = 1e-9;  // as for a new orbit (settling_orbit.cpp)
+  return list_[nearing.attractor].orbit.distance(state) <
+         std::max(std::pow(closer, nearing.times) * nearing.distance, rounding_distance);
 }
 
 bool AttractorClassifier::orbit_near(const Vector& state, double distance, bool with_region) const {

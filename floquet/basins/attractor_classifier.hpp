@@ -19,7 +19,7 @@ struct KnownAttractor {
 };
 
 /// A motion that may be approaching a known orbit.
-struct Nearing {
+struct ApproachTest {
   std::size_t attractor = 0;
   double distance = 0.0;
   double periods = 0.0;  ///< time in which the orbit's slowest multiplier halves a distance
@@ -46,8 +46,8 @@ class AttractorClassifier {
   /// A known orbit not far away that a motion may be approaching if it nearly returns to `state` after `period` periods. The
   /// later test has_come_closer decides: the distance must have shrunk to 3/4 for each of nearing.times. (If the tangent is far
   /// from normal, this takes more than one.)
-  std::optional<Nearing> nearing(const Vector& state, int period) const;
-  bool has_come_closer(const Nearing& nearing, const Vector& state) const;
+  std::optional<ApproachTest> nearing(const Vector& state, int period) const;
+  bool has_come_closer(const ApproachTest& nearing, const Vector& state) const;
   /// Whether a known orbit is nearer than `distance`; `with_region`: only orbits that have a trapping region.
   bool orbit_near(const Vector& state, double distance, bool with_region) const;
 

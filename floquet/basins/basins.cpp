@@ -29,12 +29,12 @@ constexpr std::size_t most_attractors = 200;  // more mean that nothing can be d
 constexpr double return_distance = 1e-3;      // relative to 1 + |x|: returns this close trigger a search for an orbit
 constexpr double patience = 128.0;            // periods: a search with Newton's method costs more than these
 constexpr int first_look = 64;                // periods
-constexpr std::size_t least_together = 8, most_together = 1024;  // motions of a group: whole registers
+constexpr std::size_t least_together = 8, max_simultaneous_contacts = 1024;  // motions of a group: whole registers
 
 /// Size of a group of motions: the threads get equally many groups of similar size.
 std::size_t motions_of_a_group(std::size_t motions, std::size_t threads) {
-  const std::size_t turns = divided_up(motions, most_together * threads);
-  return divided_up(divided_up(motions, turns * threads), least_together) * least_together;
+  const std::size_t turns = divide_rounding_up(motions, max_simultaneous_contacts * threads);
+  return divide_rounding_up(divide_rounding_up(motions, turns * threads), least_together) * least_together;
 }
 
 struct Run {
@@ -88,8 +88,8 @@ class Search {
     std::vector<std::size_t> open(todo.size());
     std::iota(open.begin(), open.end(), std::size_t{0});
     for (bool first = true; !open.empty(); first = false) {
-      const std::size_t together = motions_of_a_group(open.size(), threads_here());
-      const std::size_t groups = divided_up(open.size(), together);
+      const std::size_t together = motions_of_a_group(open.size(), available_threads());
+      const std::size_t groups = divide_rounding_up(open.size(), together);
       in_parallel(groups, [&](std::size_t group) {
         const std::span its(open.data() + group * together, std::min(together, open.size() - group * together));
         if (first)  // (they lie far apart in memory: fetch several at once)
@@ -158,7 +158,7 @@ class Search {
     }
 
     /// Number of next periods that it need not see unless they end in an ellipse of AttractorClassifier.
-    int quiet_periods() const {
+    int skippable_periods() const {
       return residences_.empty() && looked_ < 0 && !nearing_ ? std::max(0, std::min(look_, budget_ - 1) - k_) : 0;
     }
     /// Counts periods that were left out.
@@ -243,7 +243,7 @@ class Search {
     std::vector<CellResidence> residences_;
     int budget_, k_ = 0, look_ = first_look, looked_ = -1, until_ = 0, return_period_ = 0;
     Vector looked_at_;
-    std::optional<Nearing> nearing_ = std::nullopt;
+    std::optional<ApproachTest> nearing_ = std::nullopt;
   };
 
   /// Carries the motions until none is open or the run is cancelled, in lanes if these support the oscillator.
@@ -257,7 +257,7 @@ class Search {
     const std::size_t set = many.add_parameters(p_);
     if (scout_.table()) many.use(set, *scout_.table());
     many.tell_of(known_.ellipses());
-    carry_side_by_side(many, set, watches, [this] { return cancelled(); });
+    carry_together(many, set, watches, [this] { return cancelled(); });
   }
 
   /// Whether a known orbit is so near that it may be the one sought.

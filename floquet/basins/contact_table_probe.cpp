@@ -76,13 +76,13 @@ std::vector<Vector> ContactTableProbe::states(const Vector& start, std::size_t c
 std::vector<Vector> ContactTableProbe::states(const Attractor& attractor, std::size_t count) const {
   constexpr std::size_t motions = 16, whole = VisitedCells::window;
   const Vector& start = attractor.state;
-  const std::size_t each = (count + motions * whole - 1) / (motions * whole) * whole, periods = parting + each - 1;
+  const std::size_t each = (count + motions * whole - 1) / (motions * whole) * whole, periods = decorrelation_periods + each - 1;
   if (!many_ || attractor.type != AttractorType::chaotic || count < motions * whole) return states(start, count);
   std::vector<PeriodResult> results;
-  many_->carry(next_to_each_other(0, start, static_cast<int>(motions)), periods, false, results);
+  many_->carry(neighbouring_starts(0, start, static_cast<int>(motions)), periods, false, results);
   std::vector<Vector> states;
   for (std::size_t i = 0; i < motions; ++i)
-    for (std::size_t k = parting - 1; k < periods; ++k)
+    for (std::size_t k = decorrelation_periods - 1; k < periods; ++k)
       if (const PeriodResult& one = results[i * periods + k]; one.termination == Termination::time)
         states.push_back(Vector{{one.x, one.v}});
   return states.empty() ? std::vector<Vector>{start} : states;

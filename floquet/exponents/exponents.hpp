@@ -51,8 +51,8 @@ bool precise_enough(const LyapunovOptions& options, std::int64_t periods, bool i
 
 /// Writes exponents, errors and correlation times to `out`, largest exponent first, and the dimension.
 template <class Exponent, class Error, class Correlation>
-void hand_over(std::size_t directions, const Exponent& exponent, const Error& error, const Correlation& correlation,
-               LyapunovSpectrum& out) {
+void write_exponents(std::size_t directions, const Exponent& exponent, const Error& error, const Correlation& correlation,
+                     LyapunovSpectrum& out) {
   std::vector<std::size_t> order(directions);
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return exponent(a) > exponent(b); });

@@ -235,7 +235,7 @@ LyapunovSpectrum lyapunov_spectrum(const HybridSystem& system, const Vector& p, 
     }
   }
   const auto correlation = [&](std::size_t i) { return lost[i] ? 0.0 : means[i].correlation_time() * options.interval; };
-  hand_over(means.size(), exponent, error, correlation, out);
+  write_exponents(means.size(), exponent, error, correlation, out);
   return out;
 }
 

@@ -19,7 +19,7 @@ constexpr std::int64_t lasting = LaneCarrier::periods_for_table / 4;
 /// Forcing periods between two tests of the stop rule: an eighth of those so far, so that few are carried in vain.
 constexpr std::size_t shortest_stretch = 32, longest_stretch = 256;
 /// Last part of `parting`, with a tangent, to align it: chaos aligns tangent vectors sooner than it separates motions.
-constexpr std::int64_t turning = 60;
+constexpr std::int64_t aligning_periods = 60;
 /// Periods per motion from which the use of all threads pays.
 constexpr std::size_t long_for_threads = 64;
 
@@ -28,9 +28,9 @@ class Average {
  public:
   Average(const AverageStart& start, std::size_t set, const LyapunovOptions& options, double period)
       : options_(options), interval_time_(options.interval * period) {
-    for (const MotionStart& one : next_to_each_other(set, start.state, std::max(1, options.motions))) motions_.emplace_back(one);
-    uncounted_ = std::max<std::int64_t>(options.aligning, motions_.size() > 1 ? turning : 0);
-    to_part_ = motions_.size() > 1 ? std::max<std::int64_t>(0, parting - uncounted_) : 0;
+    for (const MotionStart& one : neighbouring_starts(set, start.state, std::max(1, options.motions))) motions_.emplace_back(one);
+    uncounted_ = std::max<std::int64_t>(options.aligning, motions_.size() > 1 ? aligning_periods : 0);
+    to_part_ = motions_.size() > 1 ? std::max<std::int64_t>(0, decorrelation_periods - uncounted_) : 0;
     out_.stop = LyapunovStop::budget;
     out_.state = start.state;
     open_ = options.max_periods >= options.interval * static_cast<std::int64_t>(motions_.size());
@@ -94,7 +94,7 @@ class Average {
       for (const AveragedMotion& motion : motions_) time += motion.means(i).correlation_time();
       return lost_[i] ? 0.0 : time / static_cast<double>(motions_.size()) * options_.interval;
     };
-    hand_over(
+    write_exponents(
         2, [&](std::size_t i) { return exponent(i); }, [&](std::size_t i) { return standard_error(i); }, correlation, out_);
     for (std::size_t i = 1; i < motions_.size(); ++i) out_.others.push_back(Vector{{motions_[i].at().x, motions_[i].at().v}});
     return std::move(out_);
@@ -197,7 +197,7 @@ class Average {
 
 }  // namespace
 
-std::vector<MotionStart> next_to_each_other(std::size_t parameters, const Vector& state, int motions) {
+std::vector<MotionStart> neighbouring_starts(std::size_t parameters, const Vector& state, int motions) {
   std::vector<MotionStart> starts;
   const double apart = 1e-7 * (1.0 + std::abs(state[0]));
   for (int i = 0; i < motions; ++i) starts.push_back({parameters, state[0] - apart * i, state[1]});
@@ -243,7 +243,7 @@ LyapunovSpectrum lane_spectrum(const HybridSystem& system, const AverageStart& s
   initial_mode(system, 0.0, start.state, start.p);
   LaneCarrier many(system, options.flow);
   if (options.all_threads) many.use_all_threads();
-  const std::size_t threads = options.all_threads ? threads_here() : 1;
+  const std::size_t threads = options.all_threads ? available_threads() : 1;
   const std::size_t set = many.add_parameters(start.p);
   if (options.table) many.use(set, *options.table);
   Average average(start, set, options, forcing_period(system, start.p));

@@ -41,8 +41,8 @@ class LaneAverage {
   std::unique_ptr<Motions> motions_;
 };
 
-inline constexpr std::int64_t parting = 300;
+inline constexpr std::int64_t decorrelation_periods = 300;
 /// Starts of this many neighbouring motions at a parameter set, the first at `state`.
-std::vector<MotionStart> next_to_each_other(std::size_t parameters, const Vector& state, int motions);
+std::vector<MotionStart> neighbouring_starts(std::size_t parameters, const Vector& state, int motions);
 
 }  // namespace graze

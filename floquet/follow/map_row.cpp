@@ -14,7 +14,7 @@ constexpr std::size_t many = 4;
 
 MapRow::Next MapRow::next() const {
   if (broken_ || begun_.size() == out_.size()) return Next::none;
-  if (!begun_.empty() && !begun_.back()->handed_on && !begun_.back()->done) return Next::none;
+  if (!begun_.empty() && !begun_.back()->published && !begun_.back()->done) return Next::none;
   return begun_.size() - sure_ > many ? Next::unlikely : Next::likely;
 }
 
@@ -22,9 +22,9 @@ std::shared_ptr<MapRow::Point> MapRow::begin_next() {
   return begun_.emplace_back(std::make_shared<Point>(begun_.size(), next_from_));
 }
 
-void MapRow::hand_on(Point& point, const Vector& state) {
+void MapRow::publish(Point& point, const Vector& state) {
   if (point.dropped) return;
-  point.handed_on = true;
+  point.published = true;
   next_from_ = state;
 }
 
@@ -32,12 +32,12 @@ std::size_t MapRow::finish(Point& point, MapPoint found) {
   if (point.dropped) return 0;
   if (found.type == MapType::not_run) {
     broken_ = true;
-    take_back(point.number);
+    roll_back(point.number);
     return 0;
   }
   const bool arrived = found.type != MapType::inadmissible && found.type != MapType::lost;
-  if (!point.handed_on || !arrived || found.type == MapType::periodic) {
-    take_back(point.number + 1);
+  if (!point.published || !arrived || found.type == MapType::periodic) {
+    roll_back(point.number + 1);
     next_from_ = arrived ? std::optional(found.state) : std::nullopt;
   }
   point.done = true;
@@ -48,7 +48,7 @@ std::size_t MapRow::finish(Point& point, MapPoint found) {
 }
 
 /// Rolls back the points from this number on.
-void MapRow::take_back(std::size_t from) {
+void MapRow::roll_back(std::size_t from) {
   for (std::size_t k = from; k < begun_.size(); ++k) {
     begun_[k]->dropped = true;
     out_[place(*begun_[k])] = {};

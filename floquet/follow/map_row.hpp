@@ -21,7 +21,7 @@ class MapRow {
   struct Point {
     std::size_t number;          ///< in the order of computation
     std::optional<Vector> from;  ///< end state of the previous point; none: starts anew
-    bool handed_on = false, done = false;
+    bool published = false, done = false;
     std::atomic<bool> dropped = false;  ///< rolled back: an earlier point ended elsewhere
   };
 
@@ -37,7 +37,7 @@ class MapRow {
   /// Starts the next point.
   std::shared_ptr<Point> begin_next();
   /// Publishes the state of a point: the next one can start from there.
-  void hand_on(Point& point, const Vector& state);
+  void publish(Point& point, const Vector& state);
   /// Stores the result of a point. not_run: it could not be computed, which ends the row. Returns the number of points that
   /// this commits.
   std::size_t finish(Point& point, MapPoint found);
@@ -45,7 +45,7 @@ class MapRow {
   bool finished() const { return sure_ == begun_.size() && (broken_ || sure_ == out_.size()); }
 
  private:
-  void take_back(std::size_t from);
+  void roll_back(std::size_t from);
 
   std::span<MapPoint> out_;
   bool backwards_;

@@ -105,8 +105,8 @@ std::optional<MapWork::Begun> MapWork::draw(std::size_t carried) {
   }
   if (over()) exchange_.close();
   if (carried == 0 && exchange_.has_some()) return std::nullopt;
-  std::size_t most = divided_up(row_tasks_.size() + unlikely_.size() + begun_, threads_);
-  if (threads_ > 1) most = std::min(most, std::max(enough, divided_up(row_tasks_.size(), threads_)));
+  std::size_t most = divide_rounding_up(row_tasks_.size() + unlikely_.size() + begun_, threads_);
+  if (threads_ > 1) most = std::min(most, std::max(enough, divide_rounding_up(row_tasks_.size(), threads_)));
   if (failed_ || carried >= most) return std::nullopt;
   Begun begun{next(2 * carried < enough), {}};
   if (!begun.row_task) return std::nullopt;
@@ -115,9 +115,9 @@ std::optional<MapWork::Begun> MapWork::draw(std::size_t carried) {
   return begun;
 }
 
-/// The next row task to continue; with `in_vain`, also one that will probably be rolled back.
-std::shared_ptr<MapWork::RowTask> MapWork::next(bool in_vain) {
-  if (row_tasks_.empty() && (!in_vain || unlikely_.empty())) return nullptr;
+/// The next row task to continue; with `speculative`, also one that will probably be rolled back.
+std::shared_ptr<MapWork::RowTask> MapWork::next(bool speculative) {
+  if (row_tasks_.empty() && (!speculative || unlikely_.empty())) return nullptr;
   auto& from = row_tasks_.empty() ? unlikely_ : row_tasks_;
   std::shared_ptr<RowTask> first = std::move(from.front());
   from.pop_front();
@@ -137,9 +137,9 @@ void MapWork::queue(const std::shared_ptr<RowTask>& row_task) {
   given_.notify_all();
 }
 
-void MapWork::hand_on(const Begun& begun, const Vector& state) {
+void MapWork::publish(const Begun& begun, const Vector& state) {
   const std::lock_guard lock(mutex_);
-  begun.row_task->points.hand_on(*begun.point, state);
+  begun.row_task->points.publish(*begun.point, state);
   queue(begun.row_task);
 }
 
@@ -190,7 +190,7 @@ MotionTask<> MapWork::find_point(TaskSlot& lane, const Begun& begun, MapPoint& o
   AttractorOptions finding = *begins;
   finding.lyapunov.cancelled = [this, &point] { return point.dropped || cancelled(); };
   Attractor found = co_await approach_attractor_in_lanes(lane, system_, p, start, finding);
-  if (found.termination == Termination::time && found.type != AttractorType::periodic) hand_on(begun, found.state);
+  if (found.termination == Termination::time && found.type != AttractorType::periodic) publish(begun, found.state);
   co_await average_on_attractor_in_lanes(lane, system_, p, found, finding);
   take(p, found, out);
 }

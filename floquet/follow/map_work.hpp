@@ -70,11 +70,11 @@ class MapWork {
   std::optional<Begun> draw(std::size_t carried);
   bool has_some() const { return !row_tasks_.empty() || !unlikely_.empty(); }
   bool over() const { return failed_ || (closed_ && begun_ == 0 && !has_some()); }
-  std::shared_ptr<RowTask> next(bool in_vain);
+  std::shared_ptr<RowTask> next(bool speculative);
   void queue(const std::shared_ptr<RowTask>& row_task);
   MotionTask<> find(TaskSlot& lane, Begun begun);
   MotionTask<> find_point(TaskSlot& lane, const Begun& begun, MapPoint& out);
-  void hand_on(const Begun& begun, const Vector& state);
+  void publish(const Begun& begun, const Vector& state);
   std::optional<Begun> end(const Begun& begun, MapPoint found);
   const AttractorOptions* begin(const MapLayer& layer, const Vector& p, const std::optional<Vector>& from, Vector& start,
                                 MapPoint& out) const;

@@ -73,7 +73,7 @@ void check_map(const HybridSystem& system, const Vector& p, const ParameterGrid&
 std::vector<MapPoint> map_rows(const HybridSystem& system, const Vector& p, const ParameterGrid& grid,
                                const std::vector<MapLayer>& layers, int first, int count, const MapOptions& options) {
   std::vector<MapPoint> points;
-  const std::size_t threads = threads_here();
+  const std::size_t threads = available_threads();
   MapWork map(system, p, grid, layers, options, static_cast<int>(threads),
               [&points](int, std::vector<MapPoint> finished) { points = std::move(finished); });
   map.give(first, count);

@@ -16,7 +16,7 @@ namespace {
 using States = std::vector<Vector>;
 
 /// The same orbit, rotated so that its states are closest to those of another.
-States turned_to(const States& other, const States& states) {
+States rotated_to(const States& other, const States& states) {
   const std::size_t n = states.size();
   States best;
   double least = std::numeric_limits<double>::infinity();
@@ -37,7 +37,7 @@ class Extrapolation {
   explicit Extrapolation(const std::vector<States>& before) {
     std::vector<States> row;  // latest first
     for (auto orbit = before.rbegin(); orbit != before.rend() && row.size() < most_orbits_before; ++orbit)
-      row.push_back(row.empty() ? *orbit : turned_to(row.back(), *orbit));
+      row.push_back(row.empty() ? *orbit : rotated_to(row.back(), *orbit));
     while (!row.empty()) {
       differences_.push_back(row.front());
       for (std::size_t i = 0; i + 1 < row.size(); ++i)
@@ -71,7 +71,7 @@ LaneGuess guess_of(std::size_t parameters, const States& guess) {
 
 /// Stores the orbit if the motion from `from` approaches it.
 MotionTask<> approach(TaskSlot& lane, const HybridSystem& system, std::size_t parameters, const Vector& p, const LaneOrbit& orbit,
-                      Vector from, OrbitAhead& reached) {
+                      Vector from, PredictedOrbit& reached) {
   lane.take_parameters(parameters);
   std::optional<PeriodicOrbit> approached = co_await orbit_approached_in_lanes(lane, system, p, orbit, from);
   if (!approached) co_return;
@@ -84,8 +84,8 @@ MotionTask<> approach(TaskSlot& lane, const HybridSystem& system, std::size_t pa
 
 }  // namespace
 
-std::vector<OrbitAhead> orbits_ahead(const HybridSystem& system, const std::vector<std::vector<Vector>>& before,
-                                     const std::vector<Vector>& next, const FlowOptions& flow) {
+std::vector<PredictedOrbit> predicted_orbits(const HybridSystem& system, const std::vector<std::vector<Vector>>& before,
+                                             const std::vector<Vector>& next, const FlowOptions& flow) {
   const auto known = [&](const Vector& p) { return LaneCarrier::applies(system, p, flow); };
   if (before.size() < 2 || !std::all_of(next.begin(), next.end(), known)) return {};
   const Extrapolation extrapolation(before);
@@ -93,15 +93,15 @@ std::vector<OrbitAhead> orbits_ahead(const HybridSystem& system, const std::vect
   std::vector<LaneGuess> guesses;
   for (std::size_t i = 0; i < next.size(); ++i)
     guesses.push_back(guess_of(many.add_parameters(next[i]), extrapolation.at(i + 1)));
-  std::vector<LaneOrbit> found = shoot_side_by_side(many, guesses, patience);
+  std::vector<LaneOrbit> found = shoot_together(many, guesses, patience);
   const auto missing = std::find_if(found.begin(), found.end(), [](const LaneOrbit& orbit) { return !orbit.converged; });
   found.erase(missing, found.end());
-  std::vector<OrbitAhead> reached(found.size());
+  std::vector<PredictedOrbit> reached(found.size());
   TaskPool(many).run(found.size(), [&](std::size_t i, TaskSlot& lane) {
     const Vector from = i == 0 ? before.back().front() : vector_of(found[i - 1].states.front());
     return approach(lane, system, guesses[i].parameters, next[i], found[i], from, reached[i]);
   });
-  const auto not_reached = [](const OrbitAhead& ahead) { return !ahead.orbit.converged(); };
+  const auto not_reached = [](const PredictedOrbit& ahead) { return !ahead.orbit.converged(); };
   reached.erase(std::find_if(reached.begin(), reached.end(), not_reached), reached.end());
   return reached;
 }

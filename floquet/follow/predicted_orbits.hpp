@@ -14,7 +14,7 @@ namespace graze {
 /// Orbits at up to this many values are used for extrapolation: a polynomial of their states at phase 0, of degree 3 at most.
 inline constexpr std::size_t most_orbits_before = 4;
 
-struct OrbitAhead {
+struct PredictedOrbit {
   PeriodicOrbit orbit;
   std::vector<double> impact_speeds;  ///< of its impacts (entries into contact)
 };
@@ -24,7 +24,7 @@ struct OrbitAhead {
 /// delicate for the lanes, or not approached by the motion from the one before. Each begins at the state that continues the one
 /// before, and has the form given by look_for_orbit_in_lanes. Empty if fewer than two orbits are known, or if the lanes do not
 /// support the oscillator.
-std::vector<OrbitAhead> orbits_ahead(const HybridSystem& system, const std::vector<std::vector<Vector>>& before,
-                                     const std::vector<Vector>& next, const FlowOptions& flow = {});
+std::vector<PredictedOrbit> predicted_orbits(const HybridSystem& system, const std::vector<std::vector<Vector>>& before,
+                                             const std::vector<Vector>& next, const FlowOptions& flow = {});
 
 }  // namespace graze

@@ -28,7 +28,7 @@ std::vector<SweepRow> sweep(const HybridSystem& system, const Vector& p, const V
                             const std::vector<SweepRow>& so_far) {
   SweepWork sweep(system, p, start, options, so_far);
   oneapi::tbb::task_arena arena(std::max(1, options.threads));
-  arena.execute([&] { in_parallel(threads_here(), [&](std::size_t) { sweep.work(); }); });
+  arena.execute([&] { in_parallel(available_threads(), [&](std::size_t) { sweep.work(); }); });
   return std::move(sweep).rows();
 }
 

@@ -57,7 +57,7 @@ SweepChain::Block SweepChain::look_ahead(std::size_t number, const std::vector<s
   std::vector<Vector> next;
   for (std::size_t k = ahead.begin; k < std::min(ahead.begin + block, values_.size()); ++k)
     next.push_back(parameters(values_[k]));
-  ahead.orbits = orbits_ahead(system_, before, next, options_.attractor.lyapunov.flow);
+  ahead.orbits = predicted_orbits(system_, before, next, options_.attractor.lyapunov.flow);
   return ahead;
 }
 
@@ -65,7 +65,7 @@ std::optional<SweepRow> SweepChain::known(Block& ahead, std::size_t number) cons
   const std::size_t place = number - block_of(number);
   if (block_of(number) != ahead.begin || place >= ahead.orbits.size()) return std::nullopt;
   SweepRow out = row(number);
-  OrbitAhead& found = ahead.orbits[place];
+  PredictedOrbit& found = ahead.orbits[place];
   describe_orbit(out.attractor, found.orbit);
   out.end = out.attractor.state;
   out.states = std::move(found.orbit.states);
@@ -112,7 +112,7 @@ Vector SweepChain::with_its_stop(const Begin& begin, const Vector& p) const {
 }
 
 MotionTask<SweepRow> SweepChain::find(TaskSlot& lane, Begin begin, AttractorOptions finding,
-                                      std::function<void(const Vector& state)> hand_on) const {
+                                      std::function<void(const Vector& state)> publish) const {
   SweepRow out = row(begin.number);
   const Vector p = parameters(out.value);
   if (!begin.at_start) begin.state = with_its_stop(begin, p);
@@ -126,7 +126,7 @@ MotionTask<SweepRow> SweepChain::find(TaskSlot& lane, Begin begin, AttractorOpti
     if (std::optional<Vector> end = co_await carry_on(lane, p, begin.state, early)) {
       out.end = off_guards(p, *end);
       finding.transient -= early;
-      hand_on(out.end);
+      publish(out.end);
       lane.hurry(false);
     }
   }
@@ -134,7 +134,7 @@ MotionTask<SweepRow> SweepChain::find(TaskSlot& lane, Begin begin, AttractorOpti
   out.attractor = co_await approach_attractor_in_lanes(lane, system_, p, from, finding);
   if (begin.settled && out.attractor.type != AttractorType::periodic && out.attractor.termination == Termination::time) {
     out.end = off_guards(p, out.attractor.state);
-    hand_on(out.end);
+    publish(out.end);
   }
   lane.hurry(false);
   co_await average_on_attractor_in_lanes(lane, system_, p, out.attractor, finding);

@@ -50,8 +50,8 @@ class SweepChain {
   /// The predicted orbits of a block of rows.
   struct Block {
     static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
-    std::size_t begin = none;        ///< its first row
-    std::vector<OrbitAhead> orbits;  ///< of the rows from `begin` on
+    std::size_t begin = none;            ///< its first row
+    std::vector<PredictedOrbit> orbits;  ///< of the rows from `begin` on
   };
   /// Whether the orbits of row k's block have yet to be predicted. Never with a time average on orbits, which a prediction
   /// lacks.
@@ -63,11 +63,11 @@ class SweepChain {
   /// Row k, if its orbit was predicted.
   std::optional<SweepRow> known(Block& ahead, std::size_t number) const;
 
-  /// Computes row k from the motion, in lanes if these support the oscillator. `hand_on` receives the start of the next row as
+  /// Computes row k from the motion, in lanes if these support the oscillator. `publish` receives the start of the next row as
   /// soon as it is known, if this row is not yet known to be periodic. If the motion failed or `finding` cancelled it, the
   /// average of the result is incomplete.
   MotionTask<SweepRow> find(TaskSlot& lane, Begin begin, AttractorOptions finding,
-                            std::function<void(const Vector& state)> hand_on) const;
+                            std::function<void(const Vector& state)> publish) const;
 
  private:
   Vector off_guards(const Vector& p, const Vector& state) const;

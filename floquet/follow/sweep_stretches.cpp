@@ -41,13 +41,13 @@ SweepStretches::Stretch& SweepStretches::add_stretch(std::size_t begin) {
 
 bool SweepStretches::can_go_on(const Stretch& stretch) const {
   if (stretch.looks_ahead || stretch.ended || stretch.next() == stretch.end) return false;
-  return stretch.next() == 0 || (stretch.last() && stretch.last()->handed_on);
+  return stretch.next() == 0 || (stretch.last() && stretch.last()->published);
 }
 
-std::shared_ptr<SweepStretches::Stretch> SweepStretches::next(bool in_vain) {
+std::shared_ptr<SweepStretches::Stretch> SweepStretches::next(bool speculative) {
   const auto fits = [&](const auto& stretch) {
     const bool is_guess = !stretch->joined && stretch != stretches_.front();
-    return can_go_on(*stretch) && (!is_guess || guesses_well_ || in_vain);
+    return can_go_on(*stretch) && (!is_guess || last_guess_accepted_ || speculative);
   };
   const auto one = std::find_if(stretches_.begin(), stretches_.end(), fits);
   return one == stretches_.end() ? nullptr : *one;
@@ -90,10 +90,10 @@ std::shared_ptr<SweepStretches::Entry> SweepStretches::add(Stretch& stretch, std
   return entry;
 }
 
-void SweepStretches::hand_on(Entry& entry, const Vector& state) {
+void SweepStretches::publish(Entry& entry, const Vector& state) {
   if (entry.dropped) return;
   entry.row->end = state;
-  entry.handed_on = true;
+  entry.published = true;
 }
 
 void SweepStretches::finish(Entry& entry, SweepRow row, bool broken) {
@@ -102,15 +102,15 @@ void SweepStretches::finish(Entry& entry, SweepRow row, bool broken) {
   const bool is_guess = stretch.guess.get() == &entry;
   const std::size_t behind = is_guess ? 0 : entry.begin.number + 1 - stretch.begin;
   if (broken) {
-    take_back(stretch, is_guess ? behind : behind - 1);
+    roll_back(stretch, is_guess ? behind : behind - 1);
     if (is_guess)
       stretch.guess = stretch.lead = nullptr;
     else
       stretch.ended = true;
   } else {
-    if (row.attractor.type == AttractorType::periodic) take_back(stretch, behind);
+    if (row.attractor.type == AttractorType::periodic) roll_back(stretch, behind);
     *entry.row = std::move(row);
-    entry.handed_on = entry.done = true;
+    entry.published = entry.done = true;
     if (!is_guess) {
       --stretch.open;
       ++done_;
@@ -120,13 +120,13 @@ void SweepStretches::finish(Entry& entry, SweepRow row, bool broken) {
 }
 
 /// Rolls back the rows of a stretch from this one on, counted from its first.
-void SweepStretches::take_back(Stretch& stretch, std::size_t from) {
+void SweepStretches::roll_back(Stretch& stretch, std::size_t from) {
   if (stretch.done())  // its last row will change
     for (const auto& next : stretches_)
       if (next->begin == stretch.end) next->joined = false;
   stretch.ended = false;
   if (from >= stretch.entries.size()) return;
-  ++stretch.taken_back;
+  ++stretch.rollbacks;
   stretch.ahead = {};
   for (std::size_t k = from; k < stretch.entries.size(); ++k) {
     Entry& entry = *stretch.entries[k];
@@ -140,15 +140,15 @@ void SweepStretches::take_back(Stretch& stretch, std::size_t from) {
 /// otherwise it starts again after that row.
 void SweepStretches::follow(const SweepRow& last, Stretch& behind) {
   behind.joined = true;
-  guesses_well_ = behind.guess && on_same_attractor(last, *behind.guess->row);
-  if (guesses_well_ && behind.lead == behind.guess) return;
-  take_back(behind, 0);
+  last_guess_accepted_ = behind.guess && on_same_attractor(last, *behind.guess->row);
+  if (last_guess_accepted_ && behind.lead == behind.guess) return;
+  roll_back(behind, 0);
   const auto anew = [&] {
     behind.known = last;
     return std::make_shared<Entry>(this, &behind, SweepChain::Begin{.number = behind.begin - 1, .state = {}}, &behind.known, true,
                                    true);
   };
-  behind.lead = guesses_well_ ? behind.guess : anew();
+  behind.lead = last_guess_accepted_ ? behind.guess : anew();
 }
 
 void SweepStretches::join() {
@@ -166,8 +166,8 @@ void SweepStretches::join() {
   ended_ = true;
   keep_first();
   for (const auto& stretch : stretches_) {
-    take_back(*stretch, 0);
-    ++stretch->taken_back;
+    roll_back(*stretch, 0);
+    ++stretch->rollbacks;
     if (stretch->guess) stretch->guess->dropped = true;
   }
   stretches_.clear();

@@ -27,8 +27,8 @@ class SweepStretches {
     SweepStretches* direction;
     Stretch* stretch;
     SweepChain::Begin begin;
-    SweepRow* row;           ///< its place in rows_; row->end is the start of the next row once handed_on
-    bool handed_on = false;  ///< the next row may begin
+    SweepRow* row;           ///< its place in rows_; row->end is the start of the next row once published
+    bool published = false;  ///< the next row may begin
     bool done = false;
     std::atomic<bool> dropped = false;  ///< rolled back: an earlier row ended elsewhere
   };
@@ -41,10 +41,10 @@ class SweepStretches {
     bool joined = false;                ///< the stretch before is done, and this one starts on its attractor
     std::vector<std::shared_ptr<Entry>> entries = {};
     SweepChain::Block ahead = {};
-    bool looks_ahead = false;    ///< a thread is predicting `ahead`
-    bool ended = false;          ///< the motion could not be continued
-    std::size_t open = 0;        ///< rows that are not done
-    std::size_t taken_back = 0;  ///< number of rollbacks
+    bool looks_ahead = false;   ///< a thread is predicting `ahead`
+    bool ended = false;         ///< the motion could not be continued
+    std::size_t open = 0;       ///< rows that are not done
+    std::size_t rollbacks = 0;  ///< number of rollbacks
     std::size_t next() const { return begin + entries.size(); }
     bool done() const { return open == 0 && next() == end; }
     const Entry* last() const { return entries.empty() ? lead.get() : entries.back().get(); }
@@ -61,8 +61,8 @@ class SweepStretches {
   std::size_t done() const { return done_; }
 
   /// The first stretch that can continue. After a rejected guess, stretches behind unconfirmed guesses are returned only if
-  /// work `in_vain` is allowed.
-  std::shared_ptr<Stretch> next(bool in_vain);
+  /// work `speculative` is allowed.
+  std::shared_ptr<Stretch> next(bool speculative);
   /// Starts a guess for the stretch after all others, if there is one and fewer than `most` guesses are unconfirmed.
   std::shared_ptr<Entry> guess(std::size_t most);
   /// The orbits of the rows before the stretch's next block, as long as they are alike, the last one last.
@@ -70,7 +70,7 @@ class SweepStretches {
   /// Appends the next row: known, or to be computed.
   std::shared_ptr<Entry> add(Stretch& stretch, std::optional<SweepRow> known);
   /// Publishes the state of a started row: the next row can start from there.
-  void hand_on(Entry& entry, const Vector& state);
+  void publish(Entry& entry, const Vector& state);
   /// Stores the result of a started row; `broken`: it could not be computed.
   void finish(Entry& entry, SweepRow row, bool broken);
 
@@ -81,7 +81,7 @@ class SweepStretches {
  private:
   Stretch& add_stretch(std::size_t begin);
   bool can_go_on(const Stretch& stretch) const;
-  void take_back(Stretch& stretch, std::size_t from);
+  void roll_back(Stretch& stretch, std::size_t from);
   void follow(const SweepRow& last, Stretch& behind);
   void join();
   void keep_first();
@@ -92,7 +92,7 @@ class SweepStretches {
   std::vector<SweepRow> rows_;                      ///< up to the end of the last stretch; their addresses are stable
   std::size_t kept_ = 0;                            ///< rows of committed stretches
   std::deque<std::shared_ptr<Stretch>> stretches_;  ///< the stretches that were started and are not committed
-  bool guesses_well_ = true;                        ///< the last guess was accepted
+  bool last_guess_accepted_ = true;                 ///< the last guess was accepted
   bool ended_ = false;                              ///< the motion could not be continued
   std::size_t done_ = 0;
 };

@@ -15,7 +15,7 @@ constexpr double repeats = 1e-4;
 /// Chaos found by an average over fewer forcing periods must be confirmed by a second one.
 constexpr std::int64_t short_average = 500;
 /// Forcing periods that align the tangent of a motion before its growth counts.
-constexpr std::int64_t turning = 60;
+constexpr std::int64_t aligning_periods = 60;
 /// Number of motions that fills the lanes of a thread. A thread with less than half a batch also starts speculative rows.
 constexpr std::size_t enough = 32;
 /// Stretches of a direction that may run after an unconfirmed guess, in addition to one per thread.
@@ -25,8 +25,8 @@ SweepOptions with_looks(SweepOptions options) {
   options.attractor.recurrence = repeats;
   options.attractor.confirmed_below = short_average;
   LyapunovOptions& averaging = options.attractor.lyapunov;
-  averaging.aligning = std::max(averaging.aligning, turning);
-  averaging.motions = std::max(averaging.motions, motions_in_company(averaging));
+  averaging.aligning = std::max(averaging.aligning, aligning_periods);
+  averaging.motions = std::max(averaging.motions, motions_in_shared_lanes(averaging));
   return options;
 }
 
@@ -107,7 +107,7 @@ std::optional<std::shared_ptr<SweepWork::Entry>> SweepWork::go_on(std::size_t ca
 
 /// Predicts the orbits of the next block without holding the lock. False: rows were rolled back meanwhile.
 bool SweepWork::look_ahead(SweepStretches& direction, Stretch& stretch, Lock& lock) {
-  const std::size_t number = stretch.next(), taken_back = stretch.taken_back;
+  const std::size_t number = stretch.next(), rollbacks = stretch.rollbacks;
   const std::vector<std::vector<Vector>> before = direction.orbits_before(stretch);
   stretch.looks_ahead = true;
   lock.unlock();
@@ -115,7 +115,7 @@ bool SweepWork::look_ahead(SweepStretches& direction, Stretch& stretch, Lock& lo
   lock.lock();
   stretch.looks_ahead = false;
   tell_news();
-  if (stretch.taken_back != taken_back) return false;
+  if (stretch.rollbacks != rollbacks) return false;
   stretch.ahead = std::move(ahead);
   return true;
 }
@@ -144,7 +144,7 @@ MotionTask<> SweepWork::find(TaskSlot& lane, std::shared_ptr<Entry> entry) {
   SweepRow row = entry->direction->chain().row(entry->begin.number);
   try {
     row = co_await entry->direction->chain().find(lane, entry->begin, finding,
-                                                  [this, &entry](const Vector& state) { hand_on(*entry, state); });
+                                                  [this, &entry](const Vector& state) { publish(*entry, state); });
   } catch (const std::invalid_argument&) {  // the start lies inside the barrier
   }
   finish(*entry, std::move(row));
@@ -156,10 +156,10 @@ void SweepWork::tell_news() {
 }
 
 /// Publishes the state of a started row: the next one can start.
-void SweepWork::hand_on(Entry& entry, const Vector& state) {
+void SweepWork::publish(Entry& entry, const Vector& state) {
   const std::lock_guard lock(mutex_);
   if (cancelled()) return;
-  entry.direction->hand_on(entry, state);
+  entry.direction->publish(entry, state);
   tell_news();
 }
 

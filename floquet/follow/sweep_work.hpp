@@ -43,7 +43,7 @@ class SweepWork {
   std::shared_ptr<Entry> next_row(SweepStretches& direction, Stretch& stretch, Lock& lock);
   bool look_ahead(SweepStretches& direction, Stretch& stretch, Lock& lock);
   MotionTask<> find(TaskSlot& lane, std::shared_ptr<Entry> entry);
-  void hand_on(Entry& entry, const Vector& state);
+  void publish(Entry& entry, const Vector& state);
   void finish(Entry& entry, SweepRow row);
   void tell(double value);
   void tell_news();

@@ -223,7 +223,7 @@ MotionTask<LaneOrbit> shoot_in_lanes(TaskSlot& lane, std::vector<std::array<doub
   co_return orbit;
 }
 
-std::vector<LaneOrbit> shoot_side_by_side(LaneCarrier& many, const std::vector<LaneGuess>& guesses, LanePatience patience) {
+std::vector<LaneOrbit> shoot_together(LaneCarrier& many, const std::vector<LaneGuess>& guesses, LanePatience patience) {
   std::vector<LaneOrbit> orbits(guesses.size());
   TaskPool pool(many);
   pool.run(guesses.size(), [&](std::size_t i, TaskSlot& lane) { return shoot_to(lane, guesses[i], patience, orbits[i]); });

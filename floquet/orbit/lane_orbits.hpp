@@ -47,6 +47,6 @@ struct LanePatience {
 MotionTask<LaneOrbit> shoot_in_lanes(TaskSlot& lane, std::vector<std::array<double, 2>> states, LanePatience patience = {});
 
 /// The same for many guesses in parallel.
-std::vector<LaneOrbit> shoot_side_by_side(LaneCarrier& many, const std::vector<LaneGuess>& guesses, LanePatience patience = {});
+std::vector<LaneOrbit> shoot_together(LaneCarrier& many, const std::vector<LaneGuess>& guesses, LanePatience patience = {});
 
 }  // namespace graze

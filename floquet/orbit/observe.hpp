@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Carries motions until their observers (watches) close: one by one, or in lanes several forcing periods at a time, in a pool
 // or all together; autonomous motions from return to return. A Watch has open(), state() (at forcing phase 0) and
-// see(termination, state), called after every period while it is open. A watch for carry_side_by_side also has quiet_periods():
+// see(termination, state), called after every period while it is open. A watch for carry_together also has skippable_periods():
 // the number of next periods that it need not see unless they end in one of the ellipses known to the LaneCarrier; and
 // leave_out(periods), which receives the number left out.
 #pragma once
@@ -30,7 +30,7 @@ template <class Watch, class Cancelled> bool carry_watched(Propagator& propagato
 
 /// Number of forcing periods to carry next, after `carried` of them. On average half of them are wasted when the watch closes:
 /// long batches are for motions that last.
-inline std::size_t next_stretch(std::size_t carried) {
+inline std::size_t next_batch(std::size_t carried) {
   constexpr std::size_t shortest = 4;
   return std::clamp(carried / (4 * shortest) * shortest, shortest, 8 * shortest);
 }
@@ -41,7 +41,7 @@ template <class Watch, class Cancelled> MotionTask<bool> carry_watched(TaskSlot&
   Vector state(2);
   while (watch.open()) {
     if (cancelled()) co_return false;
-    const std::size_t stretch = next_stretch(carried);
+    const std::size_t stretch = next_batch(carried);
     carried += stretch;
     const std::span<const PeriodResult> periods = co_await lane.carry(watch.state(), stretch);
     for (const PeriodResult& period : periods) {
@@ -55,7 +55,7 @@ template <class Watch, class Cancelled> MotionTask<bool> carry_watched(TaskSlot&
 
 /// Carries all motions together, at a parameter set of `many`. Ends when no watch is open (true) or on cancellation (false).
 template <class Watch, class Cancelled>
-bool carry_side_by_side(LaneCarrier& many, std::size_t set, std::vector<Watch>& watches, const Cancelled& cancelled) {
+bool carry_together(LaneCarrier& many, std::size_t set, std::vector<Watch>& watches, const Cancelled& cancelled) {
   struct Common {
     const Cancelled& cancelled;
     std::size_t seen = 0;
@@ -66,9 +66,9 @@ bool carry_side_by_side(LaneCarrier& many, std::size_t set, std::vector<Watch>& 
     Watch* watch = nullptr;
     Common* common = nullptr;
     std::size_t seen = 0;
-    void expect() { next = seen + 1 + static_cast<std::size_t>(watch->quiet_periods()); }
+    void expect() { next = seen + 1 + static_cast<std::size_t>(watch->skippable_periods()); }
   };
-  constexpr std::size_t between_questions = 64;  // periods
+  constexpr std::size_t periods_between_cancellation_tests = 64;  // periods
   Common common{cancelled, 0, cancelled()};
   if (common.stopped) return false;
   std::vector<One> each(watches.size());
@@ -79,7 +79,7 @@ bool carry_side_by_side(LaneCarrier& many, std::size_t set, std::vector<Watch>& 
     each[i].see = [](PeriodWatch& self, std::size_t number, const PeriodResult& period) {
       One& one = static_cast<One&>(self);
       Common& all = *one.common;
-      if (++all.seen % between_questions == 0) all.stopped = all.stopped || all.cancelled();
+      if (++all.seen % periods_between_cancellation_tests == 0) all.stopped = all.stopped || all.cancelled();
       if (all.stopped) return false;
       one.watch->leave_out(static_cast<int>(number - 1 - one.seen));
       one.seen = number;

@@ -36,7 +36,7 @@ inline constexpr double on_unit_circle = 1e-7;
 
 struct PeriodicOrbit {
   Vector parameters;
-  int period = 0;              ///< n forcing periods; autonomous: 1, or n returns (seen_at_returns)
+  int period = 0;              ///< n forcing periods; autonomous: 1, or n returns (at_returns)
   double duration = 0.0;       ///< n T, dimensionless time
   Vector state;                ///< at forcing phase 0
   std::vector<Vector> states;  ///< at forcing phase 0 after 0 ... n - 1 periods; states[0] = state

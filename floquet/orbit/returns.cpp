@@ -68,7 +68,7 @@ PeriodicOrbit shoot_returns(Propagator& propagator, const std::vector<Vector>& s
   return orbit;
 }
 
-PeriodicOrbit seen_at_returns(const HybridSystem& system, PeriodicOrbit orbit, const Vector& first) {
+PeriodicOrbit at_returns(const HybridSystem& system, PeriodicOrbit orbit, const Vector& first) {
   if (!orbit.converged()) return orbit;
   orbit.states = states_at_returns(system, orbit);
   const auto nearest = std::min_element(orbit.states.begin(), orbit.states.end(), [&](const Vector& a, const Vector& b) {
@@ -84,7 +84,7 @@ int count_returns(const HybridSystem& system, const PeriodicOrbit& orbit) {
   return static_cast<int>(states_at_returns(system, orbit).size());
 }
 
-PeriodicOrbit seen_at_nodes(PeriodicOrbit orbit) {
+PeriodicOrbit at_nodes(PeriodicOrbit orbit) {
   if (orbit.multipliers.section != Section::autonomous) return orbit;
   orbit.period = 1;
   orbit.state = orbit.nodes.front();

@@ -26,12 +26,12 @@ PeriodicOrbit shoot_returns(Propagator& propagator, const std::vector<Vector>& s
 
 /// The orbit as seen at its returns: `period` counts the returns, and `states` are those immediately after them, beginning with
 /// the one nearest to `first`. Its nodes stay.
-PeriodicOrbit seen_at_returns(const HybridSystem& system, PeriodicOrbit orbit, const Vector& first);
+PeriodicOrbit at_returns(const HybridSystem& system, PeriodicOrbit orbit, const Vector& first);
 
 /// Number of returns of the orbit.
 int count_returns(const HybridSystem& system, const PeriodicOrbit& orbit);
 
 /// The inverse: the orbit as from shoot(), at its first node. A forced orbit stays as it is.
-PeriodicOrbit seen_at_nodes(PeriodicOrbit orbit);
+PeriodicOrbit at_nodes(PeriodicOrbit orbit);
 
 }  // namespace graze

@@ -148,7 +148,7 @@ void add_stroboscopic_states(ShootingEquations& equations, const Vector& u, Peri
     std::size_t mode = equations.stretch(j).mode0;
     if (ahead > 1e-12 * T) {
       // A contact that is left out would change the speed by the square root of rounding.
-      const TransitionOptions options = equations.on_stretch(j, {.sensitivity = Sensitivity::none});
+      const TransitionOptions options = equations.options_of_stretch(j, {.sensitivity = Sensitivity::none});
       carry(equations.propagator(), start, start + ahead, state, options, transition);
       if (transition.termination == Termination::time) state = transition.x1;
       mode = transition.mode1;

@@ -53,7 +53,7 @@ bool ShootingEquations::evaluate(const Vector& u, const TransitionOptions& optio
     const double start = node_time(u, j);
     const Vector x0 = node(u, j);
     Transition& transition = stretches_[index];
-    carry(propagator_, start, start + length, x0, on_stretch(j, options), transition);
+    carry(propagator_, start, start + length, x0, options_of_stretch(j, options), transition);
     failure_ = transition.termination;
     if (failure_ != Termination::time) return false;
     propagator_.field(transition.mode0, start, x0, start_fields_[index]);

@@ -47,7 +47,7 @@ class ShootingEquations {
   }
 
   /// The options with the contact left out on stretch j.
-  TransitionOptions on_stretch(int j, TransitionOptions options) const {
+  TransitionOptions options_of_stretch(int j, TransitionOptions options) const {
     if (const auto contact = left_out_.find(j); contact != left_out_.end()) options.left_out = contact->second;
     return options;
   }

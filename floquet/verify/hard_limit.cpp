@@ -31,7 +31,7 @@ double loss_function(double w) {
 }
 
 /// Replaces Newton's reset by that of the limit.
-void restitute(Event& impact) {
+void set_limit_reset(Event& impact) {
   impact.reset = {};
   impact.reset.map = [](double, const Vector& x, const Vector& p, Vector& out) {
     out[0] = p[r];
@@ -334,7 +334,7 @@ HybridSystem make_hard_limit(const OscillatorKind& kind) {
   law_of_limit.stop = "newton";
   law_of_limit.values = {"1"};
   HybridSystem system = make_oscillator(kind, law_of_limit);
-  restitute(system.events.front());
+  set_limit_reset(system.events.front());
   return system;
 }
 

@@ -416,9 +416,9 @@ class Mechanics {
     std::size_t count = 1;
     for (const Contact& contact : contacts_) {
       count *= static_cast<std::size_t>(contact.states);
-      if (count > most_contact_modes)
+      if (count > max_contact_modes)
         refuse(contact.name.place, fmt::format("stops and friction up to {} make {} modes; at most {} are made",
-                                               contact.name.text, count, most_contact_modes));
+                                               contact.name.text, count, max_contact_modes));
     }
     std::vector<int> status(contacts_.size(), 0);
     for (std::size_t number = 0; number < count; ++number) {
@@ -584,7 +584,7 @@ class Mechanics {
       SurfacePiece surface{contact.rate, find(changed(at.status, c, backward))->mode, at.mode, {}, {}};
       if (const Combination* held = find(changed(at.status, c, stuck))) {
         surface.sliding = held->mode;
-        surface.on_it = held->replacement;
+        surface.rounding_distance = held->replacement;
       }
       out_.surfaces.push_back(std::move(surface));
     }

@@ -178,7 +178,7 @@ class Separation {
   [[noreturn]] void refuse_number(std::size_t m) const {
     throw EquationError(
         source_, pieces_.modes[m].place,
-        fmt::format("the nonsmooth functions of mode {} make more than {} modes of it", pieces_.modes[m].name, most_split_modes));
+        fmt::format("the nonsmooth functions of mode {} make more than {} modes of it", pieces_.modes[m].name, max_split_modes));
   }
 
   void split(std::size_t m) {
@@ -243,7 +243,7 @@ class Separation {
       }
     }
     mode.class_of = std::move(part_of);
-    if (mode.representatives.size() > most_split_modes) refuse_number(m);
+    if (mode.representatives.size() > max_split_modes) refuse_number(m);
     for (std::size_t number = 0; number < mode.representatives.size(); ++number) {
       const Signs& one = mode.representatives[number];
       ModePiece piece = pieces_.modes[m];
@@ -354,7 +354,7 @@ class Separation {
     const bool one_mode =
         std::all_of(targets.begin(), targets.end(), [&](const Reached& one) { return one.mode == targets[0].mode; });
     if (one_mode) targets.resize(std::min<std::size_t>(1, targets.size()));
-    if (targets.empty() || targets.size() > most_split_modes)
+    if (targets.empty() || targets.size() > max_split_modes)
       throw EquationError(source_, piece.reset.line > 0 ? piece.reset : piece.when,
                           fmt::format("the event {} does not tell the signs in mode {} behind it; write its modes out",
                                       piece.name, pieces_.modes[static_cast<std::size_t>(&to - split_.data())].name));

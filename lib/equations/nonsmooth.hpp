@@ -23,9 +23,9 @@ bool is_nonsmooth(Operation operation);
 Expression switching_argument(Graph& graph, const Node& node);
 
 /// Largest number of modes made from one mode of the text.
-inline constexpr std::size_t most_split_modes = 64;
+inline constexpr std::size_t max_split_modes = 64;
 
-/// The pieces with the nonsmooth functions resolved. @throws EquationError if a mode becomes more than most_split_modes, or for
+/// The pieces with the nonsmooth functions resolved. @throws EquationError if a mode becomes more than max_split_modes, or for
 /// a combination that is not handled.
 Pieces split_nonsmooth(Graph& graph, const Pieces& pieces, const std::vector<ParameterInfo>& parameters, const Symbols& symbols,
                        const Source& source);

@@ -230,9 +230,9 @@ class Parser {
 
   struct Depth {
     explicit Depth(Parser& owner, const Token& token) : parser(owner) {
-      if (++parser.depth_ > deepest_nesting)
+      if (++parser.depth_ > max_nesting)
         parser.reader_.refuse(token, fmt::format("more than {} parentheses, functions, signs and powers inside one another {}",
-                                                 deepest_nesting, parser.where_));
+                                                 max_nesting, parser.where_));
     }
     ~Depth() { --parser.depth_; }
     Depth(const Depth&) = delete;

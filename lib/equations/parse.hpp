@@ -18,7 +18,7 @@
 namespace graze::equations {
 
 /// Largest nesting of parentheses, functions, signs and powers: more is a mistake, or an attack on the stack.
-inline constexpr std::size_t deepest_nesting = 200;
+inline constexpr std::size_t max_nesting = 200;
 /// Largest size of one text in bytes.
 inline constexpr std::size_t longest_text = 1U << 20U;
 

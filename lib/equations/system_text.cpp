@@ -63,7 +63,7 @@ InitialMode mode_by_guards(const HybridSystem& system, const std::vector<std::ve
       return std::all_of(constraints[mode].begin(), constraints[mode].end(),
                          [&](const Constraint& one) { return std::abs(one.value(t, x, p)) <= one.tolerance * size; });
     };
-    const auto goes_on_in = [&](std::size_t mode) {
+    const auto motion_stays_in = [&](std::size_t mode) {
       return keeps_constraints(mode) && std::all_of(guards[mode].begin(), guards[mode].end(), [&](const Guard& guard) {
                const double h = guard.value(t, x, p);
                if (h != 0.0) return h < 0.0;
@@ -79,7 +79,7 @@ InitialMode mode_by_guards(const HybridSystem& system, const std::vector<std::ve
              });
     };
     for (const std::size_t mode : order)
-      if (goes_on_in(mode)) return mode;
+      if (motion_stays_in(mode)) return mode;
     for (const std::size_t mode : order)
       if (admits(mode)) return mode;
     return std::nullopt;
@@ -443,8 +443,8 @@ class Builder {
     for (const SurfacePiece& surface : pieces_.surfaces) {
       if (!surface.parts(side.mode) || std::find(decided.begin(), decided.end(), surface.h) != decided.end()) continue;
       const Expression behind = graph_.substitute(surface.h, after);
-      const Expression change =
-          side.mode == surface.sliding ? graph_.substitute(behind, surface.on_it) : graph_.subtract(behind, surface.h);
+      const Expression change = side.mode == surface.sliding ? graph_.substitute(behind, surface.rounding_distance)
+                                                             : graph_.subtract(behind, surface.h);
       if (is_zero(graph_, change)) continue;
       std::vector<Expression> known = decided;
       known.push_back(surface.h);

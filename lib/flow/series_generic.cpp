@@ -44,7 +44,7 @@ constinit const SeriesKernels series_generic = kernels_for<Generic>();
 
 const SeriesKernels& series_kernels() {
 #ifdef GRAZE_X86_LANES
-  static const bool fused = processor_fuses();
+  static const bool fused = processor_has_avx2_fma();
   if (fused) return series_fused;
 #endif
   return series_generic;

@@ -19,7 +19,7 @@ LaneWidth widest_available() {
 }  // namespace
 
 bool available(LaneWidth width) {
-  if (width == LaneWidth::four) return processor_fuses();
+  if (width == LaneWidth::four) return processor_has_avx2_fma();
   if (width == LaneWidth::eight) return processor_has_avx512();
   return true;
 }
@@ -36,8 +36,8 @@ LaneKernels lane_kernels(LaneWidth width) {
 #ifdef GRAZE_X86_LANES
   if (width == LaneWidth::eight) return {fused::carry_eight, fused::contacts_eight};
   if (width == LaneWidth::four) return {fused::carry_four, fused::contacts_four};
-  if (width == LaneWidth::two && processor_fuses()) return {fused::carry_two, fused::contacts_two};
-  if (width == LaneWidth::one && processor_fuses()) return {fused::carry_one, fused::contacts_one};
+  if (width == LaneWidth::two && processor_has_avx2_fma()) return {fused::carry_two, fused::contacts_two};
+  if (width == LaneWidth::one && processor_has_avx2_fma()) return {fused::carry_one, fused::contacts_one};
 #endif
   if (width == LaneWidth::two || width == LaneWidth::plain_two) return {plain::carry_two, plain::contacts_two};
   return {plain::carry_one, plain::contacts_one};

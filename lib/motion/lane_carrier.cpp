@@ -313,7 +313,7 @@ void LaneCarrier::carry_alike(std::span<const Going> going, bool tangent) {
   }
   const std::size_t count = going.size();
   if (supply_) return carry_in_lanes(0, count, tangent);
-  const std::size_t parts = all_threads_ ? std::clamp<std::size_t>(count / fewest_on_a_thread, 1, threads_here()) : 1;
+  const std::size_t parts = all_threads_ ? std::clamp<std::size_t>(count / fewest_on_a_thread, 1, available_threads()) : 1;
   in_parallel(parts, [&](std::size_t i) { carry_in_lanes(i * count / parts, (i + 1) * count / parts, tangent); });
   for (std::size_t i = 0; i < count; ++i) finish(i);
 }

@@ -12,14 +12,14 @@
 namespace graze {
 
 /// Number of threads available here. (An arena ignores the global limit.)
-inline std::size_t threads_here() {
+inline std::size_t available_threads() {
   using oneapi::tbb::global_control;
   const auto in_arena = static_cast<std::size_t>(std::max(1, oneapi::tbb::this_task_arena::max_concurrency()));
   return std::min(in_arena, global_control::active_value(global_control::max_allowed_parallelism));
 }
 
 /// n / by, rounded up: number of parts of a given size, or size of a given number of parts.
-constexpr std::size_t divided_up(std::size_t n, std::size_t by) { return (n + by - 1) / by; }
+constexpr std::size_t divide_rounding_up(std::size_t n, std::size_t by) { return (n + by - 1) / by; }
 
 /// Calls body(0) ... body(n - 1) in any order. A thread that waits for the rest takes no other work meanwhile, because it would
 /// have to finish that first.

@@ -5,7 +5,7 @@
 
 namespace graze {
 
-bool processor_fuses() {
+bool processor_has_avx2_fma() {
 #ifdef GRAZE_X86_LANES
   return xsimd::available_architectures().fma3_avx2;
 #else
@@ -13,6 +13,6 @@ bool processor_fuses() {
 #endif
 }
 
-bool processor_has_avx512() { return processor_fuses() && xsimd::available_architectures().avx512f; }
+bool processor_has_avx512() { return processor_has_avx2_fma() && xsimd::available_architectures().avx512f; }
 
 }  // namespace graze

@@ -5,7 +5,7 @@
 namespace graze {
 
 /// True if it has AVX2 and fused multiply-add.
-bool processor_fuses();
+bool processor_has_avx2_fma();
 /// True if it has AVX-512 in addition.
 bool processor_has_avx512();
 

@@ -16,7 +16,7 @@ namespace {
 constexpr int points = 24;
 /// Rounding error of a field, relative to the compared values.
 constexpr double rounding = 1e-11;
-constexpr std::size_t most_free_states = 5, most_coordinates = 4;
+constexpr std::size_t max_free_states = 5, most_coordinates = 4;
 
 /// A signed permutation: state i of the image is sign[i] times state from[i].
 struct Permutation {
@@ -58,7 +58,7 @@ class Search {
     if (n % 2 == 0 && n / 2 <= most_coordinates && has_velocities()) {
       try_permutations(
           n / 2, [](const Permutation& half) { return doubled(half); }, holds, out);
-    } else if (n <= most_free_states) {
+    } else if (n <= max_free_states) {
       try_permutations(
           n, [](const Permutation& one) { return one; }, holds, out);
     } else {

@@ -21,9 +21,9 @@ namespace {
 
 /// Without it a stint is longer than a test.
 struct ShortStints {
-  double usual = stint_length();
-  ShortStints() { set_stint_length(0.0); }
-  ~ShortStints() { set_stint_length(usual); }
+  double usual = interval_length();
+  ShortStints() { set_interval_length(0.0); }
+  ~ShortStints() { set_interval_length(usual); }
 };
 
 /// Runs a command and collects what stands in the JSON file of its folder meanwhile, as kill -9 would leave it: every version
@@ -59,7 +59,7 @@ void check_kept(const std::vector<std::string>& arguments, const std::string& co
   const std::string file = folder.file("kept/" + command + ".json");
   std::set<std::string> parts;
   {
-    const ShortStints stints;
+    const ShortStints checkpoints;
     parts = versions_while(file, [&] { CHECK(call(with("--out", "kept")).code == 0); });
   }
   CHECK(read_file(file) == whole);
@@ -87,29 +87,29 @@ void check_kept(const std::vector<std::string>& arguments, const std::string& co
 
 TEST_CASE("a stint is over with the first news after its time, and long against what its end costs") {
   double now = 100.0;
-  CheckpointTimer stints(30.0, CheckpointTimer::End::stops, [&] { return now; });
+  CheckpointTimer checkpoints(30.0, CheckpointTimer::End::stops, [&] { return now; });
   const auto news_at = [&](double time) {
     now = time;
-    stints.news();
-    return stints.over();
+    checkpoints.news();
+    return checkpoints.over();
   };
-  stints.begin(0);
+  checkpoints.begin(0);
   CHECK_FALSE(news_at(129.0));  // its first piece: nothing was lost before it
   CHECK(news_at(130.5));
   // Ending it took 4 s, writing included: the next one is twenty times as long.
   now = 134.5;
-  stints.begin(5);
-  CHECK_FALSE(stints.over());
+  checkpoints.begin(5);
+  CHECK_FALSE(checkpoints.over());
   CHECK_FALSE(news_at(135.5));
   CHECK_FALSE(news_at(214.0));
   CHECK(news_at(214.5));
   // Its first piece took 10 s, part of which the last stint had lost.
-  stints.begin(9);
+  checkpoints.begin(9);
   CHECK_FALSE(news_at(224.5));
   CHECK_FALSE(news_at(414.0));
   CHECK(news_at(414.5));
   // That kept nothing new: the next one is twice as long.
-  stints.begin(9);
+  checkpoints.begin(9);
   CHECK_FALSE(news_at(415.0));
   CHECK_FALSE(news_at(814.0));
   CHECK(news_at(814.5));
@@ -117,30 +117,30 @@ TEST_CASE("a stint is over with the first news after its time, and long against 
 
 TEST_CASE("a stint at whose end nothing stops is as long as its length, and long against the writing alone") {
   double now = 0.0;
-  CheckpointTimer stints(30.0, CheckpointTimer::End::goes_on, [&] { return now; });
-  stints.begin(0);
+  CheckpointTimer checkpoints(30.0, CheckpointTimer::End::goes_on, [&] { return now; });
+  checkpoints.begin(0);
   now = 20.0;
-  stints.news();
-  CHECK_FALSE(stints.over());
+  checkpoints.news();
+  CHECK_FALSE(checkpoints.over());
   now = 40.0;
-  stints.news();
-  CHECK(stints.over());
+  checkpoints.news();
+  CHECK(checkpoints.over());
   now = 42.0;
-  stints.begin(0);
+  checkpoints.begin(0);
   now = 81.0;
-  stints.news();
-  CHECK_FALSE(stints.over());
+  checkpoints.news();
+  CHECK_FALSE(checkpoints.over());
   now = 82.0;
-  stints.news();
-  CHECK(stints.over());
+  checkpoints.news();
+  CHECK(checkpoints.over());
 }
 
 TEST_CASE("without a length there is one stint") {
   double now = 0.0;
-  CheckpointTimer stints(std::nullopt, CheckpointTimer::End::stops, [&] { return now; });
-  stints.begin(0);
-  for (now = 0.0; now < 1e6; now += 1000.0) stints.news();
-  CHECK_FALSE(stints.over());
+  CheckpointTimer checkpoints(std::nullopt, CheckpointTimer::End::stops, [&] { return now; });
+  checkpoints.begin(0);
+  for (now = 0.0; now < 1e6; now += 1000.0) checkpoints.news();
+  CHECK_FALSE(checkpoints.over());
 }
 
 TEST_CASE("a sweep that is killed leaves what it had, and goes on from there to the last bit") {

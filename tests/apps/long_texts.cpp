@@ -45,7 +45,7 @@ TEST_CASE("items of a list are handed on in their order, each once, however long
       std::string expected;
       for (std::size_t k = 0; k < size; ++k) expected += std::to_string(k) + ",";
       const std::string text = whole_text([&](const TextSink& sink) {
-        hand_on_items(threads, size, sink, [](std::size_t k, std::string& out) {
+        write_items(threads, size, sink, [](std::size_t k, std::string& out) {
           double work = 1.0;
           for (std::size_t i = 0; i < (k * 7919) % 1000; ++i) work = std::sin(work);
           out += std::to_string(k) + (work > 2.0 ? "" : ",");
@@ -65,9 +65,9 @@ TEST_CASE("what a sink or an item throws ends the making of a long text") {
     const TextSink full = [&pieces](std::string_view) {
       if (++pieces == 3) throw std::runtime_error("full");
     };
-    CHECK_THROWS_WITH(hand_on_items(threads, 2000, full, number), "full");
+    CHECK_THROWS_WITH(write_items(threads, 2000, full, number), "full");
     CHECK(pieces == 3);
-    CHECK_THROWS_AS(hand_on_items(
+    CHECK_THROWS_AS(write_items(
                         threads, 2000, [](std::string_view) {}, refuse_the_later),
                     std::length_error);
   }

@@ -116,11 +116,11 @@ TEST_CASE("a whole diagram is the skeleton and the sweeps, and the two agree") {
     if (row.attractor.type != AttractorType::periodic || row.attractor.period > 8) continue;
     ++periodic;
     CHECK(std::any_of(branches.begin(), branches.end(),
-                      [&](const Branch& branch) { return lies_on(model.system, branch, row.states, row.value); }));
+                      [&](const Branch& branch) { return branch_contains(model.system, branch, row.states, row.value); }));
     std::vector<Vector> beside = row.states;
     for (Vector& state : beside) state[0] -= 1e-3;
     CHECK(std::none_of(branches.begin(), branches.end(),
-                       [&](const Branch& branch) { return lies_on(model.system, branch, beside, row.value); }));
+                       [&](const Branch& branch) { return branch_contains(model.system, branch, beside, row.value); }));
   }
   CHECK(periodic >= 10);
   CHECK(chaotic >= 2);
@@ -129,14 +129,14 @@ TEST_CASE("a whole diagram is the skeleton and the sweeps, and the two agree") {
   // Without the branches of period 3 just the rows of period 3 lie on none.
   std::vector<Branch> others = branches;
   std::erase_if(others, [](const Branch& branch) { return branch.period == 3; });
-  const OffBranches off = off_branches(model.system, others, rows, 8, 2);
+  const SweepComparison off = compare_sweep_with_branches(model.system, others, rows, 8, 2);
   std::vector<std::size_t> expected;
   for (std::size_t i = 0; i < rows.size(); ++i)
     if (rows[i].attractor.period == 3) expected.push_back(i);
   CHECK_FALSE(expected.empty());
   CHECK(off.rows == expected);
   // The longest period limits what is compared.
-  const OffBranches none = off_branches(model.system, others, rows, 0);
+  const SweepComparison none = compare_sweep_with_branches(model.system, others, rows, 0);
   CHECK(none.compared == 0);
   CHECK(none.longer == static_cast<std::size_t>(std::count_if(rows.begin(), rows.end(), [](const SweepRow& row) {
           return row.attractor.type == AttractorType::periodic;

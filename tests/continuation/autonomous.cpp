@@ -40,7 +40,7 @@ HybridSystem roessler() {
 PeriodicOrbit attracting(const HybridSystem& system, const Vector& p, const Vector& x) {
   const Attractor attractor = approach_attractor(system, p, x, {});
   REQUIRE(attractor.orbit);
-  return seen_at_nodes(*attractor.orbit);
+  return at_nodes(*attractor.orbit);
 }
 
 }  // namespace
@@ -135,9 +135,9 @@ TEST_CASE("a doubled autonomous orbit is followed, and is the one on which motio
   const BranchPoint& end = branches[1].points.back();
   CHECK(end.stable);
   CHECK(end.duration == Approx(attractor.orbit->duration).epsilon(1e-9));
-  const PeriodicOrbit seed = seen_at_nodes(*attractor.orbit);
-  CHECK(lies_on(system, branches[1], seed.states, 6.0));
-  CHECK(!lies_on(system, branches[0], seed.states, 6.0));
+  const PeriodicOrbit seed = at_nodes(*attractor.orbit);
+  CHECK(branch_contains(system, branches[1], seed.states, 6.0));
+  CHECK(!branch_contains(system, branches[0], seed.states, 6.0));
   // From there the branch leads back, as one of period two.
   options.to = 5.0;
   const std::vector<Branch> back = continue_orbit(system, seed, options);

@@ -22,9 +22,9 @@ MapPoint found(MapType type, double x = 0.0) {
 }
 
 /// The next point, and that behind it may begin there.
-std::shared_ptr<MapRow::Point> handed_on(MapRow& row, double x) {
+std::shared_ptr<MapRow::Point> published(MapRow& row, double x) {
   auto point = row.begin_next();
-  row.hand_on(*point, at(x));
+  row.publish(*point, at(x));
   return point;
 }
 
@@ -32,7 +32,7 @@ std::shared_ptr<MapRow::Point> handed_on(MapRow& row, double x) {
 struct ThreeBegun {
   std::vector<MapPoint> out = std::vector<MapPoint>(4);
   MapRow row{out};
-  std::shared_ptr<MapRow::Point> first = handed_on(row, 0.5), second = handed_on(row, 0.6), third = row.begin_next();
+  std::shared_ptr<MapRow::Point> first = published(row, 0.5), second = published(row, 0.6), third = row.begin_next();
 };
 
 using Next = MapRow::Next;
@@ -61,7 +61,7 @@ TEST_CASE("map row: points begin one behind the other, from the orbit of the one
 TEST_CASE("map row: behind what is handed on the next begins at once, and stays if that is chaos") {
   std::vector<MapPoint> out(3);
   MapRow row(out);
-  const auto first = handed_on(row, 0.5);
+  const auto first = published(row, 0.5);
   REQUIRE(row.next() == Next::likely);
   const auto second = row.begin_next();
   CHECK((*second->from)[0] == 0.5);
@@ -84,7 +84,7 @@ TEST_CASE_METHOD(ThreeBegun, "map row: what was handed on is taken back by an or
   CHECK(second->dropped);
   CHECK(third->dropped);
   CHECK(out[2].type == MapType::not_run);
-  row.hand_on(*second, at(9.0));  // too late
+  row.publish(*second, at(9.0));  // too late
   CHECK(row.finish(*second, found(MapType::periodic, 9.0)) == 0);
   CHECK(out[1].type == MapType::not_run);
   const auto anew = row.begin_next();
@@ -97,7 +97,7 @@ TEST_CASE("map row: the more points are not sure, the less likely is the next to
   std::vector<MapPoint> out(20);
   MapRow row(out);
   std::vector<std::shared_ptr<MapRow::Point>> points;
-  while (row.next() == Next::likely) points.push_back(handed_on(row, 0.0));
+  while (row.next() == Next::likely) points.push_back(published(row, 0.0));
   CHECK(points.size() > 1);
   CHECK(points.size() < 20);
   CHECK(row.next() == Next::unlikely);

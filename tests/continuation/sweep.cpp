@@ -315,7 +315,7 @@ TEST_CASE("orbits ahead are those of Newton's method, up to where the branch los
   for (int k = 0; k < 5; ++k) before.push_back(orbit_at(begin + k * step).states);
   std::vector<Vector> next;
   for (int k = 5; k < 25; ++k) next.push_back(hertz_parameters(begin + k * step));
-  const std::vector<OrbitAhead> ahead = orbits_ahead(damped_hertz(), before, next);
+  const std::vector<PredictedOrbit> ahead = predicted_orbits(damped_hertz(), before, next);
   REQUIRE(ahead.size() == 13);  // to 0.9196
   for (std::size_t k = 0; k < ahead.size(); ++k) {
     const PeriodicOrbit orbit = orbit_at(begin + (5 + static_cast<double>(k)) * step);
@@ -327,10 +327,10 @@ TEST_CASE("orbits ahead are those of Newton's method, up to where the branch los
     REQUIRE(ahead[k].impact_speeds.size() == 1);
     CHECK(ahead[k].impact_speeds[0] == Approx(orbit.events[1].normal_speed).epsilon(1e-11));  // 0: it leaves
   }
-  CHECK(orbits_ahead(damped_hertz(), {before.back()}, next).empty());
+  CHECK(predicted_orbits(damped_hertz(), {before.back()}, next).empty());
   FlowOptions general;
   general.kind = FlowKind::general;
-  CHECK(orbits_ahead(damped_hertz(), before, next, general).empty());
+  CHECK(predicted_orbits(damped_hertz(), before, next, general).empty());
 }
 
 TEST_CASE("orbits ahead begin where those before them do") {
@@ -346,7 +346,7 @@ TEST_CASE("orbits ahead begin where those before them do") {
     if ((before.back()[0][0] < before.back()[1][0]) == (k % 2 == 0)) std::swap(before.back()[0], before.back()[1]);
     next.push_back(hertz_parameters(begin + (k + 4) * step));
   }
-  const std::vector<OrbitAhead> ahead = orbits_ahead(damped_hertz(), before, next);
+  const std::vector<PredictedOrbit> ahead = predicted_orbits(damped_hertz(), before, next);
   REQUIRE(ahead.size() == 4);
   for (const auto& [orbit, speeds] : ahead) {
     CHECK((orbit.states[0] - before.back()[0]).norm() < 0.3 * (orbit.states[0] - orbit.states[1]).norm());

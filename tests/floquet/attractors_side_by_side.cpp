@@ -128,7 +128,7 @@ TEST_CASE("chaos that a short average found has to be confirmed, where nothing e
   attractor.time_average.stop = LyapunovStop::standard_error;
   const auto after = [&](std::int64_t periods) {
     attractor.time_average.periods = periods;
-    return wants_confirmation(options, attractor);
+    return needs_confirmation(options, attractor);
   };
   CHECK(after(200000));
   options.confirmed_below = 500;

@@ -18,9 +18,9 @@ using namespace graze::support;
 namespace {
 
 /// Asks a watch about a sequence of positions, from its element 1000 on forwards and from element 0 on backwards.
-LaminarPhase asked(const std::function<double(int)>& x, int period, std::int64_t long_for_chaos = 0) {
+LaminarPhase asked(const std::function<double(int)>& x, int period, std::int64_t longest_escape = 0) {
   const auto state = [&](int k) { return vector({x(k), 0.0}); };
-  LaminarPhase watch(state(1000), period, 2e-3, long_for_chaos);
+  LaminarPhase watch(state(1000), period, 2e-3, longest_escape);
   for (int k = 1001; watch.open(); ++k) watch.see(Termination::time, state(k));
   watch.look_back(state(0), 1000);
   for (int k = 1; watch.open(); ++k) watch.see(Termination::time, state(k));
@@ -36,9 +36,9 @@ TEST_CASE("lingering: what leaves an orbit slowly, or comes to one, goes on and 
     CHECK(watch.always());
     CHECK_FALSE(watch.on_an_orbit());
   }
-  const LaminarPhase on_it = asked([](int) { return 1.0; }, 1);
-  CHECK(on_it.goes_on());
-  CHECK(on_it.on_an_orbit());
+  const LaminarPhase rounding_distance = asked([](int) { return 1.0; }, 1);
+  CHECK(rounding_distance.goes_on());
+  CHECK(rounding_distance.on_an_orbit());
 }
 
 TEST_CASE("lingering: what stays next to an orbit is not watched for as long as chaos would be") {

@@ -53,7 +53,7 @@ TEST_CASE("lane orbits: closed forms with one impact, all of them at once") {
             exact.push_back(orbit);
           }
   REQUIRE(exact.size() > 60);
-  const std::vector<LaneOrbit> found = shoot_side_by_side(many, guesses);
+  const std::vector<LaneOrbit> found = shoot_together(many, guesses);
   int stable = 0;
   for (std::size_t i = 0; i < exact.size(); ++i) {
     const OneImpactOrbit& orbit = exact[i];
@@ -79,7 +79,7 @@ TEST_CASE("lane orbits: closed forms with one impact, all of them at once") {
   CHECK(stable < static_cast<int>(exact.size()) - 10);
 
   // Given up where their tangent grows too much, and else the same.
-  const std::vector<LaneOrbit> slow = shoot_side_by_side(many, guesses, {.most_growth = 3.0});
+  const std::vector<LaneOrbit> slow = shoot_together(many, guesses, {.most_growth = 3.0});
   int given_up = 0;
   for (std::size_t i = 0; i < exact.size(); ++i) {
     const double growth = std::abs(exact[i].multipliers[0]);
@@ -105,7 +105,7 @@ TEST_CASE("lane orbits: before a fold, a guess is given up the sooner the fewer 
       const auto periods = [&](LanePatience patience) {
         LaneCarrier many(newton_oscillator());
         const LaneGuess guess = guess_at(many.add_parameters(parameters_of(at)), fold, 0.0);
-        CHECK_FALSE(shoot_side_by_side(many, {guess}, patience).front().converged);
+        CHECK_FALSE(shoot_together(many, {guess}, patience).front().converged);
         return many.carried();
       };
       CHECK(periods({.max_halvings = 6}) < periods({}));
@@ -129,7 +129,7 @@ TEST_CASE("lane orbits: of a Hertz stop, as shoot() finds them, alone and among 
     guesses.push_back(guess);
     exact.push_back(exact.back());
   }
-  const std::vector<LaneOrbit> together = shoot_side_by_side(many, guesses);
+  const std::vector<LaneOrbit> together = shoot_together(many, guesses);
   for (std::size_t i = 0; i < guesses.size(); ++i) {
     INFO(i << ": period " << exact[i].period);
     const LaneOrbit& orbit = together[i];
@@ -138,7 +138,7 @@ TEST_CASE("lane orbits: of a Hertz stop, as shoot() finds them, alone and among 
     CHECK(orbit.impacts == exact[i].impacts);
     CHECK(std::hypot(orbit.states[0][0] - exact[i].state[0], orbit.states[0][1] - exact[i].state[1]) < 1e-11);
     for (std::size_t k = 0; k < 2; ++k) CHECK(std::abs(orbit.multipliers[k] - exact[i].multipliers.values[k]) < 1e-8);
-    const LaneOrbit alone = shoot_side_by_side(many, {guesses[i]}).front();
+    const LaneOrbit alone = shoot_together(many, {guesses[i]}).front();
     CHECK(alone.states == orbit.states);  // to the last bit
     CHECK(alone.multipliers == orbit.multipliers);
   }
@@ -155,8 +155,8 @@ TEST_CASE("lane orbits: what is delicate, and what does not converge, is said") 
   const PeriodicOrbit sticking = shoot(
       newton_oscillator(), parameters(newton_oscillator(), {{"b", 0.05}, {"eta", 0.95}, {"k_r", 0.0}}), vector({1.0, 1.0}), 1);
   REQUIRE(sticking.converged());
-  const std::vector<LaneOrbit> orbits = shoot_side_by_side(
-      many, {{plastic, {pair_of(sticking.state)}}, {free, {{steady[0] + 0.1, steady[1]}}}, {free, {{3.5, 0.0}}}});
+  const std::vector<LaneOrbit> orbits =
+      shoot_together(many, {{plastic, {pair_of(sticking.state)}}, {free, {{steady[0] + 0.1, steady[1]}}}, {free, {{3.5, 0.0}}}});
   CHECK(orbits[0].converged);
   CHECK(orbits[0].delicate);
   REQUIRE(orbits[1].converged);

@@ -55,7 +55,7 @@ constexpr double nearness = 2e-3;
 std::vector<std::optional<PeriodicOrbit>> looked_for(const Vector& p, const Vector& start) {
   Propagator propagator(damped_hertz(), p);
   LaneCarrier many(damped_hertz(), {});
-  SettlingLook look;
+  OrbitSearchResult look;
   TaskPool(many).run(1, [&](std::size_t, TaskSlot& lane) -> MotionTask<> {
     lane.take_parameters(p);
     look = co_await look_for_orbit_in_lanes(lane, damped_hertz(), p, start, max_period, nearness);
@@ -94,7 +94,7 @@ TEST_CASE("a motion that passes by a stable orbit is not settling on it") {
 TEST_CASE("motions that end, or whose tangents grow for long, are not worth a look") {
   const Vector inside_barrier = vector({2.5, 0.0});
   const std::vector<Vector> states = {chaotic, beside_orbit, later(chaotic, 100), later(beside_orbit, 5), inside_barrier};
-  const std::vector<Vector> left = that_may_settle(system_with_both(), with_both(), states);
+  const std::vector<Vector> left = settling_candidates(system_with_both(), with_both(), states);
   REQUIRE(left.size() == 2);
   CHECK(left[0] == states[1]);
   CHECK(left[1] == states[3]);
@@ -188,7 +188,7 @@ TEST_CASE("an orbit that a motion was seen to pass by is looked at again once th
   const Vector p = hertz_parameters(0.91955), start = after_change(0.9195, 0.91955);
   const auto look = [&](RefusedOrbits* known, std::size_t& carried) {
     LaneCarrier many(damped_hertz(), {});
-    SettlingLook out;
+    OrbitSearchResult out;
     TaskPool(many).run(1, [&](std::size_t, TaskSlot& lane) -> MotionTask<> {
       lane.take_parameters(p);
       out = co_await look_for_orbit_in_lanes(lane, damped_hertz(), p, start, max_period, nearness, {}, known);
@@ -219,7 +219,7 @@ TEST_CASE("a look notes the orbits that the motion passes by") {
   for (const bool again : {false, true}) {
     TaskPool(many).run(1, [&](std::size_t, TaskSlot& lane) -> MotionTask<> {
       lane.take_parameters(with_both());
-      const SettlingLook look =
+      const OrbitSearchResult look =
           co_await look_for_orbit_in_lanes(lane, system_with_both(), with_both(), chaotic, 12, 0.1, {}, &refused);
       CHECK_FALSE(look.orbit);
     });

@@ -77,7 +77,7 @@ std::optional<int> one_period(const Linear<double>& system, double phase, Point<
 }
 
 /// The half of a symmetric orbit; nothing if it is none.
-std::optional<Orbit> half_of(const Orbit& whole) {
+std::optional<Orbit> half_period_orbit(const Orbit& whole) {
   constexpr double same = 1e-6;
   const Frame& frame = whole.frame;
   if (frame.model != Model::equal_stops || frame.periods % 2 == 0 || frame.legs() % 2 != 0) return std::nullopt;
@@ -116,7 +116,7 @@ std::optional<Orbit> events_of(Frame frame, int impacts, double p, const std::ve
   const std::optional<Values<double>> y = corrected(out.frame, out.y, fixed_parameter(out.frame, p));
   if (!y || !admissible(out.frame, *y) || apart(states_of(out.frame, *y), states) > tolerance) return std::nullopt;
   out.y = *y;
-  return half_of(out).value_or(out);
+  return half_period_orbit(out).value_or(out);
 }
 
 std::optional<Orbit> settled(const Frame& frame, double p, int most_periods, int most_impacts) {

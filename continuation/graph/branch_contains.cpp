@@ -92,7 +92,7 @@ std::vector<Vector> between(const std::vector<Vector>& a, const std::vector<Vect
 
 }  // namespace
 
-bool lies_on(const HybridSystem& system, const Branch& branch, const std::vector<Vector>& states, double value) {
+bool branch_contains(const HybridSystem& system, const Branch& branch, const std::vector<Vector>& states, double value) {
   if (is_forced(system) && states.size() != static_cast<std::size_t>(branch.period)) return false;
   const std::size_t parameter = parameter_index(system.parameters, branch.parameter);
   const auto at = [&](double v) {
