@@ -12,28 +12,29 @@ namespace graze {
 
 namespace {
 
-/// Of the series. A period of a harmonic motion then takes eight panels at rounding accuracy.
+/// Degree of the series. A period of a harmonic motion then takes eight panels at rounding accuracy.
 constexpr std::size_t degree = 16;
 constexpr std::size_t points = degree + 1;
-constexpr double panels_of_run = 8.0;  // at least; what is shorter is found because the series do not converge
-/// Last coefficients of a series that has converged, relative to the largest value so far: for the value a tenth of what the
-/// flows keep, for the rate far less than what an extremum feels, which is the square.
+constexpr double panels_of_run = 8.0;  // at least; shorter features are found because the series do not converge
+/// A series has converged if its last coefficients are below this, relative to the largest value so far. For the value, this is
+/// ten times the default tolerance of the flows. For the rate, it is far less than an extremum needs, which depends on the
+/// square.
 constexpr double value_tolerance = 1e-12, rate_tolerance = 1e-8;
-/// A panel in which a function changes less than this, relative to its size, is not halved, whatever its series do: at the
-/// beginning of a root.
+/// A panel in which a function changes less than this, relative to its size, is not halved even if its series do not converge:
+/// at the start of a square root.
 constexpr double least_change = 1e-12;
-/// 2^-45 of a stretch is what an event is located to.
+/// Events are located to 2^-45 of a stretch.
 constexpr int most_halvings = 45;
-/// In one run. The beginning of a root takes 90 of them; beyond, the accuracy is that of the first panels.
+/// Limit for one run. The start of a square root takes 90 panels. Beyond the limit, the accuracy is that of the first panels.
 constexpr std::size_t most_panels = 20000;
-constexpr std::size_t looks = 64;  // at the series of a rate in a panel, for changes of sign
-/// An argument of a nonsmooth function that is smaller than this, relative to its largest value so far, has no sign: its series
-/// are as accurate as that.
+constexpr std::size_t looks = 64;  // samples of a rate's series in a panel, to find changes of sign
+/// An argument of a nonsmooth function below this, relative to its largest value so far, has no sign: this is the accuracy of
+/// its series.
 constexpr double sign_tolerance = value_tolerance;
 
 using Series = std::array<double, points>;
 
-/// Values at the points -cos(pi j / N), j = 0 ... N, to coefficients of Chebyshev polynomials.
+/// Coefficients of Chebyshev polynomials, from the values at the points -cos(pi j / N), j = 0 ... N.
 Series coefficients(const Series& values) {
   static const auto matrix = [] {
     std::array<Series, points> out;
@@ -51,7 +52,7 @@ Series coefficients(const Series& values) {
   return series;
 }
 
-/// By Clenshaw's recurrence; s from -1 to 1.
+/// The series at s in [-1, 1], by Clenshaw's recurrence.
 double value_at(const Series& series, double s) {
   double a = 0.0, b = 0.0;
   for (std::size_t k = degree; k > 0; --k) {
@@ -62,7 +63,7 @@ double value_at(const Series& series, double s) {
   return series[0] + s * a - b;
 }
 
-/// Between s = low and s = high, where the series has different signs.
+/// The zero of the series between s = low and s = high, where it has different signs.
 double zero_between(const Series& series, double low, double high) {
   const bool negative = value_at(series, low) < 0.0;
   for (double middle = 0.5 * (low + high); low < middle && middle < high; middle = 0.5 * (low + high))
@@ -70,7 +71,7 @@ double zero_between(const Series& series, double low, double high) {
   return low;
 }
 
-/// Where the rate of a function changes its sign.
+/// The points s where the rate of a function changes its sign.
 std::vector<double> turns(const Series& rates) {
   std::vector<double> list;
   double from = -1.0, rate_from = value_at(rates, from);
@@ -83,7 +84,7 @@ std::vector<double> turns(const Series& rates) {
   return list;
 }
 
-/// Over s from -1 to 1.
+/// Integral of the series over s from -1 to 1.
 double integral_of(const Series& series) {
   double sum = 0.0;
   for (std::size_t k = 0; k <= degree; k += 2) sum += 2.0 * series[k] / (1.0 - static_cast<double>(k * k));
@@ -96,7 +97,7 @@ double largest(const Series& values) {
   return most;
 }
 
-/// Of the last coefficients: of an even or an odd function every second one vanishes.
+/// The last two coefficients, in modulus: every second one vanishes for an even or an odd function.
 double remainder(const Series& series) { return std::abs(series[degree]) + std::abs(series[degree - 1]); }
 
 double instant(std::size_t j) { return -std::cos(std::numbers::pi * static_cast<double>(j) / degree); }
@@ -115,7 +116,7 @@ class Measuring {
       segment_ = &segment;
       functions_.evaluate(propagator_.system(), segment.mode, segment.t0, segment.x0, propagator_.parameters(), value_.data(),
                           rate_.data());
-      // Where a chatter is complete, the run goes on from its accumulation point a moment later.
+      // After complete chatter the run continues from the accumulation point, a moment later.
       if (i > 0)
         for (std::size_t k = 0; k < out_.size(); ++k) out_[k].integral += (segment.t0 - run.segments[i - 1].t1) * value_[k];
       if (segment.t1 > segment.t0) {
@@ -150,7 +151,7 @@ class Measuring {
     functions_.evaluate(propagator_.system(), at.mode, at.t, at.x, propagator_.parameters(), signs, value_.data(), rate_.data());
   }
 
-  /// By the values at hand.
+  /// Widens the extents by the present values.
   void widen() {
     for (std::size_t k = 0; k < out_.size(); ++k) {
       out_[k].largest = std::max(out_[k].largest, value_[k]);
@@ -158,7 +159,8 @@ class Measuring {
     }
   }
 
-  /// Within the stretch, whose end is known. A flow that ends with its contact may do so a rounding error before.
+  /// Carries `state` to t within the stretch, whose end is known. A flow that ends with its contact may end a rounding error
+  /// too early.
   bool go_to(HybridState& state, double t) {
     if (!(t > state.t)) return true;
     const double rounding = guard_tolerance * (1.0 + std::abs(segment_->t1));
@@ -169,7 +171,7 @@ class Measuring {
     return true;
   }
 
-  /// From the last point before t.
+  /// The state at t, carried from the last point before it.
   std::optional<HybridState> state_at(const Points& at, double t) {
     std::size_t before = 0;
     while (before < degree && at[before + 1].t <= t) ++before;
@@ -177,21 +179,21 @@ class Measuring {
     return go_to(state, t) ? std::optional(std::move(state)) : std::nullopt;
   }
 
-  /// Makes the series of a function or an argument from its values and says whether they converge.
+  /// Computes the series of a function or an argument from its values and returns whether they converge.
   bool expand(std::size_t k, Piece& piece, double half) {
     piece.value_series = coefficients(piece.values);
     piece.rate_series = coefficients(piece.rates);
     const double steepest = largest(piece.rates);
     size_[k] = std::max(size_[k], largest(piece.values));
     if (std::isfinite(steepest)) rate_size_[k] = std::max(rate_size_[k], steepest);
-    const bool lost = !std::isfinite(piece.value_series[0]);  // and stays so however small the panels are
+    const bool lost = !std::isfinite(piece.value_series[0]);  // halving does not help
     return lost ||
            (remainder(piece.value_series) <= value_tolerance * size_[k] &&
             remainder(piece.rate_series) <= rate_tolerance * rate_size_[k]) ||
            half * steepest <= least_change * size_[k];
   }
 
-  /// The panel from `state` to t1, where the state is then. False: it cannot be carried so far.
+  /// Adds the panel from `state` to t1 and moves `state` there. False: the motion cannot be carried so far.
   bool add(HybridState& state, double t1, int halvings) {
     ++panels_;
     const double t0 = state.t, half = 0.5 * (t1 - t0);
@@ -252,7 +254,7 @@ class Measuring {
     return true;
   }
 
-  /// The sign that an argument has at first, and s where it changes. Values below the tolerance have none.
+  /// Finds the first sign of an argument, and returns the s where it changes. Values below the tolerance have no sign.
   static std::optional<double> find_sign(const Piece& argument, double tolerance, int& sign) {
     std::vector<double> ends = turns(argument.rate_series);  // between them the argument is monotone
     ends.insert(ends.begin(), -1.0);
@@ -283,10 +285,10 @@ class Measuring {
   }
 
   Propagator& propagator_;
-  const Segment* segment_ = nullptr;  // the stretch at hand
+  const Segment* segment_ = nullptr;  // the present stretch
   const equations::MotionFunctions& functions_;
   std::vector<Extent> out_;
-  std::size_t all_;                       // functions, then arguments
+  std::size_t all_;                       // number of functions, then arguments
   std::vector<double> value_, rate_;      // at the last state
   std::vector<double> size_, rate_size_;  // the largest magnitudes so far
   std::size_t panels_ = 0;

@@ -2,11 +2,12 @@
 // Extent: the largest and the smallest value of a function of the motion over a run, and its integral.
 //
 // An extremum lies where a stretch between two events begins or ends, or where the rate of change vanishes. Each stretch is cut
-// into panels; in a panel the motion is carried to the points of Chebyshev, where value and rate are exact. A panel whose series
-// do not converge is halved, so that the beginning of a contact needs nothing special. Where the argument of abs, sign, max, min
-// or step changes its sign, a panel is cut there to rounding: each part has one branch of the function, up to both of its ends.
-// The integral is that of the value's series (Clenshaw and Curtis, Numer. Math. 2, 197, 1960). Where the series of the rate
-// changes its sign, the motion is carried there: an error of the instant moves the extremum by its square only.
+// into panels; in a panel the motion is carried to the Chebyshev points, where value and rate are exact. A panel whose series
+// do not converge is halved, so that the beginning of a contact needs no special treatment. Where the argument of abs, sign,
+// max, min or step changes its sign, a panel is cut, to rounding: each part has one branch of the function, up to both of its
+// ends. The integral is that of the value's series (Clenshaw and Curtis, Numer. Math. 2, 197, 1960). Where the series of the
+// rate changes its sign, the motion is carried to that instant: an error of the instant changes the extremum only to second
+// order.
 #pragma once
 
 #include <graze/lib/equations/motion_functions.hpp>
@@ -22,8 +23,8 @@ struct Extent {
   double integral = 0.0;  ///< over time
 };
 
-/// One for each function. The run is one of the propagator's system and parameters. Entries are NaN where a function is not
-/// finite on the way, or where the motion cannot be carried once more.
+/// The extents of the functions over the run, one each. The run must belong to the propagator's system and parameters. Entries
+/// are NaN if a function is not finite on the way, or if the motion cannot be carried again.
 std::vector<Extent> extents(Propagator& propagator, const Trajectory& run, const equations::MotionFunctions& functions);
 
 }  // namespace graze

@@ -16,14 +16,14 @@ namespace graze {
 
 namespace {
 
-/// A table is made after so many contacts, of the speeds met in them but for the slowest and fastest few.
+/// Number of contacts met before a table is made. The table covers their speeds except for the slowest and the fastest 0.1 %.
 constexpr std::int64_t contacts_before_table = 2000;
 constexpr double too_few = 0.001;
-/// So many motions fill the lanes of a thread.
+/// Motions that fill the lanes of one thread.
 constexpr std::size_t fewest_on_a_thread = 8;
-/// So many motions may join others in a call.
+/// Runs that may join in one call.
 constexpr std::size_t most_to_join = 4096;
-/// The series of the lanes are as good as the table at this tolerance; whoever wants a smaller one wants more.
+/// Finest tolerance with tables: there the lanes' series are as accurate as a table, and a finer tolerance asks for more.
 constexpr double finest_tolerance = 1e-13;
 
 SpeedRange speeds_of(const lanes::SpeedsMet& met) {
@@ -52,15 +52,15 @@ struct LaneCarrier::Set {
   Vector p;
   lanes::Oscillator oscillator;
   double period;
-  std::unique_ptr<Propagator> propagator = nullptr;  ///< for what the lanes leave over; made when it is wanted
+  std::unique_ptr<Propagator> propagator = nullptr;  ///< for periods that the lanes give up; made on demand
   bool awaits_table = false;
-  lanes::SpeedsMet met = {};  ///< while it does
+  lanes::SpeedsMet met = {};  ///< filled while awaits_table
   std::unique_ptr<ContactTable> own_table = nullptr;
   const ContactTable* table = nullptr;
-  lanes::ContactPieces pieces = {};  ///< of the table
+  lanes::ContactPieces pieces = {};  ///< view of the table
 };
 
-/// A motion that goes on.
+/// A run with periods left, and its parameter set.
 struct LaneCarrier::Going {
   MotionRun* run;
   Set* set;
@@ -232,7 +232,7 @@ void LaneCarrier::carry(std::span<MotionRun> runs, bool tangent) {
   }
   while (!going_.empty()) {
     go_on(tangent);
-    // Those that wait for a table have stopped for a look.
+    // Runs whose set awaits a table have stopped, so that it can be made now.
     for (const Going& one : going_) look_for_table(*one.set);
     std::erase_if(going_, [](const Going& one) { return one.run->carried == one.run->periods; });
   }
@@ -271,7 +271,7 @@ bool LaneCarrier::join(MotionRun& run) {
   return true;
 }
 
-/// What the lanes do of it next.
+/// The part of a run that the lanes carry next.
 lanes::Motion LaneCarrier::next_of(const Going& one) const {
   const auto& [run, set] = one;
   const MotionStart now = run->now();
@@ -300,7 +300,7 @@ void LaneCarrier::carry_alike(std::span<const Going> going, bool tangent) {
   motions_.clear();
   carried_each_.clear();
   if (supply_) {
-    // Nothing is moved while the lanes are at it.
+    // The lanes hold pointers into these arrays: nothing may be reallocated while they run.
     room_ = going.size() + most_to_join;
     together_.reserve(room_);
     motions_.reserve(room_);
@@ -318,7 +318,7 @@ void LaneCarrier::carry_alike(std::span<const Going> going, bool tangent) {
   for (std::size_t i = 0; i < count; ++i) finish(i);
 }
 
-/// Writes down how far it came.
+/// Stores the progress of a run.
 void LaneCarrier::finish(std::size_t number) {
   MotionRun& run = *together_[number].run;
   const lanes::Carried& carried = carried_each_[number];

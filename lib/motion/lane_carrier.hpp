@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// LaneCarrier: many motions (other starts, other parameters) carried over whole forcing periods side by side, in the lanes of the
-// SIMD registers that the processor has (SSE2, AVX2 or AVX-512 on x86; found out when the program starts).
+// LaneCarrier: carries many motions (different starts, different parameters) over whole forcing periods, side by side in the
+// lanes of the widest SIMD registers of the processor (SSE2, AVX2 or AVX-512 on x86, detected when the program starts).
 //
-// For an oscillator, linear (underdamped, and forced at no less than 1/286 of the frequency at which it would swing undamped by
-// itself) or with a cubic spring (a cantilever), before one barrier at its right, rigid with a coefficient of restitution, of
-// Hertz's law (damped or not, k_H b_H up to 3e4), or linear elastic (for a linear one the same bounds hold for the motion against
-// it: k_S up to some 80000 eta^2). The lanes use the formulas of LinearFlow, CubicFlow and HertzFlow (series of
-// their own order), and give the same result to the last bit whatever their number, and, where no table of contacts is in use,
-// however the periods are divided between calls. They leave to the Propagator what is delicate (a grazing, an impact slower than
-// 1e-4, a chattering or sticking mass): nothing is missed there that the Propagator would not miss. Against it they agree within
-// 1e-12 (1 + |Phi|) over a period.
+// The lanes support an oscillator with one barrier at its right. The oscillator is linear (underdamped, forced at no less than
+// 1/286 of its undamped natural frequency) or has a cubic spring (a cantilever). The barrier is rigid with a coefficient of
+// restitution, or follows Hertz's law (damped or not, k_H b_H up to 3e4), or is linear elastic (for a linear oscillator the
+// same bounds then hold for the motion in contact: k_S up to about 80000 eta^2).
+//
+// The lanes use the formulas of LinearFlow, CubicFlow and HertzFlow, with series of their own order. The result is the same to
+// the last bit for any number of lanes and, without tables of contacts, for any division of the periods between calls. Delicate
+// periods go to the Propagator: a grazing, an impact slower than 1e-4, a chattering or sticking mass. The lanes therefore miss
+// nothing that the Propagator would not miss. Both agree within 1e-12 (1 + |Phi|) over a period.
 #pragma once
 
 #include <graze/lib/lanes/contact_table.hpp>
@@ -27,38 +28,41 @@
 namespace graze {
 
 struct MotionStart {
-  std::size_t parameters = 0;  ///< what add_parameters gave
+  std::size_t parameters = 0;  ///< index returned by add_parameters
   double x = 0.0, v = 0.0;     ///< at forcing phase 0
 };
 
-/// What one forcing period did to a motion; termination `time`: all is well.
+/// Result of one forcing period of a motion. Termination::time means success.
 using PeriodResult = lanes::Period;
 
-/// Speeds of impacts and of entries into contact, one after the other.
+/// Speeds of impacts and of entries into contact, in the order of time.
 class ImpactSpeeds : public lanes::ImpactNotes {
  public:
   ImpactSpeeds();
-  /// Those written down.
+  /// The recorded speeds.
   std::vector<double> list() const { return {list_.begin(), list_.begin() + static_cast<std::ptrdiff_t>(count)}; }
 
  private:
   std::vector<double> list_;
 };
 
-/// Who is told what periods did to a motion (of one that cannot be carried, too), and says whether it goes on.
+/// Observer of one motion: called after its periods (lanes::PeriodWatch says which), also after a failed one; returns whether
+/// to continue.
 using PeriodWatch = lanes::PeriodWatch;
 using StateEllipse = lanes::Ellipse;
 
-/// A motion to be carried over so many forcing periods, and where it is written down what each of them did.
+/// A motion to be carried over `periods` forcing periods, with the storage for its results.
 struct MotionRun {
   MotionStart start;
   std::size_t periods = 0;
   PeriodResult* results = nullptr;
-  ImpactSpeeds* speeds = nullptr;  ///< and at what speeds it hit the barrier; may be null
-  std::size_t carried = 0;         ///< of the periods
-  PeriodWatch* watch = nullptr;    ///< may be null; else there is one of `results`, for the last (and no table is made for it)
-  bool goes_first = false;         ///< in carry_while_full: over all of them at once, and where it joins, before the others
-  /// Where those carried have brought it.
+  ImpactSpeeds* speeds = nullptr;  ///< speeds of its impacts and entries into contact; may be null
+  std::size_t carried = 0;         ///< periods carried so far
+  /// May be null. If set, `results` has one entry, for the last period, and no table is made for the motion.
+  PeriodWatch* watch = nullptr;
+  /// In carry_while_full: carried over all its periods at once; if it joins later, it goes ahead of the others.
+  bool goes_first = false;
+  /// The state after the periods carried so far.
   MotionStart now() const {
     if (carried == 0) return start;
     const PeriodResult& last = results[carried - 1];
@@ -66,73 +70,77 @@ struct MotionRun {
   }
 };
 
-/// Who has more motions ready as others come through, so that the lanes do not run dry.
+/// Supplies further runs as others finish, to keep the lanes full.
 class RunSupply {
  public:
-  /// Told of each run that is through, has had its share of periods, or has stopped, `periods` later. It may let others, or the
-  /// same again, join (LaneCarrier::join).
+  /// Called when a run finishes, uses up its quota or stops; `periods` is the number of periods carried since the last call.
+  /// The supply may let other runs, or the same one again, join (LaneCarrier::join).
   void (*through)(RunSupply& self, MotionRun& run, std::size_t periods) = nullptr;
 };
 
 class LaneCarrier {
  public:
-  /// Whether the lanes know such a system at these parameters, with these options.
+  /// Whether the lanes support the system at these parameters with these options.
   static bool applies(const HybridSystem& system, const Vector& p, const FlowOptions& options = {});
 
-  /// The system is copied by reference: keep it alive.
+  /// Keeps a reference to the system: keep it alive.
   explicit LaneCarrier(const HybridSystem& system, const FlowOptions& options = {}, LaneWidth width = LaneWidth::widest);
   ~LaneCarrier();
 
-  /// A set of parameters that motions may have. @throws std::invalid_argument where applies() is false.
+  /// Adds a parameter set and returns its index. @throws std::invalid_argument if applies() is false, or if the contact law
+  /// differs from that of the sets before.
   std::size_t add_parameters(const Vector& p);
-  /// A set that is no longer wanted, or that was taken, becomes one of these. @throws the same, and for an unknown set.
+  /// Overwrites a set that is no longer needed or was taken. @throws as add_parameters, and for an unknown index.
   void change_parameters(std::size_t parameters, const Vector& p);
   const Vector& parameters(std::size_t parameters) const;
 
-  /// A set with what is known of it (tables), for another LaneCarrier of the same system and options.
+  /// A parameter set with its tables, moved out for another LaneCarrier of the same system and options.
   class Taken;
   Taken take(std::size_t parameters);
-  /// In the place of a set that was taken, or as a new one.
+  /// Adds a taken set at the index `place` of a set that was taken here, or as a new one; returns its index.
   std::size_t add(Taken taken, std::optional<std::size_t> place = std::nullopt);
 
-  /// Announces that about so many forcing periods will be carried of a parameter set. From `periods_for_table` on a table of its
-  /// contacts pays (Hertz's law, tolerance >= 1e-13): it is made of the speeds met in the first contacts, for all that follow.
+  /// Announces that about `periods` forcing periods will be carried with a parameter set. From `periods_for_table` on, a table
+  /// of its contacts pays off (Hertz's law, tolerance >= 1e-13). The table covers the speeds met in the first contacts and
+  /// serves all later ones.
   void expect(std::size_t parameters, std::int64_t periods);
-  /// (A table costs 70 ms and saves 0.7 us of a chaotic period at b = 0.05, eta = 0.711, with the tangent 1.5 us: even at 100000
-  /// and 47000.)
+  /// A table costs 70 ms. It saves 0.7 us of a chaotic period at b = 0.05, eta = 0.711, and 1.5 us with the tangent: it breaks
+  /// even at 100000 and 47000 periods.
   static constexpr std::int64_t periods_for_table = 100000;
 
-  /// Whether one is still to be made. That is found out in carry(), after so many periods each time,
+  /// Whether a table is still pending. carry() checks every `periods_between_looks` periods whether it can be made.
   bool awaits_table(std::size_t parameters) const;
   static constexpr std::size_t periods_between_looks = 64;
-  /// and, where motions are carried by carry_while_full, here.
+  /// Makes a pending table if enough contacts have been met. carry_while_full makes none by itself.
   void look_for_table(std::size_t parameters);
 
-  /// A table of contacts made before, of the same parameters: keep it alive. @throws std::invalid_argument where it is of others.
+  /// Uses an existing table of contacts, made for the same parameters: keep it alive. @throws std::invalid_argument if it was
+  /// made for others.
   void use(std::size_t parameters, const ContactTable& table);
-  /// The table in use; none: null.
+  /// The table in use, or null.
   const ContactTable* table(std::size_t parameters) const;
 
-  /// Watches are told of periods that end in one of these from now on, wherever they come first.
+  /// From now on, observers are also called after each period that ends in one of these ellipses.
   void tell_of(std::vector<StateEllipse> ellipses) { ellipses_ = std::move(ellipses); }
 
-  /// Motions are carried on all threads of the caller's arena (oneTBB) from now on, where they are many.
+  /// From now on, many motions are distributed over all threads of the caller's arena (oneTBB).
   void use_all_threads() { all_threads_ = true; }
 
-  /// Carries each motion over `periods` forcing periods; what period k did to motion m is at m * periods + k. A motion that
-  /// cannot be carried on stops there: what would follow has the same termination. @throws std::invalid_argument for unknown
-  /// parameters.
+  /// Carries each motion over `periods` forcing periods. The result of period k of motion m is at m * periods + k. A motion
+  /// that cannot be carried further stops, and its remaining results have the same termination. @throws std::invalid_argument
+  /// for unknown parameters.
   void carry(const std::vector<MotionStart>& starts, std::size_t periods, bool tangent, std::vector<PeriodResult>& results);
-  /// The same, of each motion as many as it asks for.
+  /// The same with a number of periods for each run.
   void carry(std::span<MotionRun> runs, bool tangent);
-  /// Goes on with each of them for `most` periods (with a table of contacts for all that are left), as long as that keeps most
-  /// lanes busy: then the motions stop that are still on their way, each at the end of a period. No tables are made.
+  /// Carries each run for up to `most` periods (with a table of contacts, for all that remain) while most lanes are busy. Then
+  /// the runs under way stop, each at the end of its current period. Makes no tables.
   void carry_while_full(std::span<MotionRun* const> runs, bool tangent, std::size_t most, RunSupply& supply);
-  /// When the supply is told of one: lets a motion go on with the others. False: it has to wait for another call (its flight is
-  /// of the other kind, there is a table of its contacts or one to be made, or no room).
+  /// Lets a run join the others; to be called by the supply when it is notified. False: the run must wait for another call,
+  /// because its flight is of the other kind (linear or cubic), its parameters have or await a table of contacts, or there is
+  /// no room.
   bool join(MotionRun& run);
 
-  /// Periods that the lanes left to the Propagator, of all so far.
+  /// Number of periods left to the Propagator so far.
   std::size_t left_over() const { return left_over_; }
   std::size_t carried() const { return carried_; }
 
@@ -150,28 +158,28 @@ class LaneCarrier {
   static bool is_linear(const Going& one);
   lanes::Motion next_of(const Going& one) const;
   void go_on(bool tangent);
-  /// Those that are alike: what is done to them, and written down of each.
+  /// Carries runs with the same kind of flight and stores their progress.
   void carry_alike(std::span<const Going> going, bool tangent);
   void carry_in_lanes(std::size_t begin, std::size_t end, bool tangent);
   void finish(std::size_t number);
-  /// A period that the lanes give up, by the Propagator. False: the motion ends in it.
+  /// Carries a period that the lanes gave up, by the Propagator. False: the motion ends in it.
   bool do_left_over(const lanes::Motion& motion, std::size_t period, bool tangent);
 
   const HybridSystem* system_;
   FlowOptions options_;
   LaneWidth width_;
-  std::optional<lanes::Law> law_;  ///< of all sets
-  std::vector<OwnSet> sets_;       ///< those taken: null
-  std::vector<Going> going_;       ///< of carry(): they keep their memory from one call to the next
-  std::vector<Going> together_;    ///< in the lanes now, with their motions there and how far these came
+  std::optional<lanes::Law> law_;  ///< common to all sets
+  std::vector<OwnSet> sets_;       ///< null: taken
+  std::vector<Going> going_;       ///< runs of the current call; the storage is reused
+  std::vector<Going> together_;    ///< runs in the lanes, with their motions and progress there, entry by entry
   std::vector<lanes::Motion> motions_;
   std::vector<lanes::Carried> carried_each_;
-  bool linear_ = true;  ///< their flights (the parameters of those that are through may have changed meanwhile)
+  bool linear_ = true;  ///< kind of their flights (stored, because the parameters of a finished run may have changed)
   std::vector<StateEllipse> ellipses_;
-  RunSupply* supply_ = nullptr;  ///< of carry_while_full()
+  RunSupply* supply_ = nullptr;  ///< set during carry_while_full()
   std::size_t most_ = 0, room_ = 0, taken_ = 0;
   Transition transition_;
-  std::mutex left_over_lock_;  ///< the lanes of several threads leave something over
+  std::mutex left_over_lock_;  ///< several threads may leave periods to the Propagator at once
   bool all_threads_ = false;
   std::size_t left_over_ = 0, carried_ = 0;
 };

@@ -9,11 +9,12 @@ namespace graze {
 
 namespace {
 
-/// A guard is met at the instant of another event up to this, relative to 1 + |x|: a hundred times what decides in a run.
+/// A guard counts as met at the instant of another event if |h| is at most this, relative to 1 + |x|: a hundred times the
+/// tolerance of a run.
 constexpr double same_instant = 100.0 * guard_tolerance;
-/// States behind both orders agree to this, relative to 1 + |x|: what a difference of the instants leaves.
+/// Two states are the same up to this, relative to 1 + |x|: the effect of a difference between the instants.
 constexpr double same_state = 1e-8;
-/// Events of one instant after which it is left: a Newton's cradle of as many balls.
+/// Limit of events at one instant, enough for a Newton's cradle of as many balls.
 constexpr int most_events = 64;
 
 struct Instant {
@@ -22,7 +23,7 @@ struct Instant {
   std::size_t mode = 0;
 };
 
-/// Whether the guard of an event of the mode is met, and rises.
+/// Whether the event belongs to the mode, and its guard is met and rising.
 bool is_met(const HybridSystem& system, const Vector& p, const Instant& at, const Event& event) {
   const double h = event.guard.value(at.t, at.x, p);
   if (event.from != at.mode || std::abs(h) > same_instant * (1.0 + at.x.lpNorm<Eigen::Infinity>())) return false;
@@ -39,7 +40,7 @@ void fire(const HybridSystem& system, const Vector& p, Instant& at, std::size_t 
   at.mode = event->to;
 }
 
-/// Events that another one leads to only (see Alternative).
+/// For each event, whether it fires only as the alternative of another one (Alternative).
 std::vector<bool> alternatives(const HybridSystem& system) {
   std::vector<bool> list(system.events.size(), false);
   for (const Event& event : system.events)
@@ -47,7 +48,7 @@ std::vector<bool> alternatives(const HybridSystem& system) {
   return list;
 }
 
-/// Whether one of them is an alternative of the other: they share a guard.
+/// Whether one event is an alternative of the other, so that they share a guard.
 bool share_guard(const HybridSystem& system, std::size_t a, std::size_t b) {
   const auto leads_to = [&](std::size_t from, std::size_t to) {
     while (from != to && system.events[from].otherwise) from = system.events[from].otherwise->event;
@@ -56,7 +57,8 @@ bool share_guard(const HybridSystem& system, std::size_t a, std::size_t b) {
   return leads_to(a, b) || leads_to(b, a);
 }
 
-/// The state behind the instant with this event first, then those that are met, in the order in which they are declared.
+/// The state right after the instant if event `first` fires first, and then the events whose guards are met, in the order of
+/// their declaration. Empty: `most_events` events do not complete the instant.
 std::optional<Vector> behind(const HybridSystem& system, const Vector& p, Instant at, std::size_t first) {
   fire(system, p, at, first);
   for (int fired = 1; fired < most_events; ++fired) {

@@ -9,14 +9,15 @@
 
 namespace graze {
 
-/// Two events that met at an instant, and the states behind it with either of them first.
+/// Two simultaneous events, and the states right after them with either event first.
 struct OrderedPair {
   std::size_t first = 0, second = 0;  ///< indices in HybridSystem::events, in the order of the run
   double t = 0.0;
   Vector x_minus, x_plus, x_plus_other;
 };
 
-/// Those whose order matters, each pair of names once. `events`: of a run of the system, in order.
+/// Pairs of simultaneous events whose order changes the state, each pair of names once. `events` are those of a run of the
+/// system, in order.
 std::vector<OrderedPair> pairs_whose_order_matters(const HybridSystem& system, const Vector& p,
                                                    const std::vector<EventRecord>& events);
 

@@ -42,7 +42,7 @@ const lanes::Oscillator* Propagator::one_lane() {
   if (!lane_known_) {
     lane_known_ = true;
     one_lane_ = options_.kind == FlowKind::automatic ? lanes::lane_oscillator(*system_, p_) : std::nullopt;
-    // Hertz's contact and the cantilever are no faster so.
+    // One lane is no faster than the flows for Hertz contacts and cantilevers.
     if (one_lane_ && (one_lane_->law != lanes::Law::restitution || one_lane_->cubic)) one_lane_.reset();
   }
   return one_lane_ ? &*one_lane_ : nullptr;
@@ -71,7 +71,7 @@ std::optional<Termination> Propagator::period_end(const HybridState& state) cons
 }
 
 double Propagator::guard_acceleration(const Guard& guard, std::size_t mode, double t, const Vector& x, const Vector& f) {
-  // d2h/dt2 = D_x h (f_x f + f_t), and what a curved or moving guard adds.
+  // d2h/dt2 = D_x h (f_x f + f_t), plus the terms of a curved or moving guard.
   const Mode& description = system_->modes[mode];
   description.field_dx(t, x, p_, f_dx_);
   if (description.field_dt) {
@@ -101,7 +101,7 @@ bool Propagator::active_at_start(const HybridState& state, std::size_t index) {
   }
   const double speed = transversality(guard, state.t, state.x, f_minus_, p_);
   if (std::abs(speed) > rest_tolerance * (1.0 + f_minus_.lpNorm<Eigen::Infinity>())) return speed > 0.0;
-  // At rest on the guard: by its speed a glance later, from a midpoint step.
+  // At rest on the guard: dh/dt a time `rest_glance` later decides, after a midpoint step.
   constexpr double half = 0.5 * rest_glance;
   glance_ = state.x + half * f_minus_;
   flow.field(state.t + half, glance_, f_minus_);
@@ -150,7 +150,7 @@ StepEnd Propagator::step(HybridState& state, double t_end, Sensitivity sensitivi
   most_evaluations_ = std::max(most_evaluations_, segment_.evaluations);
   state.t = segment_.t1;
   state.x = segment_.x1;
-  // Exactly at the end, or at the same instant as an event declared before it: what rounding hides from the flow.
+  // Rounding can hide an event from the flow: one exactly at the end time, or one declared earlier at the same instant.
   for (const std::size_t event : events_of_mode_[segment_.mode]) {
     if (segment_.end == FlowEnd::event && event >= segment_.event) break;
     if (!active_at_start(state, event)) continue;
@@ -214,12 +214,12 @@ void Propagator::cross(HybridState& state, std::size_t index, double t_end, Sens
 bool Propagator::accumulate(HybridState& state, const Event& event, double t_end, Sensitivity sensitivity) {
   const double before = record_.normal_speed;
   const double after = std::max(0.0, record_.exit_speed);
-  // At a level of the coordinate of a Rebound the acceleration is the field's entry for its velocity.
+  // At a level guard with a Rebound, the pressing acceleration is the field's velocity component.
   const double pressing = event.reset.rebound && event.guard.level
                               ? event.guard.level->sign * f_plus_[static_cast<Eigen::Index>(event.reset.rebound->velocity)]
                           : event.accumulation->pressing ? event.accumulation->pressing(state.t, state.x, p_)
                                                          : guard_acceleration(event.guard, event.to, state.t, state.x, f_plus_);
-  const double instant = 1e-12 * (1.0 + std::abs(state.t));  // a flight this short is taken for none
+  const double instant = 1e-12 * (1.0 + std::abs(state.t));  // a flight this short counts as none
   double remaining = 0.0;
   const bool moving = before > rest_tolerance * (1.0 + f_minus_.lpNorm<Eigen::Infinity>());
   if (moving) {
@@ -233,7 +233,7 @@ bool Propagator::accumulate(HybridState& state, const Event& event, double t_end
   } else if (!(pressing > -guard_tolerance)) {
     return false;  // at rest and pulled away (in balance, the guards of the sticking mode decide)
   }
-  if (remaining > t_end - state.t) {  // the run ends amid the series
+  if (remaining > t_end - state.t) {  // the run ends within the series
     if (remaining > instant) return false;
     remaining = std::max(0.0, t_end - state.t);
   }
@@ -244,7 +244,7 @@ bool Propagator::accumulate(HybridState& state, const Event& event, double t_end
   state.x += remaining * f_plus_;
   rest.reset.map(state.t, Vector(state.x), p_, state.x);
   state.mode = rest.sticking_mode;
-  // Held only if something presses at the accumulation point too.
+  // The mass is held only if it is pressed to the stop at the accumulation point too.
   for (const std::size_t other : events_of_mode_[state.mode]) {
     if (active_at_start(state, other)) {
       state.t -= remaining;
@@ -265,7 +265,7 @@ bool Propagator::accumulate(HybridState& state, const Event& event, double t_end
   const auto m = sensitivity == Sensitivity::state ? 0 : static_cast<Eigen::Index>(active_.size());
   SaltationMatrix& saltation = record_.saltation;
   if (moving && system_->states > 2) {
-    // To first order a series that is over at once is one impact that loses all of its normal speed.
+    // To first order, a series of vanishing duration is one plastic impact, which loses all of its normal speed.
     Event plastic;
     plastic.guard = event.guard;
     plastic.reset = rest.reset;
@@ -276,7 +276,7 @@ bool Propagator::accumulate(HybridState& state, const Event& event, double t_end
     graze::saltation(plastic, {t_impact, record_.x_minus, glance_, f_minus, f_plus_}, p_, active, saltation);
     if (saltation.regular) return true;
   }
-  // The accumulation point does not depend on how it was reached, to first order: what the reset forgets is forgotten.
+  // To first order, the accumulation point does not depend on the path to it: the map is the derivative of the reset.
   saltation.regular = true;
   saltation.transversality = before;
   saltation.S.resize(n, n);

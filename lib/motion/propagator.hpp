@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Propagator: the one place where a hybrid state moves: flow, event, reset, next flow. Everything that consumes motion
-// (trajectories, shooting, exponents, sweeps) goes through it. It keeps the flows of all modes and the buffers they need, so
-// that nothing is allocated from one stretch to the next.
+// Propagator: carries a hybrid state through flow, event, reset and next flow. Everything that consumes motion (trajectories,
+// shooting, exponents, sweeps) goes through it, except for the periods carried in SIMD lanes (LaneCarrier). It keeps the flows
+// of all modes and their buffers, so that a new stretch allocates nothing.
 //
-// Infinitely many impacts in finite time (chattering): when the remaining time of the geometric series of flights,
-// 2 u+ / (a (1 - e)) with u+ the speed after the impact, e = u+/u-, a the pressing acceleration, falls below
-// FlowOptions::accumulation_window, the run jumps to the accumulation point and goes on in the sticking mode. The event is then
-// recorded as EventKind::stick, with t and x_plus those of the accumulation point and x_minus that of the last impact before it.
-// A mass at rest at its stop (whatever e is) sticks too. A run never jumps past its end time.
+// Chattering (infinitely many impacts in finite time): the flights form a geometric series of remaining time
+// 2 u+ / (a (1 - e)), with u+ the speed after the impact, e = u+/u-, a the pressing acceleration. When it falls below
+// FlowOptions::accumulation_window, the run jumps to the accumulation point and continues in the sticking mode. The event is
+// then recorded as EventKind::stick, with t and x_plus of the accumulation point and x_minus of the last impact before it. A
+// mass at rest at its stop sticks too, for any e. A run never jumps past its end time.
 #pragma once
 
 #include <graze/lib/lanes/oscillator.hpp>
@@ -25,56 +25,58 @@ struct HybridState {
 
 enum class StepEnd { failed, time, event };
 
-/// An autonomous motion without a return for so long (dimensionless time) does not return.
+/// An autonomous motion without a return within this dimensionless time does not return.
 inline constexpr double longest_return = 1e4;
-/// An event this soon after the start of a period belongs to where it starts, and does not end it.
+/// An event within this time after the start of a period belongs to the start and does not end the period.
 inline constexpr double at_once = 1e-12;
 
 class Propagator {
  public:
-  /// `active`: indices of the parameters for which sensitivities are wanted. The system is copied by reference: keep it alive.
+  /// Keeps a reference to the system: keep it alive. `active` are the indices of the parameters for sensitivities.
   Propagator(const HybridSystem& system, const Vector& p, std::vector<std::size_t> active = {}, const FlowOptions& options = {});
 
   const HybridSystem& system() const { return *system_; }
   const Vector& parameters() const { return p_; }
   const std::vector<std::size_t>& active() const { return active_; }
   const FlowOptions& options() const { return options_; }
-  /// Changes parameter values; the flows are made anew.
+  /// Sets the parameter values and rebuilds the flows.
   void set_parameters(const Vector& p);
 
   /// The hybrid state of `x` at time t. @throws std::invalid_argument if it is not admissible.
   HybridState start(double t, const Vector& x) const;
 
-  /// The same at time 0, where a period begins: a state right behind a return does not meet it again. Empty: not admissible.
+  /// The same at time 0, the start of a period. A state right after a return does not meet that return again. Empty: not
+  /// admissible.
   std::optional<HybridState> start_period(const Vector& x);
 
   /// How the last event, which led to `state`, ends a period of an autonomous system that began at time 0: time, or no_return
-  /// where the motion has come to rest. Empty: the period goes on.
+  /// if the motion has come to rest. Empty: the period continues.
   std::optional<Termination> period_end(const HybridState& state) const;
 
-  /// Carries `state` to t_end or through the next event, whichever comes first. `segment()` and, after an event, `record()` tell
-  /// what happened. An event that is active at the start gives a segment of zero length.
+  /// Carries `state` to t_end or through the next event, whichever comes first. `segment()` and, after an event, `record()`
+  /// describe the step. An event that is active at the start gives a segment of zero length.
   StepEnd step(HybridState& state, double t_end, Sensitivity sensitivity = Sensitivity::none);
 
   /// Why the last step failed.
   Termination failure() const;
 
-  /// Follows the mode's field to t_end through its guards (an orbit with one of its impacts left out). False: it failed.
+  /// Follows the mode's field to t_end and ignores its guards (for an orbit with one of its impacts left out). False: failure.
   bool coast(HybridState& state, double t_end, Sensitivity sensitivity = Sensitivity::none);
 
-  /// Dimensionless time carried so far, all runs together: the measure of cost.
+  /// Dimensionless time carried so far in all runs: the measure of cost.
   double time_carried() const { return time_carried_; }
 
-  /// Of the field (or of its closed form) in one stretch between two events: the most of all so far.
+  /// Largest number of evaluations of the field (or of its closed form) in one stretch between two events so far.
   std::size_t most_evaluations() const { return most_evaluations_; }
 
-  /// Whole forcing periods from phase 0 with nothing to be told on the way take a shorter path: a single lane, for an impact
-  /// oscillator with restitution that the lanes know. Null: there is none.
+  /// The oscillator for the fast path: a single lane carries whole forcing periods from phase 0 if only their results are
+  /// needed. Null: not a linear impact oscillator with restitution that the lanes support, or FlowOptions::kind is not
+  /// automatic.
   const lanes::Oscillator* one_lane();
-  /// The time of a period carried so counts as any other.
+  /// Adds the time of a period carried on the fast path to time_carried().
   void count_time(double duration) { time_carried_ += duration; }
 
-  /// A state whose memory is kept from one run to the next.
+  /// A state for the caller's run; its storage is reused from run to run.
   HybridState& run() { return run_; }
 
   const Segment& segment() const { return segment_; }
@@ -84,7 +86,7 @@ class Propagator {
 
  private:
   bool active_at_start(const HybridState& state, std::size_t index);
-  /// The event that fires where `index` is met: itself or an alternative.
+  /// The event that fires if the guard of event `index` is met: this event or an alternative.
   std::size_t fired(const HybridState& state, std::size_t index) const;
   void snap_to_guard(HybridState& state, std::size_t index) const;
   void cross(HybridState& state, std::size_t index, double t_end, Sensitivity sensitivity);
@@ -104,7 +106,7 @@ class Propagator {
   double time_carried_ = 0.0;
   std::size_t most_evaluations_ = 0;
   bool plus_known_ = false;  // whether f_plus_ is the field right after record_
-  bool lane_known_ = false;  // whether one_lane_ is what there is
+  bool lane_known_ = false;  // whether one_lane_ is up to date
   std::optional<lanes::Oscillator> one_lane_;
   Vector f_minus_, f_plus_, gradient_, f_dt_, glance_;
   Matrix f_dx_;

@@ -11,13 +11,13 @@ namespace graze {
 
 namespace {
 
-/// Bounces of a period from which on the pressing acceleration is as good as constant over one: what a bounce does to the
-/// action beyond that is of the square of 2 pi over their number.
+/// Number of bounces a period from which the pressing acceleration is nearly constant over one bounce: the neglected change of
+/// the action in a bounce is of the order (2 pi / number)^2.
 constexpr std::size_t many_bounces = 64;
-/// The part of the expected decrease of the action's logarithm that must be there, and by which it may be exceeded.
+/// Largest deviation of the decrease of the action's logarithm from the expected one, relative to the latter.
 constexpr double decrease_tolerance = 0.5;
 
-/// A state comes back to the state of rest up to this, relative to 1 + |x|: a moving stop is followed by integration.
+/// A state is the state of rest up to this, relative to 1 + |x|: the error of integration with a moving stop.
 constexpr double rest_distance = 1e-9;
 
 bool is_rest(const Vector& x, const Vector& rest) {
@@ -30,8 +30,8 @@ double divergence(const HybridSystem& system, const Event& event, double t, cons
   return J.trace();
 }
 
-/// (f+ - D_x g f- - D_t g) / (dh/dt) of an impact at the state x that ends in the sticking mode, in the limit of no speed: both
-/// vanish there, and their derivatives along the direction of the speed that the reset takes away are left.
+/// (f+ - D_x g f- - D_t g) / (dh/dt) of an impact at the state x that ends in the sticking mode, in the limit of zero speed.
+/// Both vanish there; the limit is the ratio of their derivatives along the direction of the speed that the reset removes.
 Vector slope_at_rest(const HybridSystem& system, const Event& holding, const Matrix& reset_dx, double t, const Vector& x,
                      const Vector& p) {
   constexpr double speed = 1e-4;  // central differences with one Richardson step
@@ -39,7 +39,7 @@ Vector slope_at_rest(const HybridSystem& system, const Event& holding, const Mat
   const Reset& reset = holding.accumulation->reset;
   Vector gradient(n), slope = Vector::Zero(n);
   holding.guard.dx(t, x, p, gradient);
-  // What the reset takes away: a distance, which the guard sees, and a speed, which it does not.
+  // The reset removes a distance, which the guard sees, and a speed, which it does not.
   const Matrix taken = Matrix::Identity(n, n) - reset_dx;
   Eigen::Index far = 0;
   (gradient.transpose() * taken).cwiseAbs().maxCoeff(&far);
@@ -88,7 +88,7 @@ HeldMap held_map(const HybridSystem& system, const Event& holding, double t, con
   HeldMap out{Matrix(x.size(), x.size()), -std::numeric_limits<double>::infinity()};
   if (loses_energy(holding, p)) {
     holding.accumulation->reset.dx(t, x, p, out.Phi);
-    if (x.size() == 2) return out;  // nothing is left to move on
+    if (x.size() == 2) return out;  // there are no other coordinates
     out.slope = slope_at_rest(system, holding, out.Phi, t, x, p);
     Vector gradient(x.size());
     holding.guard.dx(t, x, p, gradient);
@@ -163,7 +163,7 @@ Bounces bounces_to_rest(Propagator& propagator, const Vector& rest) {
     least = std::min(least, std::abs(f[1]));
     most = std::max(most, std::abs(f[1]));
   }
-  constexpr double smallest = 1e-6;  // of the first speed
+  constexpr double smallest = 1e-6;  // relative to the first speed
   const double first = least * T / (4.0 * static_cast<double>(many_bounces));
   for (double speed = first; speed > smallest * first; speed *= 0.5) {
     const double height = 0.5 * speed * speed / most;

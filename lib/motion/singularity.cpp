@@ -9,7 +9,8 @@ using namespace equations;
 
 namespace {
 
-/// A run stops this close before a place where its field is not finite, relative to 1 + |t|: its shortest step is 1e-14.
+/// Range of times after the end of a run to search, relative to 1 + |t|. The shortest step of a run is 1e-14, so that it stops
+/// this close before a point where its field is not finite.
 constexpr double shortest_glance = 1e-15, longest_glance = 1e-8;
 
 }  // namespace

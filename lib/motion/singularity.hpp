@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Why a run of a system written as text could not be carried on: where one of its expressions stops being finite.
+// Finds the expression of a text system that stops being finite and so ends a run.
 #pragma once
 
 #include <graze/lib/equations/not_finite.hpp>
@@ -9,8 +9,8 @@
 
 namespace graze {
 
-/// A part of the field, of a guard or of a derivative that is not finite where the run ended or right behind that, a divisor that
-/// has changed its sign on the last stretch, or a reset. nullopt: nothing of the kind is seen.
+/// The part of the field, of a guard or of a derivative that is not finite at the end of the run or right after it, or a
+/// divisor that changed its sign in the last stretch, or a reset that is not finite. nullopt: none found.
 std::optional<equations::EquationError> find_singularity(const equations::TextSystem& text, const Trajectory& run,
                                                          const Vector& p);
 

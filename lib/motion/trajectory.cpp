@@ -190,7 +190,7 @@ std::vector<Contact> contacts(const std::vector<EventRecord>& events) {
 }
 
 ContactsOfCycle contacts_of_cycle(const std::vector<EventRecord>& events, double duration) {
-  // Twice around: every contact is then complete once at least.
+  // Two periods: every contact is then complete at least once.
   std::vector<EventRecord> twice = events;
   for (EventRecord event : events) {
     event.t += duration;

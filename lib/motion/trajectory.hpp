@@ -18,17 +18,17 @@ struct EventRecord {
   Vector x_minus, x_plus;
   std::size_t mode_plus = 0;
   double normal_speed = 0.0;
-  double mass = 1.0;  ///< Event::effective_mass there
-  double exit_speed =
-      0.0;  ///< of departure: -dh/dt along the field after a hard impact, the gap's rate at the end of a soft contact
+  double mass = 1.0;  ///< Event::effective_mass at the event
+  /// Speed of departure: -dh/dt along the field after a hard impact, the gap's rate at the end of a soft contact.
+  double exit_speed = 0.0;
   SaltationMatrix saltation;  ///< if sensitivity was asked for
 };
 
 struct Trajectory {
   std::vector<Segment> segments;
   std::vector<EventRecord> events;
-  double t = 0.0;  ///< where it ended
-  Vector x;        ///< state there
+  double t = 0.0;  ///< time at the end
+  Vector x;        ///< state at the end
   std::size_t mode = 0;
   Termination termination = Termination::failed;
 };
@@ -43,11 +43,12 @@ struct Until {
 Trajectory simulate(const HybridSystem& system, const Vector& p, double t0, const Vector& x0, const Until& until,
                     const FlowOptions& options = {});
 
-/// The same over one period, a forcing period from phase 0 or from right behind a return to the next (carry_period).
+/// The same over one period: a forcing period from phase 0, or from right after a return to right after the next
+/// (carry_period).
 Trajectory simulate_period(const HybridSystem& system, const Vector& p, const Vector& x0, const FlowOptions& options = {});
 
-/// States at increasing times within the run, by carrying on from the segments' starts. Rows (t, x), one per time;
-/// NaN for times outside the run.
+/// States at increasing times within the run, integrated from the segments' starts. Rows (t, x), one per time; NaN for times
+/// outside the run.
 Matrix sample(const HybridSystem& system, const Vector& p, const Trajectory& trajectory, const std::vector<double>& times,
               const FlowOptions& options = {});
 
@@ -60,15 +61,14 @@ struct Contact {
   bool complete = false;                       ///< entry and exit both lie within the run
 };
 
-/// Whether a contact ends with the event: an impact, complete chatter, the end of a soft contact. Dry friction that holds what
-/// slid ends none: nothing jumps there.
+/// Whether a contact ends with the event: an impact, complete chatter, the end of a soft contact. Dry friction that stops a
+/// sliding body ends none: nothing jumps there.
 bool ends_contact(const EventRecord& event);
 
 /// The contacts of a run, in order (from events of kind impact, or enter followed by leave).
 std::vector<Contact> contacts(const std::vector<EventRecord>& events);
 
-/// Contacts of a motion that repeats itself after `duration`, each of them complete: those that begin within the duration, and
-/// those that end within it.
+/// Complete contacts of a motion with the period `duration`: those that begin within the period, and those that end within it.
 struct ContactsOfCycle {
   std::vector<Contact> by_entry, by_exit;
 };

@@ -14,7 +14,7 @@ namespace graze {
 
 namespace {
 
-/// B = A B; two states are so much the most frequent that their product is formed in place.
+/// B = A B. Two states are by far the most frequent case: their product needs no allocation.
 void multiply_from_left(const Matrix& A, Matrix& B) {
   if (A.rows() == 2 && B.cols() == 2) {
     const Eigen::Matrix2d product = A.topLeftCorner<2, 2>() * B.topLeftCorner<2, 2>();
@@ -26,7 +26,8 @@ void multiply_from_left(const Matrix& A, Matrix& B) {
 
 double determinant(const Matrix& A) { return A.rows() == 2 ? A(0, 0) * A(1, 1) - A(0, 1) * A(1, 0) : A.determinant(); }
 
-/// From the entries of a segment's matrix; NaN where so much cancels that the entries' own error (1e-13) would show.
+/// ln|det| from the entries of a segment's matrix. NaN if it is lost to cancellation, beyond which the entries' own error
+/// (1e-13) would show.
 double log_abs_det(const Matrix& matrix) {
   const bool small = matrix.rows() == 2;
   const double det = determinant(matrix);
@@ -36,10 +37,10 @@ double log_abs_det(const Matrix& matrix) {
   return std::abs(det) < cancelled * size ? std::numeric_limits<double>::quiet_NaN() : std::log(std::abs(det));
 }
 
-/// A disturbance off a constraint is lost if less than this part of it is left: rounding of the map's entries.
+/// A disturbance off a constraint is lost if at most this part of it remains: rounding of the map's entries.
 constexpr double lost_part = 1e-10;
 
-/// One run of carry(): the state on its way, and the map composed so far.
+/// One run of carry(): the present state, and the map composed so far.
 class Composer {
  public:
   Composer(Propagator& propagator, const TransitionOptions& options, Transition& out)
@@ -74,7 +75,7 @@ class Composer {
     return true;
   }
 
-  /// From right behind a return.
+  /// Starts right after a return.
   bool start_period(const Vector& x0) {
     std::optional<HybridState> start = propagator_.start_period(x0);
     if (!start) return fail(Termination::inadmissible_start);
@@ -84,7 +85,7 @@ class Composer {
     return true;
   }
 
-  /// To right behind the next return.
+  /// Runs to right after the next return.
   bool run_to_return() {
     const auto& cancelled = propagator_.options().cancelled;
     Matrix before;  // Phi up to the event
@@ -108,7 +109,7 @@ class Composer {
     }
   }
 
-  /// To t_end through all events, or through `max_events` of them.
+  /// Runs to t_end through all events, or through `max_events` events.
   bool run(double t_end, std::size_t max_events) {
     const auto& cancelled = propagator_.options().cancelled;
     while (out_.event_sequence.size() < max_events) {
@@ -123,7 +124,7 @@ class Composer {
     return true;
   }
 
-  /// To t_end through the guards.
+  /// Follows the field to t_end and ignores the guards.
   bool coast(double t_end) {
     if (t_end <= state_.t) return true;
     if (!propagator_.coast(state_, t_end, options_.sensitivity)) return fail(Termination::integration_failed);
@@ -165,8 +166,8 @@ class Composer {
     out_.factor_log_dets.push_back(segment.divergence);
   }
 
-  /// Behind an accumulation point no guard says when it is reached: the map is taken across the field there, which has the same
-  /// multipliers.
+  /// Composes the return map. After an accumulation point no guard defines the instant of return; the map is then projected
+  /// orthogonally to the field, which leaves the multipliers unchanged.
   void compose_return(const Matrix& before) {
     const EventRecord& record = propagator_.record();
     const Event& event = propagator_.system().events[record.event];
@@ -181,13 +182,14 @@ class Composer {
     }
   }
 
-  /// Held from beginning to end: rest.hpp. A disturbance first loses what the stop takes; the rest goes on in the sticking mode.
+  /// Composes the map of a mass held from beginning to end (rest.hpp). A disturbance first loses the part that the stop
+  /// absorbs; the remainder evolves in the sticking mode.
   void compose_rest(const Event& holding, double t0) {
     const Vector& p = propagator_.parameters();
     const Vector& start = propagator_.segment().x0;
     HeldMap held = held_map(propagator_.system(), holding, t0, start, p, state_.t - t0);
     const auto& dp = holding.accumulation->reset.dp;
-    if (parameters_ > 0 && dp) {  // the stop takes the state of rest with it
+    if (parameters_ > 0 && dp) {  // a shift of the stop shifts the state of rest
       Matrix rest_dp = Matrix::Zero(state_.x.size(), p.size());
       dp(t0, start, p, rest_dp);
       const Matrix forgotten = Matrix::Identity(held.Phi.rows(), held.Phi.cols()) - held.Phi;
@@ -218,7 +220,7 @@ class Composer {
     if (!kept_.empty()) start_ = state_;
   }
 
-  /// What the map of a held mass loses already is no longer looked at.
+  /// Drops the constraints whose disturbances the map of a held mass already annihilates.
   void forget(const Matrix& held) {
     Vector gradient(held.rows());
     std::erase_if(kept_, [&](const Constraint* one) {
@@ -227,8 +229,9 @@ class Composer {
     });
   }
 
-  /// Of those that held at the start, some have held all along: a disturbance off them is lost at once, x+ = x - D (C D)^-1 c
-  /// with the constraints c, their gradients C and their directions D. (Where they end, the saltation matrix says the same.)
+  /// Composes the map of the constraints that have held from start to end. A disturbance off them is lost at once:
+  /// x+ = x - D (C D)^-1 c, with the constraints c, their gradients C and their directions D. (Where a constraint ends, the
+  /// saltation matrix has the same effect.)
   void compose_constraints() {
     const HybridSystem& system = propagator_.system();
     const Vector& p = propagator_.parameters();
@@ -251,7 +254,7 @@ class Composer {
         C_dp(k, i) = line_dp[static_cast<Eigen::Index>(propagator_.active()[static_cast<std::size_t>(i)])];
     }
     const Eigen::FullPivLU<Matrix> CD(C * D);
-    if (!CD.isInvertible()) return;  // the fields beside it are parallel to it
+    if (!CD.isInvertible()) return;  // the fields on its two sides are parallel to it
     const Matrix onto = Matrix::Identity(n, n) - D * CD.solve(C);
     if (parameters_ > 0) out_.Psi -= out_.Phi * D * CD.solve(C_dp);
     out_.Phi = out_.Phi * onto;
@@ -294,11 +297,11 @@ class Composer {
   bool tangent_;
   Eigen::Index parameters_;
   HybridState& state_ = propagator_.run();
-  std::vector<const Constraint*> kept_;  // since the start
-  HybridState start_;             // if there are any
+  std::vector<const Constraint*> kept_;  // constraints that have held since the start
+  HybridState start_;                    // the start, if there are constraints
 };
 
-/// The same by a single lane; false: it is not for the lanes.
+/// carry() on the fast path, by a single lane. False: the task does not qualify, or the lane gave it up.
 bool carry_in_lane(Propagator& propagator, double t0, double t1, const Vector& x0, const TransitionOptions& options,
                    Transition& out) {
   if (t0 != 0.0 || options.keep_factors || options.keep_events || options.left_out || x0.size() != 2 ||

@@ -4,18 +4,18 @@
 //     dx1 = Phi dx0 + Psi dp   (t0, t1 fixed),    Phi = product of segment transition and saltation matrices.
 // The factors are kept one by one for the multipliers in product form.
 //
-// A period is a forcing period from phase 0. Of an autonomous system it is the motion from right behind a return (returns_of) to
-// right behind the next one, and the map from state to state is the return map:
+// A period of a forced system is a forcing period from phase 0. A period of an autonomous system is the motion from right after
+// a return (returns_of) to right after the next, and the map from state to state is the return map:
 //     dx1 = (Phi + f1 g^T) dx0,    g = gradient of the time of return in x0 = -(h_x Phi-)^T / (dh/dt),
-// h the guard of the return, Phi- the first-order map to right before it, f1 the field right behind it.
+// with h the guard of the return, Phi- the first-order map to right before it, f1 the field right after it.
 #pragma once
 
 #include <graze/lib/motion/propagator.hpp>
 
 namespace graze {
 
-/// A contact that is to be left out: from its `events_before`-th event on the motion is followed through the guards, past t_touch
-/// (where it is recorded) to t_resume. This is the smooth continuation of a motion that just touches a barrier.
+/// A contact to be left out: after `events_before` events the motion ignores the guards until t_resume, and is recorded at
+/// t_touch. This is the smooth continuation of a motion that just touches a barrier.
 struct LeftOutContact {
   std::size_t events_before = 0;
   double t_touch = 0.0;
@@ -31,18 +31,18 @@ struct Touch {
 };
 
 struct Transition {
-  Termination termination = Termination::failed;  ///< time: all is well
+  Termination termination = Termination::failed;  ///< time: success
   Vector x1;
   std::size_t mode0 = 0, mode1 = 0;  ///< at t0 and t1
   Matrix Phi;
   Matrix Psi;
   std::vector<Matrix> factors;              ///< Phi = factors.back() ... factors.front(); if TransitionOptions::keep_factors
-  std::vector<double> factor_log_dets;      ///< their ln|det| from Liouville's identity; NaN where it says nothing
+  std::vector<double> factor_log_dets;      ///< their ln|det| from Liouville's identity; NaN where it does not apply
   std::vector<EventRecord> events;          ///< if TransitionOptions::keep_events
   std::vector<std::size_t> event_sequence;  ///< indices of the events, always
   Touch touch;                              ///< if TransitionOptions::left_out
-  double log_det = 0.0;    ///< sum of ln|det| of the factors, taken from the factors; NaN: lost in their rounding
-  double liouville = 0.0;  ///< the same from Liouville's identity: divergence and the laws' volume changes
+  double log_det = 0.0;    ///< sum of ln|det| of the factors, from their entries; NaN if it is lost to cancellation
+  double liouville = 0.0;  ///< the same from Liouville's identity: divergence and volume changes of the contact laws
   double duration = 0.0;   ///< of a period (carry_period)
   Matrix return_map;       ///< first-order map from return to return, of an autonomous system (carry_period); else empty
 };
@@ -64,7 +64,8 @@ struct TransitionOptions {
 /// @throws std::invalid_argument for a state of the wrong size.
 void carry(Propagator& propagator, double t0, double t1, const Vector& x0, const TransitionOptions& options, Transition& out);
 
-/// Carries x0 over one period, a forcing period or to the next return. Termination::no_return: x1 is where the motion is then.
+/// Carries x0 over one period: a forcing period, or up to the next return. With Termination::no_return, x1 is the state
+/// reached.
 void carry_period(Propagator& propagator, const Vector& x0, const TransitionOptions& options, Transition& out);
 
 }  // namespace graze

@@ -10,8 +10,8 @@ namespace graze {
 
 namespace {
 
-/// Outward force on a mass at rest at the distance X > 0 from the origin, over X (which is defined where X^3 overflows), with
-/// what its first and second derivatives are at least.
+/// Outward force on a mass at rest at the distance X > 0 from the origin, divided by X (so that X^3 does not overflow), with
+/// lower bounds of its first and second derivatives.
 struct OutwardForce {
   double over_distance = 0.0, slope = 0.0, curvature = 0.0;
 
@@ -65,7 +65,7 @@ double resonant_periods(const HybridSystem& system, const Vector& p, const Vecto
   const auto* flight = std::get_if<LinearOscillator>(&structure);
   if (!flight || flight->damping != 0.0 || flight->amplitude == 0.0) return 0.0;
   const double w = flight->frequency, rest = flight->constant / flight->stiffness;
-  constexpr double rounding = 4.0 * std::numeric_limits<double>::epsilon();  // of a square and of a difference
+  constexpr double rounding = 4.0 * std::numeric_limits<double>::epsilon();  // rounding of a square and of a difference
   if (std::abs(w * w - flight->stiffness) > rounding * flight->stiffness) return 0.0;
   double room = std::numeric_limits<double>::infinity();
   for (const Event& event : system.events) {
