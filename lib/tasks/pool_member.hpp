@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A computation in a TaskPool, with its place there.
+// TaskPool::Member: a task of a pool with its slot.
 #pragma once
 
 #include <graze/lib/tasks/task_pool.hpp>

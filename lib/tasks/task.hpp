@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// MotionTask: a computation that stops where it wants forcing periods carried (TaskPool), and goes on when they are. It is
-// written as if its motion were alone: a coroutine, which another of its kind may wait for.
+// MotionTask: a computation that suspends when it needs forcing periods carried (TaskPool), and resumes when they are. It is a
+// coroutine, written as if its motion were alone; one MotionTask may await another.
 #pragma once
 
 #include <coroutine>
@@ -12,10 +12,10 @@ namespace graze {
 
 template <class T = void> class MotionTask;
 
-/// What a MotionTask leaves behind.
+/// Common part of the promises: the exception, and the coroutine that awaits the task.
 struct LanePromiseBase {
   std::exception_ptr error;
-  std::coroutine_handle<> waiting = std::noop_coroutine();  ///< goes on at its end
+  std::coroutine_handle<> waiting = std::noop_coroutine();  ///< resumed when the task ends
 
   struct HandBack {
     bool await_ready() const noexcept { return false; }
@@ -47,8 +47,8 @@ template <> struct LanePromise<void> : LanePromiseBase {
   }
 };
 
-/// What it is given by reference has to outlive it. (An aggregate made among the arguments of what is awaited, f({a, b}), g++ 12
-/// destroys twice: give it a name.)
+/// Arguments passed by reference must outlive the task. (g++ 12 destroys an aggregate twice if it is created among the
+/// arguments of an awaited call, f({a, b}): give it a name.)
 template <class T> class [[nodiscard]] MotionTask {
  public:
   using promise_type = LanePromise<T>;
@@ -65,10 +65,10 @@ template <class T> class [[nodiscard]] MotionTask {
     if (handle_) handle_.destroy();
   }
 
-  /// From its beginning to where it first stops.
+  /// Runs from the beginning to the first suspension.
   void begin() { handle_.resume(); }
   bool ended() const { return handle_.done(); }
-  /// Of one that has ended. @throws what it threw.
+  /// The result of a task that has ended. @throws the exception that ended it.
   T result() { return handle_.promise().result(); }
 
   bool await_ready() const noexcept { return false; }

@@ -11,14 +11,15 @@ namespace graze {
 
 namespace {
 
-/// Members that are carried at a time: what keeps the lanes full, also where many ask for one period only.
+/// Number of tasks in a pool: enough to keep the lanes full, even if many request a single period.
 constexpr std::size_t together = 128;
-/// Of a kind that has so many motions, some are carried each time; of fewer, where the other kind has not more.
+/// A kind (with or without tangent) with at least this many runs is served every round; a smaller one only when it is the
+/// larger of the two.
 constexpr std::size_t busy = 48;
-/// Periods of a turn, of all motions, and of each.
+/// Quotas of a turn: periods of all runs together, and bounds of those of each run.
 constexpr std::size_t work_of_turn = 512, fewest_periods = 4, most_periods = 32;
-/// Forcing periods after which a computation is likely to last: of these the longest goes first, lest it be waited for in the
-/// end.
+/// A task with more forcing periods than this is probably a long one. The longest of these goes first, so that the pool need
+/// not wait for it alone in the end.
 constexpr std::size_t long_computation = 4096;
 
 }  // namespace
@@ -51,7 +52,7 @@ TaskSlot::Carrying TaskSlot::carry(const Vector& state, std::size_t periods, Imp
   return carrying;
 }
 
-/// With what it has asked for.
+/// Resumes the task with its results.
 void TaskSlot::resume() {
   runs_.clear();
   motions().look_for_table(parameters_);
@@ -64,7 +65,7 @@ TaskPool::TaskPool(LaneCarrier& motions, WorkSharing* exchange) : motions_(motio
   };
 }
 
-/// The number of a parameter set that nobody has.
+/// The index of an unused parameter set, if there is one.
 std::optional<std::size_t> TaskPool::free_place() {
   if (free_parameters_.empty()) return std::nullopt;
   const std::size_t place = free_parameters_.back();
@@ -72,7 +73,7 @@ std::optional<std::size_t> TaskPool::free_place() {
   return place;
 }
 
-/// In a place that it has already, or in another.
+/// Stores the parameters in the set `place` or, if there is none, in an unused or a new set.
 void TaskPool::put_down(const Vector& p, std::optional<std::size_t>& place) {
   if (!place) place = free_place();
   if (place)
@@ -81,7 +82,7 @@ void TaskPool::put_down(const Vector& p, std::optional<std::size_t>& place) {
     place = motions_.add_parameters(p);
 }
 
-/// For another computation.
+/// Frees the slot for another task.
 void TaskPool::clear(TaskSlot& place) {
   if (place.own_parameters_) free_parameters_.push_back(*place.own_parameters_);
   place.own_parameters_.reset();
@@ -90,7 +91,7 @@ void TaskPool::clear(TaskSlot& place) {
   place.results_.clear();
 }
 
-/// The computation that has lasted longest, if that is long.
+/// The slot of the task with the most forcing periods, if these are more than `long_computation`; else null.
 const TaskSlot* TaskPool::longest_of(std::span<const std::unique_ptr<Member>> members) {
   const TaskSlot* longest = nullptr;
   for (const auto& member : members) {
@@ -100,7 +101,7 @@ const TaskSlot* TaskPool::longest_of(std::span<const std::unique_ptr<Member>> me
   return longest;
 }
 
-/// Those of a kind, which have so many motions: first who others wait for.
+/// Carries the tasks of one kind, which have `motions` unfinished runs in all. Tasks that others wait for go first.
 void TaskPool::carry(std::span<const std::unique_ptr<Member>> members, bool tangent, std::size_t motions) {
   runs_.clear();
   for (const bool first : {true, false})
@@ -118,7 +119,7 @@ void TaskPool::carry(std::span<const std::unique_ptr<Member>> members, bool tang
   motions_.carry_while_full(runs_, tangent, share_, *this);
 }
 
-/// A motion has been carried for so many periods: the lanes are given what comes next, until the turn is over.
+/// Feeds the lanes after a run has been carried for `periods` more periods, until the quota of the turn is used up.
 void TaskPool::go_on_with(TaskSlot::Run& run, std::size_t periods) {
   left_ -= std::min(left_, periods);
   if (run.carried < run.periods) {
@@ -186,7 +187,7 @@ void TaskPool::run(const std::function<std::optional<MotionTask<>>(TaskSlot&, st
       motions[place.tangent_ ? 1 : 0] += place.open_;
       hurry[place.tangent_ ? 1 : 0] |= hurries(place);
     }
-    // Where there are few of a kind, they wait for company.
+    // Small batches are postponed until more runs of the same kind are available.
     for (const std::size_t kind : {0, 1})
       if (hurry[kind] || motions[kind] >= std::min(busy, motions[1 - kind])) carry(members, kind == 1, motions[kind]);
     for (const auto& member : members)

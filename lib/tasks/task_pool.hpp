@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// TaskPool: many computations that share the SIMD lanes of a thread (LaneCarrier), each at its own pace. Where one takes long,
-// the others do not wait for it, and its motion has their company. The pools of several threads may hand them over to each other
-// (lane_exchange.hpp).
+// TaskPool: runs many tasks that share the SIMD lanes of one thread (LaneCarrier), each at its own pace. A long task does not
+// hold up the others, and its motion shares the lanes with theirs. The pools of several threads may exchange tasks
+// (work_sharing.hpp).
 #pragma once
 
 #include <graze/lib/motion/lane_carrier.hpp>
@@ -20,24 +20,24 @@ namespace graze {
 class TaskPool;
 class WorkSharing;
 
-/// A computation's place in a pool: what it asks for, and what it is given.
+/// A task's slot in a pool: its requests and their results.
 class TaskSlot {
  public:
   explicit TaskSlot(TaskPool& pool) : pool_(&pool) {}
 
-  /// The parameters of its motions from now on. @throws std::invalid_argument where LaneCarrier does not apply.
+  /// Sets the parameters of its motions from now on. @throws std::invalid_argument if LaneCarrier does not apply.
   void take_parameters(const Vector& p);
-  /// The same, known to LaneCarrier already.
+  /// The same by the index of a parameter set of LaneCarrier.
   void take_parameters(std::size_t known) { parameters_ = known; }
   std::size_t parameters() const { return parameters_; }
   LaneCarrier& motions() const;
   MotionStart at(const Vector& state) const { return {parameters_, state[0], state[1]}; }
-  /// Whether others wait for what it does: it is carried each time, also where there are few of its kind.
+  /// Sets whether others wait for its result: the task is then served every round, even in a small batch.
   void hurry(bool others_wait) { hurries_ = others_wait; }
 
   class Carrying;
-  /// co_await: what `periods` forcing periods did to these motions, at the parameters of the place, as in LaneCarrier::carry;
-  /// good until the next time.
+  /// co_await: the results of `periods` forcing periods of these motions at the slot's parameters, in the order of
+  /// LaneCarrier::carry. They are valid until the next request.
   Carrying carry(std::span<const MotionStart> motions, std::size_t periods, bool tangent);
   Carrying carry(const Vector& state, std::size_t periods, ImpactSpeeds* speeds = nullptr);
 
@@ -53,10 +53,10 @@ class TaskSlot {
   Vector own_;
   std::size_t parameters_ = 0;
   bool tangent_ = false, hurries_ = false;
-  std::size_t asked_for_ = 0;  ///< forcing periods, all in all
+  std::size_t asked_for_ = 0;  ///< forcing periods requested so far
   std::vector<PeriodResult> results_;
-  std::vector<Run> runs_;  ///< asked for
-  std::size_t open_ = 0;   ///< of them, those that are not through
+  std::vector<Run> runs_;  ///< of the present request
+  std::size_t open_ = 0;   ///< unfinished runs
   std::coroutine_handle<> waiting_;
 };
 
@@ -73,14 +73,14 @@ class TaskSlot::Carrying {
 
 class TaskPool : RunSupply {
  public:
-  /// Keep them alive.
+  /// Keeps references to both: keep them alive.
   explicit TaskPool(LaneCarrier& motions, WorkSharing* exchange = nullptr);
 
-  /// Carries computations to their ends. As long as there is room, the next is asked for: next(its place, how many are carried);
-  /// nullopt: there is none now, or, where none is carried and there is no exchange or it is closed, no more. @throws what the
-  /// first of them to throw did.
+  /// Runs tasks to their ends. Calls next(slot, running tasks) while slots are free. nullopt means "none now"; if nothing is
+  /// running and there is no work sharing or it is closed, it means "done". @throws the exception of the first task that
+  /// throws.
   void run(const std::function<std::optional<MotionTask<>>(TaskSlot&, std::size_t carried)>& next);
-  /// The same of make(0, its place) ... make(count - 1, its place).
+  /// Runs the tasks make(0, slot) ... make(count - 1, slot).
   void run(std::size_t count, const std::function<MotionTask<>(std::size_t, TaskSlot&)>& make);
 
  private:
@@ -105,13 +105,13 @@ class TaskPool : RunSupply {
 
   LaneCarrier& motions_;
   WorkSharing* exchange_;
-  std::vector<std::size_t> free_parameters_;  ///< parameter sets that nobody has
-  std::vector<MotionRun*> runs_;              ///< of a turn, at its beginning
-  std::optional<std::size_t> of_others_;      ///< a parameter set for motions that others share
-  std::vector<MotionRun> shared_;             ///< those of them that it carries
-  const TaskSlot* longest_ = nullptr;         ///< the computation that goes first
-  bool tangent_ = false;                      ///< of a turn
-  std::size_t share_ = 0, left_ = 0;          ///< periods of each motion at a time; of all of them, before it ends
+  std::vector<std::size_t> free_parameters_;  ///< indices of unused parameter sets
+  std::vector<MotionRun*> runs_;              ///< at the beginning of a turn
+  std::optional<std::size_t> of_others_;      ///< parameter set for runs that another pool shares
+  std::vector<MotionRun> shared_;             ///< runs of another pool that this one carries
+  const TaskSlot* longest_ = nullptr;         ///< slot of the task that goes first
+  bool tangent_ = false;                      ///< of the present turn
+  std::size_t share_ = 0, left_ = 0;          ///< quotas of periods: of each run at a time, and left to all runs in the turn
 };
 
 }  // namespace graze

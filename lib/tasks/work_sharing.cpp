@@ -11,28 +11,28 @@ namespace graze {
 
 namespace {
 
-/// So many motions of a computation are worth a thread of their own.
+/// Number of runs that is worth a thread of its own.
 constexpr std::size_t fewest_lent = 8;
 
 }  // namespace
 
-/// A computation on its way to another pool, with its parameters.
+/// A task on its way to another pool, with its parameter set.
 struct WorkSharing::MovedTask {
   std::unique_ptr<TaskPool::Member> member;
   std::optional<LaneCarrier::Taken> parameters;
 };
 
-/// What is left of the motions that a computation has asked for, in as many parts as there are threads for them.
+/// The remaining periods of a task's runs, divided into one part for each available thread.
 struct TaskPool::SharedRuns {
   const TaskPool* by;
-  std::size_t parameters;  ///< there
+  std::size_t parameters;  ///< index in the pool `by`
   const Vector& p;
   const ContactTable* table;
   bool tangent;
   const std::vector<TaskSlot::Run>& runs;
   std::size_t parts;
-  // Guarded by the exchange:
-  std::size_t taken = 0, through = 0;  ///< of the parts
+  // Guarded by WorkSharing:
+  std::size_t taken = 0, through = 0;  ///< number of parts taken, and finished
   std::exception_ptr error = nullptr;
 };
 struct TaskPool::Part {
@@ -91,7 +91,7 @@ void WorkSharing::wait_for_all(const SharedRuns& motions) {
   given_back_.wait(lock, [&] { return motions.through == motions.parts; });
 }
 
-/// Every other member to a pool that has none.
+/// Moves every other task to an idle pool.
 void TaskPool::give(std::vector<std::unique_ptr<Member>>& members) {
   std::vector<WorkSharing::MovedTask> parcels;
   for (std::size_t i = 1; i < members.size(); i += 2) {
@@ -117,7 +117,7 @@ void TaskPool::take(std::vector<std::unique_ptr<Member>>& members) {
   }
 }
 
-/// Shares the motions of the only computation that it has with pools that have none, until all are through. False: it does not.
+/// Shares the runs of the pool's only task with idle pools until all are finished. False: not shared.
 bool TaskPool::lend(TaskSlot& place) {
   const std::size_t parts = std::min(1 + exchange_->waiting(), place.open_ / fewest_lent), set = place.parameters_;
   if (parts < 2 || motions_.awaits_table(set)) return false;
@@ -130,7 +130,7 @@ bool TaskPool::lend(TaskSlot& place) {
   return true;
 }
 
-/// With motions that another pool shares.
+/// Carries runs that another pool shares.
 void TaskPool::help() {
   if (const Part part = exchange_->take_part(); part.of) carry_part(part);
 }
@@ -154,7 +154,7 @@ void TaskPool::carry_part(const Part& part) {
   exchange_->give_back(part, std::move(error));
 }
 
-/// A parameter set for motions of another pool.
+/// The parameter set for runs of another pool.
 std::size_t TaskPool::set_for(const SharedRuns& lent) {
   put_down(lent.p, of_others_);
   if (lent.table) motions_.use(*of_others_, *lent.table);

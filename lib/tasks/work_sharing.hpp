@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// WorkSharing: where the pools of several threads hand computations over: one that has nothing left to do is given half of what
-// another carries, or, where that is one computation of many motions, some of these for a while. (What comes out of a computation
-// does not depend on who carries it.)
+// WorkSharing: exchange of tasks between the pools of several threads. An idle pool receives half of the tasks of another pool
+// or, if that pool has a single task with many motions, a part of these for a while. (The result of a task does not depend on
+// the pool that runs it.)
 #pragma once
 
 #include <graze/lib/tasks/task_pool.hpp>
@@ -18,18 +18,18 @@ namespace graze {
 
 class WorkSharing {
  public:
-  /// `wake` is called, by any thread, when there is something for those that wait.
+  /// `wake` is called, by any thread, when there is work for the waiting threads.
   explicit WorkSharing(std::function<void()> wake);
   WorkSharing(const WorkSharing&) = delete;
   WorkSharing& operator=(const WorkSharing&) = delete;
   ~WorkSharing();
 
-  /// A thread whose pool has nothing to do waits, and no more.
+  /// A thread with an idle pool does nothing but wait between these two calls.
   void begin_waiting() { ++waiting_; }
   void end_waiting() { --waiting_; }
-  /// Whether there is something for it.
+  /// Whether there is work for a waiting thread.
   bool has_some() const { return has_some_; }
-  /// Nothing is left to begin: pools that have nothing end.
+  /// No further task will begin: idle pools end.
   void close() { closed_ = true; }
 
  private:
@@ -41,9 +41,9 @@ class WorkSharing {
   bool wants() const { return waiting_ > 0 && !has_some_; }
   void put(std::vector<MovedTask> parcels);
   std::vector<MovedTask> get();
-  /// Offers motions to others. False: those of another pool are on offer.
+  /// Offers runs to other pools. False: an offer of another pool is open.
   bool lend(SharedRuns& motions);
-  /// Of those on offer, or of these, a part that nobody has; null: there is none.
+  /// Takes an untaken part of `of`, or of the runs on offer. A null part means that there is none.
   Part take_part(SharedRuns* of = nullptr);
   void give_back(const Part& part, std::exception_ptr error);
   void wait_for_all(const SharedRuns& motions);
@@ -53,7 +53,7 @@ class WorkSharing {
   std::atomic<bool> has_some_ = false, closed_ = false;
   std::mutex mutex_;
   std::vector<MovedTask> parcels_;
-  SharedRuns* lent_ = nullptr;  ///< on offer: there are parts that nobody has
+  SharedRuns* lent_ = nullptr;  ///< runs on offer: some parts are not taken
   std::condition_variable given_back_;
 };
 
