@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Carrier: what the lanes of a register do, step by step: a march far from the barrier, a step of flight near it, the end of a
-// flight or of a period, a step of contact, whichever most of them are at (choice.hpp). A lane that is through takes the next
-// motion. Lanes do not wait for each other at the end of a period, only at these.
+// Carrier: steps the lanes of a register set through their tasks: a march far from the barrier, a step of flight near it, the
+// end of a flight or of a period, a step of contact. It chooses the task that most lanes are at (choice.hpp). A lane whose
+// motion has finished takes the next one. Lanes wait for each other only at tasks, not at the end of a period.
 #pragma once
 
 #include <graze/lib/lanes/choice.hpp>
@@ -31,18 +31,18 @@ template <class Flight> class Carrier : public Periods<Flight> {
   /// One step of the lanes that are at a task.
   [[gnu::always_inline]] void step(Task task) {
     if (!Flight::cubic && (task == Task::marching || task == Task::flight))
-      Flight::step(memory_, job_, task);  // nobody lands
+      Flight::step(memory_, job_, task);  // no lane lands
     else
       end(task);
     if (memory_.count(Task::given_up) > 0) give_up();
   }
 
-  /// Whether contacts are carried in steps, most of them: so that one takes as long as all the rest of a period.
+  /// Whether most contacts are carried in steps. One contact then takes as long as the rest of a period.
   bool steps_contacts() const { return job_.law == Law::hertz && !queue_.tables(); }
   void gather_contacts(Carrier& other) { lanes::gather_contacts(memory_, other.memory_); }
 
  private:
-  /// The step of those at the end of something: of a flight, a contact, a period.
+  /// One step of a task that may end something: a flight, a contact, a period.
   void end(Task task) {
     if (task == Task::contact) {
       const Surfacing<Real> up = press<Flight>(memory_, job_, ratio_);
@@ -53,9 +53,9 @@ template <class Flight> class Carrier : public Periods<Flight> {
     } else if (task != Task::idle && task != Task::given_up) {
       const Landing<Real> landing = Flight::step(memory_, job_, task);
       if (any(landing.where)) hit(landing);
-      if (Flight::cubic && memory_.count(Task::period_end) > 0) end_in_flight();  // little beside a step by series
+      if (Flight::cubic && memory_.count(Task::period_end) > 0) end_in_flight();  // cheap beside a step by series
     }
-    // Most now begin a flight, all of them: better now than one by one.
+    // Most lanes start a new flight here; march them together now rather than one by one later.
     if (!Flight::cubic && memory_.count(Task::marching) > 1) Flight::step(memory_, job_, Task::marching);
   }
 
@@ -65,14 +65,14 @@ template <class Flight> class Carrier : public Periods<Flight> {
     if (job_.law == Law::restitution) return rebound<Flight>(memory_, landing);
     if (job_.law == Law::linear_elastic) return change_sides<Flight>(memory_, landing, job_.motions);
     Mask<Real> touching = landing.where;
-    if constexpr (!Flight::cubic) {  // there are no tables of others
+    if constexpr (!Flight::cubic) {  // tables exist for linear flights only
       if (queue_.met()) note_speeds(memory_, landing);
       if (queue_.tables()) touching = but_not(touching, pass_known(landing));
     }
     if (any(touching)) touch(memory_, touching, Real(0.0), landing.v, landing.c, landing.s);
   }
 
-  /// Contacts that the table knows.
+  /// Carries the contacts that the table covers.
   Mask<Real> pass_known(const Landing<Real>& landing) {
     const KnownContact<Real> contact = known_contact<Real, Tangent>(memory_, landing);
     if (any(contact.ends)) leave_known<Real, Tangent>(memory_, contact);

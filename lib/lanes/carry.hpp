@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A job in lanes. Those of two registers take turns where there are motions for them: each step waits for what the one before
-// decided, and the processor has the other's to do meanwhile. Where contacts are carried in steps, which take long, be it for few
-// lanes or for all, the motions in contact come together in one of the registers, the others in the other, and one that is not
-// full lets the other go first.
+// Runs a job in lanes. Two register sets are stepped alternately, if there are enough motions, so that one's dependent latency
+// overlaps the other's work. A step of contact takes as long for few lanes as for all. Where contacts are carried in steps, the
+// motions in contact are therefore gathered in one register set and the others in the other, and a set that is not full lets
+// the other go first.
 #pragma once
 
 #include <graze/lib/lanes/carrier.hpp>
@@ -39,7 +39,7 @@ template <class Flight> void sort_contacts(Carrier<Flight>& first, Carrier<Fligh
 template <class Flight> void carry_with(const Job& job) {
   typename Carrier<Flight>::Jobs queue(job);
   Carrier<Flight> first(job, queue);
-  if (queue.empty()) {  // all are in its lanes
+  if (queue.empty()) {  // all motions are in its lanes
     for (Task task = first.choice(true).task; task != Task::idle; task = first.choice(true).task) {
       first.step(task);
       first.take_more();

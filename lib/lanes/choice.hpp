@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Choice: what the lanes of a register do next. And how motions change places, that the lanes of one are at the same.
+// Choice: selects the next task of a register set, and exchanges motions between two register sets, so that the lanes of each
+// are at the same task.
 #pragma once
 
 #include <graze/lib/lanes/memory.hpp>
@@ -10,14 +11,15 @@
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
-/// A task, and how many lanes are at it.
+/// A task and the number of lanes at it.
 struct Choice {
   Task task;
   int lanes;
 };
 
-/// What most lanes are at, but for what takes longest, which waits until it is worth it: a step of contact (with a table of
-/// contacts they are rare, and few lanes wait for them) and the end of a flight at the barrier (flights by series end in a step).
+/// The task that most lanes are at. The two longest tasks wait until enough lanes need them: a step of contact (with a table of
+/// contacts such steps are rare, and fewer lanes suffice) and the end of a flight at the barrier (flights by series end within
+/// a step).
 template <class Real> [[gnu::always_inline]] inline Choice choose(const Memory<Real>& m, bool with_table, bool alone) {
   constexpr std::size_t W = width<Real>;
   if constexpr (W == 1) return {m.task(0), 1};  // there is nothing to choose
@@ -31,18 +33,18 @@ template <class Real> [[gnu::always_inline]] inline Choice choose(const Memory<R
   if (marching > 0 && marching >= flights && marching >= ends) return {Task::marching, marching};
   if (flights > 0 && flights >= ends) return {Task::flight, flights};
   if (ends > 0) return {Task::period_end, ends};
-  const int given_up = m.count(Task::given_up);  // from the start: after a step there are none
+  const int given_up = m.count(Task::given_up);  // only at the start: after a step there are none
   return {given_up > 0 ? Task::given_up : Task::idle, given_up};
 }
 
-/// Whether a register better lets another one go first: a step of contact, or of flight by series, takes as long for few lanes as
-/// for all.
+/// Whether a register set should let the other go first: a step of contact, or of flight by series, takes as long for few lanes
+/// as for all.
 template <bool Cubic, class Real> bool waits(const Choice& choice) {
   const bool takes_long = choice.task == Task::contact || (Cubic && choice.task == Task::flight);
   return choice.task == Task::idle || (takes_long && choice.lanes < static_cast<int>(width<Real>));
 }
 
-/// The motions in these lanes of two registers change places.
+/// Exchanges the motions in these lanes of two register sets.
 template <class Real> void exchange(Memory<Real>& a, std::size_t i, Memory<Real>& b, std::size_t j) {
   if (a.coefficients_of[i] != b.coefficients_of[j])
     for (std::size_t k = 0; k < coefficients; ++k) std::swap(a.coefficient[k][i], b.coefficient[k][j]);
@@ -57,7 +59,7 @@ template <class Real> void exchange(Memory<Real>& a, std::size_t i, Memory<Real>
   std::swap(a.met[i], b.met[j]);
 }
 
-/// Lets the motions in contact come together in one of two registers, and the others in the other, as far as there is room.
+/// Gathers the motions in contact in one of two register sets, and the others in the other, as far as there is room.
 template <class Real> void gather_contacts(Memory<Real>& a, Memory<Real>& b) {
   const bool more_in_a = a.count(Task::contact) >= b.count(Task::contact);
   Memory<Real>&many = more_in_a ? a : b, &few = more_in_a ? b : a;

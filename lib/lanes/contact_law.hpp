@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// ContactLaw: a Hertz contact of an oscillator in lanes; what its series (contact_series.hpp) is given and is made of.
+// ContactLaw: a Hertz contact of an oscillator in lanes, with the state and the factors of its series (contact_series.hpp).
 #pragma once
 
 #include <graze/lib/lanes/real.hpp>
@@ -7,17 +7,17 @@
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
-/// A contact at an instant, as in HertzState, but for the two columns (z, p) of the tangent.
+/// A contact at an instant: as HertzState, except for the two columns (z, p) of the tangent.
 template <class Real> struct ContactState { Real y, v, c, s, time, divergence, z_0, z_1, p_0, p_1; };
 
 template <class Real> struct ContactLaw {
   Real b2, w, xi, r, k_H, loss, beta;  ///< 2 b, eta, xi, r, k_H, k_H b_H, beta
 
-  /// What the p of a column of the tangent has of dx at depth y^2: half of the damping.
+  /// Factor of dx in the p of a tangent column at depth y^2: half of the damping.
   Real half_damping(const Real& y) const { return 0.5 * madd(loss * y * y, y, b2); }
 };
 
-/// What multiplies powers of y, and the sine: in -d(v)/ds without losses (pull), in v by its losses (drag), in f.
+/// Factors of powers of y and of the sine: in dv/ds without losses (pull), in v by its losses (drag), in f.
 template <class Real> struct ContactTerms {
   Real w, drive, drag_u, drag_y5;
   Real pull_y, pull_y3, pull_y4, pull_y5, pull_y7;

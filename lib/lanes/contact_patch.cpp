@@ -14,11 +14,11 @@ using lanes::polynomials;
 
 constexpr std::size_t nodes = polynomials * polynomials, quantities = 7, values = 3;
 
-/// Of the steps through a contact: what they leave out is below rounding then.
+/// Tolerance of the steps through a contact: the truncation error is then below rounding.
 constexpr double step_tolerance = 1e-15;
-/// A contact that takes more is not tabulated.
+/// A contact with more steps is not tabulated.
 constexpr std::size_t most_steps = 100000;
-/// Terms below this, relative to what is allowed in all, are left out.
+/// Terms below this, relative to the allowed error, are left out.
 constexpr double negligible = 0.01;
 
 /// A rectangle of cells of a patch.
@@ -69,7 +69,8 @@ class Builder {
 
   void build(const Rectangle& r) {
     if (try_piece(r)) return;
-    // The variable with the larger last coefficients, or none of a contact that did not end: the other one if it cannot be.
+    // Bisect the variable with the larger last coefficients (none are known if a contact did not end), or the other one if that
+    // has only one cell.
     const bool by_time = (slow_time_ >= slow_speed_ && r.columns > 1) || r.rows == 1;
     if (by_time && r.columns == 1) return;
     const std::size_t half = (by_time ? r.columns : r.rows) / 2;
@@ -80,14 +81,13 @@ class Builder {
     build(two);
   }
 
-  /// Bound of what comes after the last coefficients in a variable, relative to what is allowed: from the fall between the two
-  /// last pairs of them.
+  /// Bound of the terms after the last coefficients in a variable, from the fall between the two last pairs of them.
   static double remainder(double before, double last) {
     const double fall = last / std::max(before, last + 1e-300);
     return last * std::min(fall / (1.0 - std::min(fall, 0.9)), 10.0);
   }
 
-  /// Carries contacts from points (x, y) of [-1, 1]^2. False: one did not end.
+  /// Carries contacts from points (x, y) in [-1, 1]^2. False: one of them cannot be tabulated.
   template <class Points> bool carry(const lanes::ContactPiece& piece, const Points& points) {
     const double w = oscillator_[lanes::frequency];
     entries_.clear();
@@ -109,8 +109,8 @@ class Builder {
     });
   }
 
-  /// From entry to the end of the period, where this is the part sin^2(angle/2) of the contact; 0: not covered. The duration
-  /// varies slowly with the time of entry: a contraction.
+  /// Time from entry to the end of the period, if this is the part sin^2(angle/2) of the contact; 0: not covered. The
+  /// fixed-point iteration contracts, because the duration varies slowly with the time of entry.
   double time_before_end(double angle, double v) const {
     const double T = oscillator_[lanes::period], part_of_it = std::pow(std::sin(0.5 * angle), 2);
     double before = 0.0;
@@ -124,7 +124,7 @@ class Builder {
     return before;
   }
 
-  /// False: to be bisected.
+  /// Makes one piece of a rectangle. False: the rectangle must be bisected.
   bool try_piece(const Rectangle& r) {
     const double octave = std::ldexp(1.0, static_cast<int>(place_.band)), row = octave / ContactPatch::rows;
     const double column = (whole_ ? std::numbers::pi : oscillator_[lanes::period]) / lanes::time_cells;
@@ -149,7 +149,7 @@ class Builder {
     return true;
   }
 
-  /// Looks at the two lines through the centre: most rectangles that are too large are known by these.
+  /// Checks the two lines through the centre, which reveal most rectangles that are too large.
   bool lines_fit(const lanes::ContactPiece& piece) {
     const auto& T = polynomials_at_nodes();
     std::array<std::array<double, 2>, 2 * polynomials> points;
@@ -178,7 +178,7 @@ class Builder {
     return (f < values ? ContactTable::value_error : ContactTable::tangent_error) * scale_[f];
   }
 
-  /// From the contacts carried last.
+  /// Sets the scales from the contacts carried last.
   void set_scales() {
     double norm = 0.0;
     for (std::size_t f = 0; f < quantities; ++f) {
@@ -190,7 +190,7 @@ class Builder {
     for (std::size_t f = values; f < quantities; ++f) scale_[f] = 1.0 + norm;
   }
 
-  /// The coefficients c_. False: they do not fall off.
+  /// Computes the coefficients c_. False: they do not fall off.
   bool interpolate(const lanes::ContactPiece& piece) {
     const auto& T = polynomials_at_nodes();
     std::array<std::array<double, 2>, nodes> points;
@@ -250,14 +250,14 @@ class Builder {
     return kept;
   }
 
-  /// Against contacts carried anew, at points between the nodes and on the border.
+  /// Compares a piece with newly carried contacts, at points between the nodes and on the border.
   bool checked(const lanes::ContactPiece& piece) {
     constexpr std::size_t few = 5;
     std::array<std::array<double, 2>, few * few> points;
     for (std::size_t i = 0; i < few; ++i)
       for (std::size_t j = 0; j < few; ++j) {
-        // Half-way between nodes: T_16 is 1 or -1 there. Of a part of a contact not the very ends, where there is nothing to
-        // carry, nor the highest speed, which may be that of the table.
+        // Half-way between nodes, where T_16 is 1 or -1. For parts of contacts without the very ends, where there is nothing to
+        // carry, and without the highest speed, which may be that of the table.
         constexpr std::array<int, few> where = {0, 3, 8, 11, 16}, inside = {1, 4, 8, 11, 15};
         const auto between = [&](int k) { return std::cos(std::numbers::pi * k / static_cast<double>(polynomials)); };
         const auto& at = whole_ ? inside : where;
@@ -284,7 +284,7 @@ class Builder {
   LaneKernels kernels_;
   PatchPlace place_;
   const ContactTable* whole_;  // null: whole contacts are tabulated
-  double longest_;             // that are
+  double longest_;             // longest duration of a tabulated contact
   std::array<Coefficients, quantities> c_ = {};
   std::array<double, quantities> scale_ = {};  // 1 + |value|; of the tangent 1 + |Phi|
   std::vector<lanes::ContactEntry> entries_ = {};

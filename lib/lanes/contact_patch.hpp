@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// ContactPatch: the pieces of a ContactTable on one first rectangle, a quarter of a period by an octave of speeds. Patches do not
-// know of each other, so that they can be made at the same time.
+// ContactPatch: the pieces of a ContactTable on one initial rectangle, a quarter of a period by an octave of speeds. Patches
+// are independent of each other, so that they can be made in parallel.
 #pragma once
 
 #include <graze/lib/lanes/contact_table.hpp>
@@ -9,7 +9,7 @@
 
 namespace graze {
 
-/// What a piece says at (x, y) of [-1, 1]^2; `ended` is left false, and both the duration and the depth are filled in.
+/// Evaluates a piece at (x, y) in [-1, 1]^2. `ended` stays false; the duration and the depth are both set.
 lanes::ContactExit evaluate(const lanes::ContactPiece& piece, const lanes::TermPair* terms, double x, double y);
 
 struct ContactPatch {
@@ -18,17 +18,17 @@ struct ContactPatch {
   std::vector<lanes::ContactPiece> pieces;
   std::vector<lanes::TermPair> terms;
   std::array<std::uint16_t, columns * rows> cells;  ///< by time, speed: number of the piece, or no_piece
-  std::size_t contacts = 0;                         ///< carried in steps for it
-  double value_error = 0.0, tangent_error = 0.0;    ///< as ContactTableReport
+  std::size_t contacts = 0;                         ///< number of contacts carried in steps to make it
+  double value_error = 0.0, tangent_error = 0.0;    ///< as in ContactTableReport
 };
 
-/// Where a patch lies: its first column of cells, and its octave of speeds, of which 2^band is the lowest.
+/// Position of a patch: its first column of cells, and its octave of speeds, which begins at 2^band.
 struct PatchPlace {
   std::size_t column = 0;
   std::int64_t band = 0;
 };
 
-/// Of whole contacts; with a table of these, of their parts up to the end of the period.
+/// The patch of whole contacts or, given their table `whole`, of their parts up to the end of the period.
 ContactPatch contact_patch(const lanes::Coefficients& oscillator, LaneWidth width, const PatchPlace& place,
                            const ContactTable* whole);
 

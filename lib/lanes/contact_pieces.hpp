@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// ContactPieces: a table of Hertz contacts as the lanes read it (plain numbers; contact_table.hpp makes and keeps it). Entry at
-// time t of the forcing period with speed v -> duration d, speed of exit, integral of trace(f_x); and the tangent at fixed time.
-// Where the period ends within the contact, after the part q of it: angle a = 2 asin(sqrt(q)) and v -> depth, speed,
-// integral and tangent at the end of the period (which are smooth in a, but not in t, at both ends of the contact). A piece is a
-// rectangle of (t, v) or (a, v) with tensor products of Chebyshev polynomials; the speeds between two powers of 2 are a band, and
-// of each band a grid of cells tells the piece. (contact_sum.hpp reads it.)
+// ContactPieces: a table of Hertz contacts as plain numbers for the lanes (contact_table.hpp makes and owns it, contact_sum.hpp
+// evaluates it).
+//
+// Whole contacts: entry at time t of the forcing period with speed v -> duration d, speed of exit, integral of trace(f_x), and
+// the tangent at fixed time. Contacts in which the period ends, after the part q of the contact: angle a = 2 asin(sqrt(q)) and
+// v -> depth, speed, integral and tangent at the end of the period. (These are smooth in a, but not in t, at both ends of the
+// contact.)
+//
+// A piece is a rectangle of (t, v) or (a, v) with tensor products of Chebyshev polynomials. A band is the speeds between two
+// powers of 2; a grid of cells in each band points to the pieces.
 #pragma once
 
 #include <array>
@@ -13,7 +17,7 @@
 
 namespace graze::lanes {
 
-/// Polynomials in each variable, and cells of a band in each.
+/// Number of polynomials in each variable, and of cells of a band in each.
 inline constexpr std::size_t polynomials = 16, time_cells = 32, speed_cells = 8;
 inline constexpr std::uint16_t no_piece = 0xffff;
 
@@ -22,7 +26,7 @@ struct alignas(64) TermPair {
   double at[8];
 };
 
-/// What a piece says of four quantities: terms of k = 0 (j = 0, 1, ...), then of k = 1, and so on, as many as matter.
+/// Terms of a piece for four quantities: those of k = 0 (j = 0, 1, ...), then of k = 1, and so on, without the negligible ones.
 struct PieceTerms {
   std::uint32_t first = 0;
   std::array<std::uint8_t, polynomials / 2> count{};
@@ -30,15 +34,15 @@ struct PieceTerms {
 
 struct ContactPiece {
   double time = 0.0, per_time = 0.0, speed = 0.0, per_speed = 0.0;  ///< centre, and the inverse of half the width
-  PieceTerms values;                                                ///< duration or depth, speed, integral of trace(f_x), nothing
+  PieceTerms values;                                                ///< duration or depth, speed, integral of trace(f_x), none
   PieceTerms tangent;                                               ///< row by row
 };
 
 struct ContactPieces {
   double cells_per_time = 0.0;
   std::int64_t lowest_band = 0, bands = 0;  ///< speeds of band k: 2^(lowest_band + k) up to twice that
-  const std::uint16_t* whole = nullptr;     ///< cells by band, time, speed: piece of the whole contact
-  const std::uint16_t* begun = nullptr;     ///< by band, angle, speed: of its part up to the end of the period
+  const std::uint16_t* whole = nullptr;     ///< cells by band, time, speed: number of the piece of the whole contact
+  const std::uint16_t* begun = nullptr;     ///< cells by band, angle, speed: of its part up to the end of the period
   const ContactPiece* pieces = nullptr;
   const TermPair* terms = nullptr;
 };

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// ContactSeries: the Taylor series of a Hertz contact and its 2x2 tangent in lanes: the equations of detail/hertz_recurrence.hpp,
-// two orders at once (two_orders.hpp), which suits registers that hold the same number of many contacts.
+// ContactSeries: the Taylor series of a Hertz contact and its 2x2 tangent in lanes. The equations are those of
+// flow/hertz_recurrence.hpp, two orders at once (two_orders.hpp), which suits registers that hold the same number of many
+// contacts.
 //
-// The tangent goes in Hill's form, which takes two products a column in place of three: with the damping of the contact
+// The tangent is carried in Hill's form, which takes two products a column instead of three. With the damping of the contact
 // c = 2 b + k_H b_H y^3, the divergence so far D = -integral of c dt, and a column (dx, dv) at fixed time,
 //     z = e^(-D/2) dx,   p = e^(-D/2) (dv + (c/2) dx):   dz/ds = y p,   dp/ds = -f z,
-//     f = y + 3 beta y x^2 + (3/2) k_H y^2 + (k_H b_H/2) d(y^3)/ds - y c^2/4,
-// whose determinant is 1.
+//     f = y + 3 beta y x^2 + (3/2) k_H y^2 + (k_H b_H/2) d(y^3)/ds - y c^2/4.
+// The determinant of (z, p) is 1.
 #pragma once
 
 #include <graze/lib/flow/hertz_step.hpp>
@@ -20,7 +21,7 @@
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
-/// Cubic: with beta x^3; without, ContactLaw::beta does not count.
+/// Cubic: with beta x^3; else ContactLaw::beta is ignored.
 template <class Real, bool Tangent, bool Cubic, std::size_t Order> class ContactSeries {
  public:
   static constexpr std::size_t order = Order;
@@ -65,8 +66,8 @@ template <class Real, bool Tangent, bool Cubic, std::size_t Order> class Contact
     return z;
   }
 
-  /// Largest coefficients of the last order and of the one before, each relative to 1 + |what it belongs to|; of the tangent, to
-  /// 1 + the larger z or p.
+  /// Largest coefficients of the last order and of the one before, each relative to 1 + |its quantity|; of the tangent,
+  /// relative to 1 + the larger z or p.
   void size(Real& last, Real& before) const {
     const Real of_y = 1.0 / (1.0 + abs(y_[0])), of_v = 1.0 / (1.0 + abs(v_[0]));
     const auto state = [&](std::size_t k) {
@@ -88,11 +89,11 @@ template <class Real, bool Tangent, bool Cubic, std::size_t Order> class Contact
  private:
   static constexpr bool with_y7 = Tangent || Cubic;
   template <Known Number> static constexpr Known of_seventh = with_y7 ? Number : Known::none;
-  static constexpr Known of_tangent = Tangent ? Known::odd : Known::none;  // one more than of the others
+  static constexpr Known of_tangent = Tangent ? Known::odd : Known::none;  // one more coefficient is known than of the others
   using Terms = ContactTerms<Real>;
 
-  /// Sums of products, of order k those with c and s, of order k + 1 without their first and last terms the others; of yy and uu
-  /// one half.
+  /// Sums of products: of order k with c and s; of order k + 1, without the first and last terms, the others. Of yy and uu one
+  /// half.
   struct Products {
     Real yc, ys, yy, yu, uu, yw, y3w;
   };
@@ -192,7 +193,8 @@ template <class Real, bool Tangent, bool Cubic, std::size_t Order> class Contact
   [[no_unique_address]] ContactQuads<in_quads<Real>, Order> quads_;
   Real b2_, loss_;
   ContactState<Real> start_;
-  // Powers of the depth's root: u = y^2, y3, y4, y5, y7; time and the integral of y^4, but for the first.
+  // Powers of y, the square root of the depth: u = y^2, y3, y4, y5, y7. The time and the integral of y^4 lack their first
+  // coefficients.
   Coefficients y_, v_, c_, s_, time_, integral_, u_, y3_, y4_, y5_, y7_, f_, z_0_, z_1_, p_0_, p_1_;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// ContactSum: what a table of Hertz contacts (contact_pieces.hpp) says. Sums have the same order whatever the number of lanes.
+// Evaluation of a table of Hertz contacts (contact_pieces.hpp). The order of summation is the same for any number of lanes.
 #pragma once
 
 #include <graze/lib/lanes/contact_pieces.hpp>
@@ -15,7 +15,8 @@ template <class Real> [[gnu::always_inline]] inline std::int64_t band_of(double 
   return (std::bit_cast<std::int64_t>(v) >> 52) - 1023;
 }
 
-/// (templates of Real, that each kind of processor has its own.)
+/// The piece at a column of cells and a speed; null: not covered. (A template of Real, so that each kind of processor has its
+/// own.)
 template <class Real>
 inline const ContactPiece* find_piece(const ContactPieces& table, const std::uint16_t* cells, double column, double v) {
   const std::int64_t band = band_of<Real>(v) - table.lowest_band;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The end of a flight in lanes, at the barrier. The crossing is first that of the Taylor polynomial of degree 5, then of the
-// exact motion; where the last correction is small, the polynomial about the new point holds to rounding.
+// The end of a flight at the barrier, in lanes. The crossing is first that of the Taylor polynomial of degree 5, then that of
+// the exact motion. Once a correction is small, the polynomial about the new point is exact to rounding.
 #pragma once
 
 #include <graze/lib/lanes/march.hpp>
@@ -11,11 +11,11 @@
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
-/// A correction d of a crossing is the last where it is below this part of a cell and e = (a/v) d below it, too: the polynomial
-/// of degree 5 leaves out (d sqrt(k))^6/720, and Chebyshev's and Newton's steps leave e^5 d/8.
+/// A correction d of a crossing is the last one if it is below this part of a cell and e = (a/v) d is below it, too: the
+/// polynomial of degree 5 leaves out (d sqrt(k))^6/720, and Chebyshev's and Newton's steps leave e^5 d/8.
 inline constexpr double nearly_there = 2e-3;
 
-/// Steps of Newton's method from h for a root of x - r = g + v h + a h^2/2 + ... in [lowest, highest].
+/// `times` steps of Newton's method from h for a root of x - r = g + v h + a h^2/2 + ... in [lowest, highest].
 template <class Real>
 Real polynomial_root(const Point<Real>& z, const Real& g, Real h, const Real& lowest, const Real& highest, int times) {
   const Real a = 0.5 * z.a, j = (1.0 / 6.0) * z.j, x4 = (1.0 / 24.0) * z.x4, x5 = (1.0 / 120.0) * z.x5;
@@ -27,7 +27,7 @@ Real polynomial_root(const Point<Real>& z, const Real& g, Real h, const Real& lo
   return h;
 }
 
-/// (c, s) turned by a small angle (0.001: left out 1e-21).
+/// Turns (c, s) by a small angle (truncation error at 0.001: 1e-21).
 template <class Real> void turn_a_little(const Real& angle, Real& c, Real& s) {
   const Real square = angle * angle, before = c;
   const Real cosine_of = 1.0 - square * (0.5 - (1.0 / 24.0) * square);
@@ -36,13 +36,13 @@ template <class Real> void turn_a_little(const Real& angle, Real& c, Real& s) {
   s = dot(s, cosine_of, before, sine_of);
 }
 
-/// Where flights have come to the barrier: transient, turn and phase there, and how long the last step took.
+/// Flights at the barrier: transient, turn and phase there, and the duration of the last step.
 template <class Real> struct Arrival {
   Real P, Q, turn_c, turn_s, c, s, h;
-  Mask<Real> found, unsure;  ///< unsure: the speed may be negative in between, and this be another crossing than the first
+  Mask<Real> found, unsure;  ///< unsure: the speed may be negative in between, so that this need not be the first crossing
 };
 
-/// Of every lane whose task is Task::crossing, within its step.
+/// The arrival of every lane whose task is Task::crossing, within its step.
 template <class Real> Arrival<Real> arrival(const Memory<Real>& m) {
   const Mask<Real> crossing = m.is(Task::crossing);
   const Real P = m[transient_p], Q = m[transient_q], c = m[phase_c], s = m[phase_s], r = m[barrier], farthest = m[trial];
@@ -80,8 +80,8 @@ template <class Real> Arrival<Real> arrival(const Memory<Real>& m) {
   return out;
 }
 
-/// A = B A for the 2x2 tangent of the period so far; det is multiplied by that of B, or with NaN where that is a difference of
-/// products that are a thousand times as large (a strongly damped contact): rounding.
+/// A = B A for the 2x2 tangent of the period so far. det is multiplied by that of B, or by NaN if that is lost to cancellation
+/// between products a thousand times as large (a strongly damped contact).
 template <class Real>
 void compose(Memory<Real>& m, const Mask<Real>& where, const Real& b00, const Real& b01, const Real& b10, const Real& b11) {
   const Real a00 = m[phi_00], a01 = m[phi_01], a10 = m[phi_10], a11 = m[phi_11];
@@ -93,7 +93,7 @@ void compose(Memory<Real>& m, const Mask<Real>& where, const Real& b00, const Re
   m.set(det, where, Real(m[det] * select(abs(of_b) < lost, Real(std::numeric_limits<double>::quiet_NaN()), of_b)));
 }
 
-/// A flight, or its part in a period, is over: the tangent, from the spiral (E, F), and the integral of trace(f_x).
+/// Ends a flight, or its part in a period: composes its tangent, from the spiral (E, F), and adds the integral of trace(f_x).
 template <class Real, bool Tangent>
 void end_flight(Memory<Real>& m, const Mask<Real>& where, const Real& E, const Real& F, const Real& duration) {
   if constexpr (Tangent) {
@@ -104,8 +104,9 @@ void end_flight(Memory<Real>& m, const Mask<Real>& where, const Real& E, const R
   }
 }
 
-/// A motion on the barrier leaves it with speed v < 0 and the time m[rest] left: a flight, unless it would be a short one or ends
-/// with the period. Where its speed alone takes it to the next point of the grid, it goes there.
+/// A motion leaves the barrier with speed v < 0 and the time m[rest] left of the period. It is given up if the flight would be
+/// too short or the period ends now; else a flight begins. If its speed alone keeps it clear up to the next point of the grid,
+/// it goes there at once.
 template <class Real, bool Tangent>
 void leave_barrier(Memory<Real>& m, const Mask<Real>& where, const Real& v, const Real& c, const Real& s) {
   const Real r = m[barrier], pressing = m[amplitude] * c + m[constant] - 2.0 * m[damping] * v - m[stiffness] * r;
@@ -122,7 +123,7 @@ void leave_barrier(Memory<Real>& m, const Mask<Real>& where, const Real& v, cons
   m.set(off_barrier, goes, Real(1.0));
   m.assign(goes, Task::flight);
   m.assign(but_not(where, goes), Task::given_up);
-  // Up to there x'' = A cos(w t) + c - k x - 2 b x' is below `pull`, since x falls by fastest * part at the most.
+  // Up to there x'' = A cos(w t) + c - k x - 2 b x' is below `pull`, because x falls by at most fastest * part.
   const Real pull = abs(m[amplitude]) + m[constant] + 2.0 * m[damping] * fastest + m[stiffness] * (fastest * part - r);
   const Mask<Real> clear = goes & (Real(-2.0 * v) > pull * part);
   if (!any(clear)) return;
@@ -132,7 +133,7 @@ void leave_barrier(Memory<Real>& m, const Mask<Real>& where, const Real& v, cons
   reach_point(m, clear, there);
 }
 
-/// The lanes that have come to the barrier, at speed `v` and the forcing's phase (c, s).
+/// Lanes that have reached the barrier, at speed `v` and the forcing's phase (c, s).
 template <class Real> struct Landing {
   Mask<Real> where;
   Real v, c, s;
@@ -155,13 +156,13 @@ template <class Real, bool Tangent> Landing<Real> land(Memory<Real>& m) {
   return {good, v, end.c, end.s};
 }
 
-/// What Carrier asks of a flight. (CubicFlight is the other.) The order is that of the contacts.
+/// The flight that Carrier steps; CubicFlight has the same interface. The order is that of the contacts.
 template <class Number, bool WithTangent, std::size_t Order> struct LinearFlight {
   using Real = Number;
   static constexpr std::size_t order = Order;
   static constexpr bool tangent = WithTangent, cubic = false;
 
-  /// A forcing period begins at (x, v).
+  /// Begins a forcing period at (x, v).
   static void begin_period(Memory<Real>& m, const Mask<Real>& where, const Real& x, const Real& v) {
     const Real x0 = m[side] * x;
     begin_flight<Real, tangent>(m, where, x0, Real(m[side] * v), Real(1.0), Real(0.0));
@@ -173,7 +174,7 @@ template <class Number, bool WithTangent, std::size_t Order> struct LinearFlight
     lanes::leave_barrier<Real, tangent>(m, where, v, c, s);
   }
   static Real spring_at_barrier(const Memory<Real>& m) { return m[stiffness] * m[barrier]; }
-  /// What the lanes that are at a task of flights do next; who lands.
+  /// The next step of the lanes at a task of flights. Returns the lanes that land.
   static Landing<Real> step(Memory<Real>& m, const Job&, Task task) {
     if (task == Task::crossing) return lanes::land<Real, tangent>(m);
     task == Task::marching ? lanes::march<Real, tangent>(m) : lanes::fly<Real, tangent>(m);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // CubicFlight: flights of a cantilever (beta x^3) in lanes, by Taylor series in steps as in cubic_flow.hpp. On every step the
-// Bernstein coefficients of the series, to a degree of 8 with the rest of its terms taken for the worst, show that the barrier is
-// not reached, or that the speed stays positive; where neither, the step is halved. A crossing is the root of the whole series.
+// Bernstein coefficients of the series up to degree 8, with a bound of the remaining terms, show that the barrier is not
+// reached or that the speed stays positive; if neither, the step is halved. A crossing is the root of the whole series.
 #pragma once
 
 #include <graze/lib/lanes/crossing.hpp>
@@ -12,7 +12,7 @@
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
-/// A step is halved so often; then the motion is too close to a tangency for the lanes.
+/// Number of halvings of a step after which the motion is too close to a tangency for the lanes.
 inline constexpr int most_halvings = 6;
 
 template <class Number, bool WithTangent, std::size_t Order> struct CubicFlight {
@@ -40,7 +40,7 @@ template <class Number, bool WithTangent, std::size_t Order> struct CubicFlight 
     return r * (m[stiffness] + m[lanes::cubic] * (r * r));
   }
 
-  /// One step of every lane in flight; who comes to the barrier in it lands.
+  /// One step of every lane in flight. Returns the lanes that land on the barrier.
   static Landing<Real> step(Memory<Real>& m, const Job& job, Task) {
     const Mask<Real> flying = m.is(Task::flight);
     const FlightLaw<Real> law = law_of(m);
@@ -124,7 +124,7 @@ template <class Number, bool WithTangent, std::size_t Order> struct CubicFlight 
     }
   }
 
-  /// The length of a step at which neither of the last two terms is more than `allowed`.
+  /// The longest step in which neither of the last two terms is more than `allowed`.
   static Real trusted(const Real& last, const Real& before, double allowed) {
     return least(rough_root<Series::order>(allowed, last), rough_root<Series::order - 1>(allowed, before));
   }

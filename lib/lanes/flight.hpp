@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Flights in lanes: the closed form of linear_flow.hpp, from point to point of the Grid. Where a bound of the curvature shows
-// that x stays clear of the barrier between two points, a motion marches (march.hpp). Elsewhere it goes on by a step up to the
-// next point, or a half, a quarter ... of it, where the Bernstein coefficients of x's Taylor polynomial of degree 5, with a bound
-// of the sixth derivative, show that the barrier is not reached, or that the speed stays positive and the end lies before it;
-// where they show the speed positive and the end lies beyond, the crossing in between is the only one, and is polished
-// (crossing.hpp). What is too close to a tangency for the shortest step is given up: the lanes miss nothing, they leave it to the
-// one-lane path.
+// Flights in lanes: the closed form of linear_flow.hpp, from point to point of the Grid. If a bound of the curvature shows that
+// x stays clear of the barrier between two points, a motion marches (march.hpp). Otherwise it takes a step up to the next
+// point, or a half, a quarter ... of it. The Bernstein coefficients of x's Taylor polynomial of degree 5, with a bound of the
+// sixth derivative, must show one of three cases: the barrier is not reached; or the speed stays positive and the end lies
+// before the barrier; or the speed stays positive and the end lies beyond it. In the last case the crossing in between is the
+// only one, and is polished (crossing.hpp). A motion too close to a tangency for the shortest step is given up: the lanes miss
+// nothing, they leave it to the Propagator.
 #pragma once
 
 #include <graze/lib/lanes/memory.hpp>
@@ -13,7 +13,7 @@
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
-/// Closer to the barrier than this (relative to 1 + |r|), and not on it by a contact, a motion is given up.
+/// A motion closer to the barrier than this (relative to 1 + |r|) is given up, unless a contact put it on the barrier.
 inline constexpr double too_close = 1e-12;
 /// Steps are not halved below this part of a cell.
 inline constexpr double shortest_step = 1.0 / 50.0;
@@ -24,14 +24,15 @@ template <class Real> [[gnu::always_inline]] inline Real highest(const Memory<Re
   return r - too_close * (1.0 + abs(r));
 }
 
-/// A flight begins at (x, v) with the forcing's phase (c, s). Returns what |x'| is at most.
+/// Begins a flight at (x, v) with the forcing's phase (c, s). Returns a bound of |x'|.
 template <class Real, bool Tangent>
 [[gnu::always_inline]] inline Real begin_flight(Memory<Real>& m, const Mask<Real>& where, const Real& x, const Real& v,
                                                 const Real& c, const Real& s) {
   const Real w = m[frequency], k = m[stiffness], b = m[damping], h = m[cell];
   const Real d = x - (dot(m[cosine], c, m[sine], s) + m[offset]), e = v - w * wedge(m[sine], c, m[cosine], s);
-  // Up to the barrier, -x'' = k x + 2 b x' - A cos(w t) - c is below `bend` (the transient's energy e^2 + k d^2 only decays), and
-  // x rises above a chord by h^2/8 of that at the most. (Beyond the barrier, by X, it would be k X more, and k h^2/8 < 1.)
+  // Up to the barrier, -x'' = k x + 2 b x' - A cos(w t) - c is below `bend` (the transient's energy e^2 + k d^2 only decays),
+  // so x rises above a chord by at most `bend` h^2/8. (At a distance X beyond the barrier the bound is larger by k X, and
+  // k h^2/8 < 1.)
   const Real fastest = abs(e) + m[root_k] * abs(d) + m[forced1];
   const Real bend = k * m[barrier] + 2.0 * b * fastest + abs(m[amplitude]) - m[constant];
   m.set(transient_p, where, d);
@@ -47,33 +48,35 @@ template <class Real, bool Tangent>
   return fastest;
 }
 
-/// The next step begins so far from the next point of the grid, and may go up to it.
+/// Sets the distance to the next point of the grid; the next step may go up to it.
 template <class Real> void look_ahead(Memory<Real>& m, const Mask<Real>& where, const Real& distance) {
   m.set(ahead, where, distance);
   m.set(trial, where, distance);
   m.set(tried, where, Real(0.0));
 }
 
-/// Where motions at points of the grid would be a cell later.
+/// Position one cell after a point of the grid, without the barrier.
 template <class Real>
 [[gnu::always_inline]] inline Real x_after_cell(const Memory<Real>& m, const Real& P, const Real& Q, const Real& c,
                                                 const Real& s) {
   return dot(m[cell_p], P, m[cell_q], Q) + (dot(m[cell_c], c, m[cell_s], s) + m[offset]);
 }
-/// Whether from x, not too close to the barrier, that is beyond it: where the speed stays positive, the crossing is the only one.
+/// Whether x is not too close to the barrier and x_later lies beyond it. If the speed stays positive, the crossing is the only
+/// one.
 template <class Real> [[gnu::always_inline]] inline auto crosses_from(const Memory<Real>& m, const Real& x, const Real& x_later) {
   return (x_later >= m[barrier]) & (x <= highest(m));
 }
 
-/// Whether x stays below the highest between two points of the grid. It is below the parabola through both that bends as much as
-/// x may at the most (begin_flight). That is `bow` above the middle of their chord; where d, the difference of the two, is less
-/// than 4 bow, it rises above the higher one, by (4 bow - d)^2/(16 bow).
+/// Whether x stays below highest() between two points of the grid. x lies below the parabola through both points that has the
+/// largest curvature x may have (begin_flight). The parabola is `bow` above the middle of the chord. If d, the difference of
+/// the two positions, is less than 4 bow, it rises above the higher one by (4 bow - d)^2/(16 bow).
 template <class Real> [[gnu::always_inline]] inline auto stays_clear(const Memory<Real>& m, const Real& x, const Real& x_later) {
   const Real four_bows = 4.0 * (m[barrier] - m[ceiling]), lacks = largest(Real(four_bows - abs(Real(x_later - x))), Real(0.0));
   return lacks * lacks < 4.0 * four_bows * (highest(m) - largest(x, x_later));
 }
 
-/// Whether the polynomial of degree N with Bernstein coefficients from partial sums of b is <= 0 on the step and < 0 at its end.
+/// Whether the polynomial of degree N - 1, with Bernstein coefficients from repeated partial sums of b, is <= 0 on the step and
+/// < 0 at its end.
 template <class Real, std::size_t N> auto below_zero(Real (&b)[N]) {
   Real worst = b[0];
 #pragma GCC unroll 8
@@ -86,7 +89,7 @@ template <class Real, std::size_t N> auto below_zero(Real (&b)[N]) {
 }
 
 static_assert(widest_cell <= 0.45, "small_circle and decay are no good beyond that");
-/// How the transient, with its decay, and the forcing turn in a time h >= 0 of at most a cell.
+/// Rotation of the transient, with its decay, and of the forcing in a time h >= 0 of at most a cell.
 template <class Real> struct Turn { Real turn_c, turn_s, force_c, force_s; };
 template <class Real> [[gnu::always_inline]] inline Turn<Real> turn(const Memory<Real>& m, const Real& h) {
   Turn<Real> out;
@@ -98,7 +101,7 @@ template <class Real> [[gnu::always_inline]] inline Turn<Real> turn(const Memory
   return out;
 }
 
-/// Motions in flight a time h later, if there were no barrier.
+/// Motions in flight a time h later, without the barrier.
 template <class Real> struct Later {
   Turn<Real> by;
   Real P, Q, c, s, x;
@@ -125,8 +128,8 @@ void go_on_to(Memory<Real>& m, const Mask<Real>& where, const Later<Real>& there
   m.set(flown, where, Real(m[flown] + h));
 }
 
-/// Motions at a point of the grid set out from x for the one after it: they march where they stay clear of the barrier up to
-/// there; elsewhere the step to it follows at once; of which, it says.
+/// Starts motions at a point of the grid, at position x, for the next one. They march if they stay clear of the barrier up to
+/// it, else they take a step. Returns those that take a step.
 template <class Real>
 [[gnu::always_inline]] inline Mask<Real> set_out(Memory<Real>& m, const Mask<Real>& where, const Real& from, const Real& x,
                                                  const Real& x_later) {
@@ -138,7 +141,7 @@ template <class Real>
   return follows;
 }
 
-/// Motions have come to the next point of the grid. Says which set out for the one after it, but not on a march.
+/// Handles motions that have reached the next point of the grid. Returns those that continue with a step and not with a march.
 template <class Real>
 [[gnu::always_inline]] inline Mask<Real> reach_point(Memory<Real>& m, const Mask<Real>& where, const Later<Real>& z) {
   const Real here = m[next_point];
@@ -187,7 +190,7 @@ template <class Real, bool Tangent> void fly(Memory<Real>& m) {
   const Real length = m[cell];
   const Mask<Real> follows = reach_point(m, moves & (h >= left), there);
   m.set(ahead, moves, select(follows, length, Real(left - h)));
-  // Longer steps again where this one was not the result of a search.
+  // The step is doubled again, unless this one resulted from a search.
   const Real longer = least(Real(select(m[tried] > Real(0.5), h, Real(2.0 * h))), Real(left - h));
   m.set(trial, moves, select(follows, length, longer));
   m.set(trial, stays, Real(0.5 * h));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // FlightSeries: the Taylor series in time of a flight x'' + 2 b x' + k x + beta x^3 = A cos(w t) + c and of its 2x2 tangent in
-// lanes: the equations of detail/cubic_recurrence.hpp, two orders at once (two_orders.hpp), which suits registers that hold the
-// same number of many flights.
+// lanes. The equations are those of flow/cubic_recurrence.hpp, two orders at once (two_orders.hpp), which suits registers that
+// hold the same number of many flights.
 #pragma once
 
 #include <graze/lib/lanes/power_series.hpp>
@@ -41,7 +41,7 @@ template <class Real, bool Tangent, std::size_t Order> class FlightSeries {
 #pragma GCC unroll 1
     for (std::size_t k = 2; k < order; k += 2) next_two<Known::even>(law, constants, k);
   }
-  /// Of the gap, but for the first.
+  /// Coefficients of the gap, except for the first.
   const Coefficients& position() const { return x_; }
   Real gap(const Real& h) const { return madd(h, without_first(x_, h), gap_); }
   Real speed(const Real& h) const { return sum(v_, h); }
@@ -60,8 +60,8 @@ template <class Real, bool Tangent, std::size_t Order> class FlightSeries {
     return z;
   }
 
-  /// Sums of the coefficients of the last order and of the one before, each relative to 1 + |what it belongs to|; of the tangent,
-  /// to 1 + its largest entry.
+  /// Sums of the coefficients of the last order and of the one before, each relative to 1 + |its quantity|; of the tangent,
+  /// relative to 1 + its largest entry.
   void size(const FlightLaw<Real>& law, Real& last, Real& before) const {
     const Real of_x = 1.0 / (1.0 + abs(x_[0])), of_v = 1.0 / (1.0 + abs(v_[0]));
     const auto state = [&](std::size_t k) {
@@ -86,7 +86,7 @@ template <class Real, bool Tangent, std::size_t Order> class FlightSeries {
     Real drag, pull, drag_3, pull_3, twice_bend, force[4];
   };
 
-  /// Sums of products: of order k with bend_; of order k + 1, without their first and last terms, one half of x x.
+  /// Sums of products: of order k with bend_; of order k + 1, without the first and last terms, one half of x x.
   struct Products {
     Real cube, d[2], square;
   };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The march of flights in lanes, over as many cells of the Grid at once as a motion stays clear of the barrier.
+// The march of flights in lanes: crosses at once all cells of the Grid over which a motion stays clear of the barrier.
 #pragma once
 
 #include <graze/lib/lanes/flight.hpp>
@@ -10,7 +10,7 @@
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
-/// How many cells from point k of the grid on, one after the other, end below the ceiling: less than points_ahead.
+/// Number of successive cells from point k of the grid on that end below the ceiling: less than points_ahead.
 template <class Real> std::int64_t cells_below(const Grid& grid, std::int64_t k, double P, double Q, double ceiling) {
   const double* forced = grid.forced + k;
   if constexpr (width<Real> == 1) {
@@ -28,9 +28,9 @@ template <class Real> std::int64_t cells_below(const Grid& grid, std::int64_t k,
   }
 }
 
-/// Takes the motions that march over all cells that end below the ceiling, as far as points_ahead sees, and over one more where
-/// they stay clear of the barrier in it. (That they do in the first, if it ends below the ceiling, is what they march for. What
-/// each lane has for itself is looked up one by one; the rest is done together.)
+/// Carries the marching motions over all cells that end below the ceiling, at most points_ahead - 1, and over one more if they
+/// stay clear of the barrier in it. (The first cell, if it ends below the ceiling, needs no check: otherwise the motion would
+/// not march. Values that differ between lanes are looked up one by one; the rest is done in all lanes together.)
 template <class Real, bool Tangent> void march(Memory<Real>& m) {
   constexpr std::size_t W = width<Real>;
   const Mask<Real> marching = m.is(Task::marching);

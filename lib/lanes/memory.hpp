@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Memory: where the motions in the lanes stand, number by number, and how the lanes are told apart.
+// Memory: the state of the motions in the lanes, one row of numbers for each quantity, and the task of each lane.
 #pragma once
 
 #include <graze/lib/lanes/job.hpp>
@@ -12,28 +12,28 @@
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
-/// What a lane is at. In flight: `marching`, on the grid; `flight`, near the barrier (or by series); `crossing`, in a step that
-/// ends at it; `period_end`.
+/// The task of a lane. In flight: `marching` on the grid; `flight` near the barrier (or by series); `crossing` in a step that
+/// ends at the barrier; `period_end`.
 enum class Task { idle, marching, flight, crossing, period_end, contact, given_up };
 
 enum Field : std::size_t {
-  // A flight: deviation from the particular solution, as P cos(q s) + Q sin(q s) a time s on but for the decay; the spiral
-  // e^(-b t) (cos(q t), sin(q t)) since the flight or the period began; cosine and sine of the forcing's phase.
+  // A flight: deviation from the particular solution, which after a time s is P cos(q s) + Q sin(q s) times the decay; the
+  // spiral e^(-b t) (cos(q t), sin(q t)) since the flight or the period began; cosine and sine of the forcing's phase.
   transient_p,
   transient_q,
   spiral_c,
   spiral_s,
   phase_c,
   phase_s,
-  flown,       ///< time since then
-  next_point,  ///< of the grid: number, and time up to it (none where the task is `marching`: the motion is there)
+  flown,       ///< time since the flight or the period began
+  next_point,  ///< of the grid: its number, and the time up to it (`marching`: the motion is there)
   ahead,
   trial,        ///< length of the next step, at most up to that point
   tried,        ///< 1: the step before was too long
-  ceiling,      ///< below it at both ends of a cell, a motion does not reach the barrier in between
-  off_barrier,  ///< 1: it began there (where the gap is zero, not what rounding says)
-  rest,         ///< time left of the forcing period, where a flight ends and during a contact
-  gap,  ///< a flight with beta x^3: distance from the barrier (negative) and speed; tangent since the flight or the period began
+  ceiling,      ///< if x is below it at both ends of a cell, x does not reach the barrier in between
+  off_barrier,  ///< 1: the flight began on the barrier, with a gap of exactly zero whatever rounding says
+  rest,         ///< time left of the forcing period, at the end of a flight and during a contact
+  gap,  ///< a flight with beta x^3: distance from the barrier (negative), speed, tangent since the flight or the period began
   gap_speed,
   flight_00,
   flight_01,
@@ -48,7 +48,7 @@ enum Field : std::size_t {
   p_0,
   p_1,
   step,
-  steps,   ///< how many there were
+  steps,   ///< number of steps so far
   phi_00,  ///< the period's tangent so far, before the present flight or contact
   phi_01,
   phi_10,
@@ -56,9 +56,9 @@ enum Field : std::size_t {
   det,
   divergence,
   impact_count,  ///< of the period so far
-  ended,         ///< of the motion's periods
-  told_at,       ///< which of them is the next that must be written down, wherever it ends; 0: each
-  begun_at,      ///< position and speed where the period began, of motions that are watched
+  ended,         ///< number of periods of the motion that have ended
+  told_at,       ///< number of the next period to be stored wherever it ends; 0: every one
+  begun_at,      ///< position and speed at the start of the period, of observed motions
   begun_with,
   fields
 };
@@ -68,14 +68,14 @@ template <class Real> struct Memory {
   static_assert(W <= 8, "a byte for each task");
   alignas(64) double coefficient[coefficients][W];
   alignas(64) double field[fields][W];
-  std::uint64_t tasks = 0;  ///< byte t: which lanes are at Task t, bit by bit
+  std::uint64_t tasks = 0;  ///< byte t: bits of the lanes at Task t
   std::size_t motion[W];
-  const Coefficients* coefficients_of[W];  ///< those that `coefficient` has
+  const Coefficients* coefficients_of[W];  ///< source of `coefficient`
   const Grid* grid[W];
   const ContactPieces* table[W];
   SpeedsMet* met[W];
 
-  /// All lanes idle. (They compute along: with numbers that do no harm.)
+  /// All lanes are idle. (Idle lanes take part in the arithmetic, with harmless numbers.)
   Memory() {
     for (auto& row : coefficient) std::fill_n(row, W, 1.0);
     for (auto& row : field) std::fill_n(row, W, 0.0);
@@ -93,13 +93,13 @@ template <class Real> struct Memory {
   Real operator[](Coefficient c) const { return take<Real>(coefficient[c]); }
   void set(Field f, const Real& value) { put(field[f], value); }
   template <class Mask> void set(Field f, const Mask& mask, const Real& value) {
-    if constexpr (W == 1) {  // (masks of one lane are branches that the processor foresees)
+    if constexpr (W == 1) {  // one lane: a branch, which the processor predicts
       if (mask) field[f][0] = value;
     } else {
       put(field[f], Real(select(mask, value, take<Real>(field[f]))));
     }
   }
-  /// The lanes at a task: bit by bit, how many, as a mask.
+  /// The lanes at a task: as bits, their number, as a mask.
   unsigned at(Task t) const { return static_cast<unsigned>(tasks >> 8 * static_cast<unsigned>(t)) & 0xffU; }
   int count(Task t) const { return std::popcount(at(t)); }
   auto is(Task t) const { return mask_of<Real>(at(t)); }
@@ -114,13 +114,13 @@ template <class Real> struct Memory {
   }
   template <class Mask> void assign(const Mask& mask, Task t) { assign_bits(bits(mask), t); }
   void assign(std::size_t lane, Task t) { assign_bits(1U << lane, t); }
-  /// Nothing of the period has been: the tangent is the identity.
+  /// Sets the tangent to the identity at the start of a period.
   template <class Mask> void begin_tangent(const Mask& where) {
     for (const Field one : {phi_00, phi_11, det}) set(one, where, Real(1.0));
     for (const Field zero : {phi_01, phi_10, divergence}) set(zero, where, Real(0.0));
   }
-  /// Of the lanes that have come to the barrier, to it from outside or back. Gives up those that have had too many impacts, and
-  /// returns the others.
+  /// Counts the impacts of lanes that have reached the barrier from outside; lanes that leave a contact do not count. Gives up
+  /// the lanes with too many impacts and returns the others.
   template <class Mask> Mask count_impacts(const Mask& where) {
     const Real count = (*this)[impact_count] + select((*this)[side] > Real(0.0), Real(1.0), Real(0.0));
     set(impact_count, where, count);
@@ -128,7 +128,7 @@ template <class Real> struct Memory {
     assign(but_not(where, good), Task::given_up);
     return good;
   }
-  /// Puts a motion's coefficients in a lane: those of its flight, or those of -x in contact.
+  /// Loads a motion's coefficients into a lane: those of its flight, or those of -x in contact.
   void load(std::size_t lane, const Motion& of_motion, bool pressed) {
     grid[lane] = pressed ? of_motion.pressed_grid : of_motion.grid;
     const Coefficients* const of_side = pressed ? of_motion.pressed : of_motion.coefficients;
@@ -138,13 +138,13 @@ template <class Real> struct Memory {
   }
 };
 
-/// A motion in free flight at an instant: its transient and its forced part, and their derivatives.
+/// A motion in free flight at an instant: position, transient plus forced part, and its derivatives.
 template <class Real> struct Point {
   Real x, v, a, j, x4, x5;
-  Real bound6;  ///< of the sixth derivative from here on
+  Real bound6;  ///< bound of the sixth derivative from here on
 };
 
-/// From the transient's (P, Q) and the forcing's phase.
+/// The point from the transient's (P, Q) and the forcing's phase.
 template <class Real>
 [[gnu::always_inline]] inline Point<Real> point(const Memory<Real>& m, const Real& P, const Real& Q, const Real& c,
                                                 const Real& s) {

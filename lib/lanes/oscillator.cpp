@@ -18,10 +18,10 @@ namespace {
 /// x'' + 2 damping x' + stiffness x + beta x^3 = amplitude cos(frequency t) + constant.
 struct Flight {
   double damping, stiffness, beta, amplitude, frequency, constant;
-  bool cubic;  ///< whatever beta is
+  bool cubic;  ///< has a cubic spring, even if beta is 0
 };
 
-/// nullopt: no such equation.
+/// The flight of a mode; nullopt: it has another equation.
 std::optional<Flight> flight_of(const ModeStructure& structure) {
   if (const auto* q = std::get_if<LinearOscillator>(&structure))
     return Flight{q->damping, q->stiffness, 0.0, q->amplitude, q->frequency, q->constant, false};
@@ -33,7 +33,7 @@ std::optional<Flight> flight_of(const ModeStructure& structure) {
   return std::nullopt;
 }
 
-/// Of a forcing period.
+/// Number of cells of a forcing period.
 double cells_of(const Flight& free) {
   const double w = free.frequency;
   return std::ceil(2.0 * std::numbers::pi / w * std::max(w, std::sqrt(free.stiffness)) / widest_cell);
@@ -44,7 +44,7 @@ struct Description {
   Law law = Law::restitution;
   double barrier = 0.0, restitution = 1.0;
   HertzContact hertz = {};
-  Flight pressed = {};  ///< against a linear elastic stop, of -x
+  Flight pressed = {};  ///< of -x, against a linear elastic stop
   std::size_t hit = 0;
 };
 
@@ -62,17 +62,17 @@ ModeStructure structure(const HybridSystem& system, std::size_t mode, const Vect
   return system.modes[mode].structure ? system.modes[mode].structure(p) : ModeStructure{};
 }
 
-/// Whether a contact is left where it was entered, state and field being continuous.
+/// Whether a contact is left at the level where it was entered, with continuous state and field.
 bool leads_back(const Event& entering, const Event& leaving) {
   return leaving.to == entering.from && leaving.continuous && entering.continuous && leaving.guard.level &&
          leaving.guard.level->level == entering.guard.level->level;
 }
 
-/// Beyond these dampings (k_H b_H and b) a contact creeps so slowly that the tangent in Hill's form (contact_series.hpp), where
-/// that is a difference of their squares, loses digits.
+/// Largest dampings (k_H b_H and b). Beyond them a contact creeps so slowly that its tangent in Hill's form
+/// (contact_series.hpp), a difference of their squares there, loses digits.
 constexpr double strongest_contact_damping = 3e4, strongest_damping = 30.0;
 
-/// Contact by Hertz's law with the equations of the flight.
+/// Whether the contact follows Hertz's law and the oscillator is that of the flight.
 bool is_contact_of(const Flight& free, const HertzContact& contact, const Event& entering) {
   using C = HertzContact;
   const auto& q = contact.value;
@@ -81,10 +81,10 @@ bool is_contact_of(const Flight& free, const HertzContact& contact, const Event&
          is_barrier(contact, entering.guard.level->level);
 }
 
-/// A period that is an expression of parameters is 2 pi / frequency but for this, relative.
+/// Largest relative difference between 2 pi / frequency and a period given as an expression of parameters: rounding.
 constexpr double roundings_of_period = 4e-16;
 
-/// Whether the lanes can fly so.
+/// Whether the lanes support the flight.
 bool flies(const HybridSystem& system, std::size_t mode, const ModeStructure& structure, const Flight& flight, const Vector& p) {
   const double T = forcing_period(system, p), own = 2.0 * std::numbers::pi / flight.frequency;
   if (std::abs(own - T) > roundings_of_period * T) return false;
@@ -136,7 +136,7 @@ std::optional<Description> describe(const HybridSystem& system, const Vector& p)
   return out;
 }
 
-/// What the closed form of a linear flight and its grid are made of.
+/// Adds the coefficients of a linear flight's closed form and of its grid.
 void add_closed_form(const Flight& free, Coefficients& q) {
   const double w = free.frequency, k = free.stiffness, b = free.damping;
   const double detuning = k - w * w, drag = 2.0 * b * w, D = detuning * detuning + drag * drag;
@@ -159,10 +159,10 @@ void add_closed_form(const Flight& free, Coefficients& q) {
   q[cell_s] = q[sine] * turned_c - q[cosine] * turned_s;
 }
 
-/// Of a flight at x, whose angular frequency this would be.
+/// Stiffness of a flight linearised at x: the square of the angular frequency there.
 double stiffness_at(const Flight& flight, double x) { return flight.stiffness + 3.0 * flight.beta * x * x; }
 
-/// Of x (side 1), or of -x.
+/// Coefficients of x (side 1), or of -x (side -1).
 Coefficients coefficients_of(const Description& oscillator, double of_side) {
   const Flight& free = of_side > 0.0 ? oscillator.free : oscillator.pressed;
   Coefficients q{};
@@ -175,8 +175,8 @@ Coefficients coefficients_of(const Description& oscillator, double of_side) {
   q[barrier] = of_side * oscillator.barrier;
   q[side] = of_side;
   q[period] = 2.0 * std::numbers::pi / free.frequency;
-  // An instant at the barrier is known to the rounding of its place over the speed; the tangent of a linear stop, whose field
-  // bends there by its stiffness, to k_S times that.
+  // The time of impact has error (position rounding) / (impact speed). The tangent of a linear elastic stop, whose field bends
+  // at the barrier by its stiffness, has k_S times that error.
   const double corner = oscillator.law == Law::linear_elastic ? std::sqrt(oscillator.pressed.stiffness) : 0.0;
   q[slowest_impact] = 1e-4 * std::max(1.0, 0.005 * (1.0 + std::abs(oscillator.barrier)) * corner);
   q[shortest_flight] = 0.06 / std::sqrt(std::max(1e-6, stiffness_at(free, oscillator.barrier)));
@@ -190,7 +190,7 @@ Coefficients coefficients_of(const Description& oscillator, double of_side) {
 
 using Complex = std::complex<long double>;  // so that a double is right to its last bit
 
-/// z^k for k = 0, 1, ..., each of two earlier ones: after few products.
+/// z^k for k = 0, 1, ..., each from two earlier powers, so that few products follow on each other.
 std::vector<Complex> powers(Complex z, std::size_t count) {
   std::vector<Complex> out{1.0L, z};
   out.reserve(count + 1);
@@ -203,11 +203,11 @@ std::vector<Complex> powers(Complex z, std::size_t count) {
 
 Complex polar(long double size, long double angle) { return {size * std::cos(angle), size * std::sin(angle)}; }
 
-/// Cosine and sine of k n-ths of a turn, k = 0 ... n + 1.
+/// Cosine and sine of k/n of a turn, k = 0 ... n + 1.
 struct Phases {
   std::vector<double> c, s;
 };
-/// (Of many parameters they are the same: the last are kept.)
+/// The phases for n cells. Many parameter sets share them: the last ones are kept.
 std::shared_ptr<const Phases> phases_of(std::size_t n) {
   thread_local std::shared_ptr<const Phases> last;
   if (last && last->c.size() == n + 2) return last;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The oscillators of which the lanes know the equations: in free flight linear and underdamped or a cantilever (beta x^3), before
-// one barrier at the right, rigid with a coefficient of restitution, of Hertz's law, or linear elastic; whose forcing is not so
-// slow (nor the stop so stiff) that, if linear, its period has more than `most_cells` cells.
+// Recognises the oscillators that the lanes support, and computes their coefficients. In free flight an oscillator is linear
+// and underdamped, or a cantilever (beta x^3). It has one barrier at its right: rigid with a coefficient of restitution, of
+// Hertz's law, or linear elastic. A linear flight must not have more than `most_cells` cells in a period, which excludes slow
+// forcing and stiff stops.
 #pragma once
 
 #include <graze/lib/lanes/job.hpp>
@@ -18,18 +19,18 @@ struct Oscillator {
   Law law = Law::restitution;
   bool cubic = false;
   Coefficients coefficients{};
-  std::shared_ptr<const Grid> grid;  ///< none, if cubic
-  Coefficients pressed{};            ///< with a linear elastic stop: in contact, of -x
+  std::shared_ptr<const Grid> grid;  ///< null if cubic
+  Coefficients pressed{};            ///< coefficients of -x in contact with a linear elastic stop
   std::shared_ptr<const Grid> pressed_grid;
   std::size_t hit = 0;  ///< index of the event in which a contact begins
 
-  /// Whether there are tables of its contacts.
+  /// Whether its contacts can be tabulated.
   bool tabulated() const { return law == Law::hertz && !cubic; }
 };
 
-/// Whether the lanes know the system at these parameters.
+/// Whether the lanes support the system at these parameters.
 bool lanes_know(const HybridSystem& system, const Vector& p);
-/// nullopt: the lanes do not know the system at these parameters.
+/// The oscillator of the system at these parameters. nullopt: the lanes do not support it.
 std::optional<Oscillator> lane_oscillator(const HybridSystem& system, const Vector& p);
 
 }  // namespace graze::lanes

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Contacts in lanes: an impact with a coefficient of restitution, the way into and out of a linear elastic stop, and a step of a
-// Hertz contact (hertz_flow.hpp, the same series).
+// Contacts in lanes: an impact with a coefficient of restitution, entry into and exit from a linear elastic stop, and a step of
+// a Hertz contact (the series of hertz_flow.hpp).
 #pragma once
 
 #include <graze/lib/lanes/contact_series.hpp>
@@ -15,7 +15,7 @@
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
-/// Tells those who want to know of impacts and entries into contact (Motion::notes).
+/// Records the speeds of impacts and entries into contact (Motion::notes).
 template <class Real> void note_impacts(const Memory<Real>& m, const Landing<Real>& landing, const Motion* motions) {
   alignas(64) double speed[width<Real>];
   put(speed, landing.v);
@@ -38,7 +38,8 @@ template <class Flight, class Real> void rebound(Memory<Real>& m, const Landing<
   Flight::leave_barrier(m, landing.where, after, landing.c, landing.s);
 }
 
-/// A contact with a linear elastic stop begins or ends: state and field are continuous, the saltation matrix is the identity.
+/// Begins or ends a contact with a linear elastic stop: state and field are continuous, so the saltation matrix is the
+/// identity.
 template <class Flight, class Real> void change_sides(Memory<Real>& m, const Landing<Real>& landing, const Motion* motions) {
   for_each(landing.where, [&](std::size_t lane) {
     const bool enters = m.coefficient[side][lane] > 0.0;
@@ -52,7 +53,7 @@ template <class Real> ContactLaw<Real> contact_law(const Memory<Real>& m) {
   return {2.0 * m[damping], m[frequency], m[amplitude], m[barrier], k_H, k_H * m[contact_damping], m[lanes::cubic]};
 }
 
-/// The tangent of what follows of a contact is the identity: (z, p), half of the damping being so much.
+/// Sets the tangent of the rest of a contact to the identity, in the columns (z, p).
 template <class Real> void begin_columns(Memory<Real>& m, const Mask<Real>& where, const Real& half_damping) {
   m.set(z_0, where, Real(1.0));
   m.set(z_1, where, Real(0.0));
@@ -60,7 +61,7 @@ template <class Real> void begin_columns(Memory<Real>& m, const Mask<Real>& wher
   m.set(p_1, where, Real(1.0));
 }
 
-/// A contact begins at depth y^2 and speed v.
+/// Begins a contact at depth y^2 and speed v.
 template <class Real>
 void touch(Memory<Real>& m, const Mask<Real>& where, const Real& y, const Real& v, const Real& c, const Real& s) {
   m.set(depth, where, y);
@@ -75,7 +76,7 @@ void touch(Memory<Real>& m, const Mask<Real>& where, const Real& y, const Real& 
   m.assign(where, Task::contact);
 }
 
-/// Where a contact ended.
+/// Lanes whose contact ended, at the barrier or with the period, and their state and phase there.
 template <class Real> struct Surfacing {
   Mask<Real> at_barrier, at_end;
   Real y, v, c, s;
@@ -90,7 +91,7 @@ template <class Flight, class Real, class Job> Surfacing<Real> press(Memory<Real
                              m[z_0],   m[z_1],   m[p_0],     m[p_1]};
   const Series series(law, z);
   const Real spring = Flight::spring_at_barrier(m);
-  // Twice the square of the longest step, over the acceleration that there may be.
+  // The square of the longest step, times the bound of the acceleration.
   constexpr double longest = 2.0 * detail::hertz_longest_step * detail::hertz_longest_step;
   const auto acceleration = [&](const Real& v, const Real& dt) {
     return largest(Real(abs(Real(law.xi * z.c - spring)) + law.b2 * abs(v) + abs(law.xi) * law.w * dt), Real(1e-12));
@@ -124,7 +125,7 @@ template <class Flight, class Real, class Job> Surfacing<Real> press(Memory<Real
     surfaced = in_time;
     s = root_in_step([&](const Real& trial) { return std::pair<Real, Real>(series.time(trial) - duration, series.depth(trial)); },
                      s, select(late, parabola_root(Real(z.time - duration), z.y, s, over), s), late);
-    // Elsewhere s = h: the step itself.
+    // In the other lanes s = h, the whole step.
   }
   const ContactState<Real> next = series.at(s);
   m.set(step, pressed, h);
@@ -137,7 +138,7 @@ template <class Flight, class Real, class Job> Surfacing<Real> press(Memory<Real
   m.set(contact_divergence, pressed, next.divergence);
   const Mask<Real> ended = surfaced | late;
   const Real y = select(surfaced, Real(0.0), next.y);
-  // What the contact has done to the tangent is taken over at its end, and before z and p become too large for numbers.
+  // The tangent of the contact is composed into that of the period at the end of the contact, and before z and p overflow.
   const Mask<Real> taken_over = ended | (pressed & (next.divergence < Real(-40.0)));
   if constexpr (Flight::tangent) {
     m.set(z_0, pressed, next.z_0);

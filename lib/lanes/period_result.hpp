@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a forcing period in a lane did, written down, and where it ended.
+// Result of a forcing period in a lane, and the test whether it ended in an ellipse of the job.
 #pragma once
 
 #include <graze/lib/lanes/memory.hpp>
@@ -9,7 +9,7 @@
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
-/// Writes down a lane's period, which ended at (x, v).
+/// Stores the result of a lane's period, which ended at (x, v).
 template <class Real, bool Tangent>
 void write_period(const Memory<Real>& m, std::size_t lane, double x, double v, Period& result) {
   result.x = x;
@@ -26,7 +26,7 @@ void write_period(const Memory<Real>& m, std::size_t lane, double x, double v, P
   result.by_propagator = false;
 }
 
-/// Which of these states are in an ellipse of the job.
+/// Lanes whose state is in an ellipse of the job.
 template <class Real> Mask<Real> in_ellipses(const Job& job, const Real& x, const Real& v) {
   Mask<Real> in = mask_of<Real>(0);
   for (std::size_t i = 0; i < job.ellipse_count; ++i) {

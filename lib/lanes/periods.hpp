@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Periods: where the forcing periods of the motions in the lanes of a register begin and end, and these begin and end with them.
+// Periods: starts and ends the forcing periods, and with them the motions, in the lanes of a register set.
 #pragma once
 
 #include <graze/lib/lanes/memory.hpp>
@@ -19,7 +19,7 @@ template <class Flight> class Periods {
   static constexpr std::size_t W = width<Real>;
 
  public:
-  using Jobs = Queue<2 * W>;  // for this one and another
+  using Jobs = Queue<2 * W>;  // for two register sets
 
   Periods(const Job& job, Jobs& queue) : job_(job), queue_(queue) {
     Starts starts;
@@ -27,7 +27,7 @@ template <class Flight> class Periods {
     begin_motions(starts);
   }
 
-  /// Lanes that have nothing to do take motions that have joined meanwhile.
+  /// Idle lanes take motions that have joined meanwhile.
   void take_more() {
     if (memory_.count(Task::idle) == 0 || queue_.empty()) return;
     Starts starts;
@@ -36,8 +36,8 @@ template <class Flight> class Periods {
   }
 
  protected:
-  /// Writes down what the periods did, where somebody wants to know, and begins the next, from what is written: it is the same
-  /// where another call goes on. Says which motions go on.
+  /// Stores the period's result if requested, and starts the next period from the stored values, so that splitting a run
+  /// between calls changes nothing. Returns the motions that continue.
   Mask<Real> end_periods(const Mask<Real>& where, const Real& x, const Real& v) {
     Starts starts;
     const Real number = memory_[ended] + 1.0;
@@ -66,7 +66,7 @@ template <class Flight> class Periods {
       const Motion& motion = job_.motions[memory_.motion[lane]];
       const std::size_t period = ended_in(lane);
       if (motion.notes) motion.notes->count = motion.notes->before;
-      if (period > 0 && memory_.field[told_at][lane] > 0.0) {  // the one before was perhaps not written down
+      if (period > 0 && memory_.field[told_at][lane] > 0.0) {  // the result of the period before may not be stored
         motion.result(period - 1).x = memory_.field[begun_at][lane];
         motion.result(period - 1).v = memory_.field[begun_with][lane];
       }
@@ -86,10 +86,10 @@ template <class Flight> class Periods {
   Memory<Real> memory_;
 
  private:
-  /// Where motions begin.
+  /// Start states of motions.
   struct Starts {
     alignas(64) double x[W], v[W];
-    unsigned there = 0;  // bit by bit
+    unsigned there = 0;  // bits of the lanes
     Starts() {
       put(x, Real(0.0));
       put(v, Real(0.0));
@@ -98,7 +98,7 @@ template <class Flight> class Periods {
 
   std::size_t ended_in(std::size_t lane) const { return static_cast<std::size_t>(memory_.field[ended][lane]); }
 
-  /// What the periods did that have ended in these lanes. Says which motions go on.
+  /// Stores the results of the periods that have ended in these lanes. Returns the motions that continue.
   Mask<Real> write_down(const Mask<Real>& where, const Real& x, const Real& v, const Mask<Real>& in_ellipse, Starts& starts) {
     const unsigned interesting = bits(in_ellipse);
     unsigned goes_on = 0;
@@ -156,7 +156,7 @@ template <class Flight> class Periods {
     place(lane, motion, motion.x, motion.v, starts);
   }
 
-  /// Lets the motion of a lane begin a period at (x, v).
+  /// Starts a period of a lane's motion at (x, v).
   void place(std::size_t lane, const Motion& motion, double x, double v, Starts& starts) {
     if (motion.notes) motion.notes->before = motion.notes->count;
     load(lane, motion, x);
@@ -168,7 +168,7 @@ template <class Flight> class Periods {
     memory_.load(lane, motion, job_.law == Law::linear_elastic && x > (*motion.coefficients)[barrier]);
   }
 
-  /// Whether a motion does, at the end of a period; its watch is told, and asked.
+  /// Whether a motion continues after a period. If `told`, its observer is called and decides too.
   bool may_go_on(std::size_t lane, const Motion& motion, const Period& result, bool told) {
     const std::size_t number = ended_in(lane);
     const bool more = number != motion.periods && !queue_.stops(motion);
@@ -178,7 +178,7 @@ template <class Flight> class Periods {
     listen(lane, motion);
     return more;
   }
-  /// Which period of a motion is the next that has to be written down: of those not watched each.
+  /// Sets which period of a motion must be stored next: without an observer, every one.
   void listen(std::size_t lane, const Motion& motion) {
     const bool some = motion.watch && !motion.notes && !job_.while_full;
     memory_.field[told_at][lane] = some ? static_cast<double>(std::min(motion.watch->next, motion.periods)) : 0.0;
@@ -186,7 +186,7 @@ template <class Flight> class Periods {
 
   void end_motion(std::size_t lane, Starts& starts, bool failed) {
     queue_.end(memory_.motion[lane], {ended_in(lane), failed});
-    // Whoever was told of it may have other coefficients in the same place now.
+    // The callback may have put other coefficients in the same place.
     if (job_.more) memory_.coefficients_of[lane] = nullptr;
     next_motion(lane, starts);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Power series in lanes: of what order they are, and their values.
+// Power series in lanes: their orders and their values.
 #pragma once
 
 #include <graze/lib/lanes/real.hpp>
@@ -10,8 +10,8 @@
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
-/// The length of a step goes as tolerance^(1/order), and its cost as the square of the order, but for much that does not depend
-/// on it: at small tolerances (the default is one) the high order takes a sixth less time, at 1e-10 the low one.
+/// The length of a step goes as tolerance^(1/order), and its cost as the square of the order plus a large constant part. At
+/// small tolerances (such as the default) the high order takes a sixth less time, at 1e-10 the low one does.
 inline constexpr std::size_t low_order = 16, high_order = 20;
 inline constexpr double small_tolerance = 5e-13;
 
@@ -22,11 +22,11 @@ inline constexpr auto inverses = [] {
   return all;
 }();
 
-/// (a[0] + a[1] h + ... - a[0])/h. Even and odd powers apart: half as long a chain.
+/// (a[0] + a[1] h + ... - a[0])/h. Even and odd powers are summed separately, in a chain of half the length.
 template <class Real, std::size_t N> Real without_first(const std::array<Real, N>& a, const Real& h) {
   static_assert(N % 2 == 1 && N > 4);
   const Real square = h * h;
-  Real odd = a[N - 2], even = a[N - 1];  // of h times the sum
+  Real odd = a[N - 2], even = a[N - 1];  // odd and even powers of the full series
   for (std::size_t k = N - 2; k > 2; k -= 2) {
     odd = madd(square, odd, a[k - 2]);
     even = madd(square, even, a[k - 1]);

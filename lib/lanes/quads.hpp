@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Quads: of a motion in one lane, several of its series side by side in a register, so that their products are summed at once.
-// Each sum is that of the series by itself, to the last bit. (What wide registers have in each lane, they do not have side by
-// side: there these are not used.)
+// Quads: vectorise a single motion across its series instead of many motions across lanes. Several series stand side by side in
+// a register, so that their products are summed at once. Each sum is that of the series by itself, to the last bit. (With
+// several motions in a register quads are not used.)
 #pragma once
 
 #include <graze/lib/lanes/two_orders.hpp>
@@ -29,15 +29,15 @@ struct Pair {};
 template <class Register> std::array<double, 4> numbers(const Register&);
 #endif
 
-/// Of a Hertz contact (ContactSeries).
+/// The series of a Hertz contact (ContactSeries).
 template <bool Used, std::size_t Order> struct ContactQuads {};
 template <std::size_t Order> struct ContactQuads<true, Order> {
-  Quad left[Order + 1], right[Order + 1];       ///< (y, y, y, u) and (c, s, y^4, y): of order k + 1, but for c and s, at k
-  Pair roots[Order + 1];                        ///< (y, u), likewise
+  Quad left[Order + 1], right[Order + 1];  ///< (y, y, y, u) and (c, s, y^4, y): entry k has order k + 1, but order k of c and s
+  Pair roots[Order + 1];                   ///< (y, u), of order k + 1
   Quad factors[Order + 1], columns[Order + 1];  ///< (y, y, f, f) and (p_0, p_1, z_0, z_1)
 };
 
-/// Of a flight with its tangent (FlightSeries).
+/// The series of a flight with its tangent (FlightSeries).
 template <bool Used, std::size_t Order> struct FlightQuads {};
 template <std::size_t Order> struct FlightQuads<true, Order> {
   Quad bend[Order + 1], columns[Order + 1];  ///< -beta x^2 four times, and (x, dx_0, dx_1, 0)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Queue: the motions of a job, as lanes take them, and how far each of them came.
+// Queue: gives the motions of a job to the lanes and keeps their progress.
 #pragma once
 
 #include <graze/lib/lanes/job.hpp>
@@ -12,26 +12,26 @@ inline namespace GRAZE_ARITHMETIC {
 
 template <std::size_t Lanes> class Queue {
  public:
-  /// For so many lanes, or fewer if there are not so many motions.
+  /// For this number of lanes, or fewer if there are fewer motions.
   explicit Queue(const Job& job) : job_(job), count_(job.count), lanes_(std::min(job.count, Lanes)) {
     for (std::size_t i = 0; i < job.count; ++i) look_at(job.motions[i]);
   }
-  /// Whether any motion has a table of contacts, wants the speeds met counted or those of its impacts written down, is watched.
+  /// Whether any motion has a table of contacts, a histogram of speeds, a recorder of impacts, an observer.
   bool tables() const { return tables_; }
   bool met() const { return met_; }
   bool notes() const { return notes_; }
   bool watched() const { return watched_; }
 
   bool empty() const { return taken_ == count_; }
-  /// The number of the next motion.
+  /// Takes the next motion and returns its number.
   std::size_t take() { return taken_++; }
   void end(std::size_t number, const Carried& carried) {
     job_.carried[number] = carried;
     ++ended_;
     if (job_.more) ask_for_more(number);
   }
-  /// Whether a motion ends with its period, though more were asked for (Job::while_full): at less than 7/8 of the lanes, the
-  /// steps that are saved are more than those in which lanes wait for the ends of the others' periods.
+  /// Whether a motion stops at the end of its period although it has more (Job::while_full). With fewer than 7/8 of the lanes
+  /// busy, this saves more steps than the lanes lose while they wait for the ends of the others' periods.
   bool stops(const Motion& motion) const {
     return job_.while_full && !motion.table && empty() && 8 * (taken_ - ended_) < 7 * lanes_;
   }
@@ -43,7 +43,7 @@ template <std::size_t Lanes> class Queue {
     notes_ = notes_ || motion.notes;
     watched_ = watched_ || motion.watch;
   }
-  /// (Those that are new stand behind the others, or one of them before.)
+  /// New motions stand behind the others, except that one may stand first among those not taken.
   void ask_for_more(std::size_t number) {
     WideRegisters::leave();
     const std::size_t before = count_;

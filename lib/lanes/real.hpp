@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Real: a number of one motion (double), or the same number of as many motions as a SIMD register holds (xsimd::batch). What the
-// lanes do is written once for both, and once compiled with fused multiply-add and once without (GRAZE_FUSED; the code of either
-// in a namespace of its own). Only what is written as madd() is fused: the result is the same to the last bit in any number of
-// lanes, and on all machines that fuse.
+// Real: a number of one motion (double), or the same number of as many motions as a SIMD register holds (xsimd::batch). The
+// code of the lanes is written once for both. It is compiled twice, with and without fused multiply-add (GRAZE_FUSED), each in
+// a namespace of its own. Only madd() and msub() are fused: the result is the same to the last bit in any number of lanes, and
+// on all machines that fuse.
 #pragma once
 
 #include <xsimd/xsimd.hpp>
@@ -42,7 +42,7 @@ template <class T, class A> xsimd::batch_bool<T, A> but_not(const xsimd::batch_b
 #endif
   return a & !b;
 }
-/// Bit i: that of lane i.
+/// The mask as bits: bit i is that of lane i.
 template <class T, class A> unsigned bits(const xsimd::batch_bool<T, A>& mask) {
 #if XSIMD_WITH_AVX512F
   if constexpr (std::is_same_v<A, xsimd::avx512f>) return mask.data;
@@ -87,7 +87,7 @@ using xsimd::select;
 template <class Real> Real least(const Real& a, const Real& b) { return xsimd::min(a, b); }
 template <class Real> Real largest(const Real& a, const Real& b) { return xsimd::max(a, b); }
 
-/// From and to an array of width<Real> numbers, aligned for it.
+/// Loads from and stores to an aligned array of width<Real> numbers.
 template <class Real> Real take(const double* from) {
   if constexpr (width<Real> == 1)
     return *from;
@@ -116,7 +116,7 @@ template <class Real> [[gnu::always_inline]] inline Real madd(const Real& a, con
   return a * b + c;
 #endif
 }
-/// a b - c. (Not madd with -c: in eight lanes xsimd takes 0 - c for it, and 0 where the others have -0.)
+/// a b - c. (Not madd(a, b, -c): in eight lanes xsimd forms -c as 0 - c, which is 0 where the others have -0.)
 [[gnu::always_inline]] inline double msub(double a, double b, double c) {
 #ifdef GRAZE_FUSED
   return __builtin_fma(a, b, -c);
@@ -176,14 +176,15 @@ inline constexpr double inverse_factorial[] = {1.0,
                                                1.0 / 6227020800.0,
                                                1.0 / 87178291200.0};
 
-/// cos and sin for 0 <= angle <= 0.45 to a few units in the last place: Taylor polynomials (left out: 0.45^15/15! = 5e-18).
+/// cos and sin for 0 <= angle <= 0.45 to a few units in the last place, by Taylor polynomials (truncation error: 0.45^15/15! =
+/// 5e-18).
 template <class Real> [[gnu::always_inline]] inline void small_circle(const Real& angle, Real& c, Real& s) {
   const Real square = angle * angle;
   c = polynomial(inverse_even, square);
   s = angle * polynomial(inverse_odd, square);
 }
 
-/// The same for 0 <= angle <= 3: at an eighth of it, squared three times as a complex number.
+/// The same for 0 <= angle <= 3: at an eighth of the angle, then squared three times as a complex number.
 template <class Real> void circle(const Real& angle, Real& c, Real& s) {
   small_circle(Real(0.125 * angle), c, s);
   for (int times = 0; times < 3; ++times) {
@@ -193,7 +194,7 @@ template <class Real> void circle(const Real& angle, Real& c, Real& s) {
   }
 }
 
-/// e^-x for 0 <= x <= 0.45 (left out: 0.45^15/15!).
+/// e^-x for 0 <= x <= 0.45 (truncation error: 0.45^15/15!).
 template <class Real> [[gnu::always_inline]] inline Real decay(const Real& x) { return polynomial(inverse_factorial, Real(-x)); }
 
 }  // namespace GRAZE_ARITHMETIC

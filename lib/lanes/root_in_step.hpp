@@ -6,15 +6,15 @@
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
-/// Of the parabola that begins at `start` <= 0 with this slope and has come to `end` >= 0 after h: where in [0, h] it is zero.
+/// The zero in [0, h] of the parabola with value `start` <= 0 and slope `slope` at 0, and value `end` >= 0 at h.
 template <class Real> Real parabola_root(const Real& start, const Real& slope, const Real& h, const Real& end) {
   const Real bend = (end - start - slope * h) / (h * h);
   const Real root = -2.0 * start / (slope + sqrt(largest(Real(slope * slope - 4.0 * bend * start), Real(0.0))));
   return least(largest(root, Real(0.0)), h);
 }
 
-/// Newton from s on, kept in the bracket [0, h], on a quantity of a partial step with its derivative; negative at 0 and not so at
-/// h. What is not sought stays s.
+/// Root by Newton's method from s on, kept in the bracket [0, h]. `value` returns a quantity of a partial step and its
+/// derivative; the quantity is negative at 0 and not negative at h. Lanes outside `seeking` keep s.
 template <class Real, class Value> Real root_in_step(const Value& value, const Real& h, Real s, Mask<Real> seeking) {
   Real lo = Real(0.0), hi = h;
   for (int i = 0; i < 60 && any(seeking); ++i) {

@@ -9,10 +9,10 @@
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
-/// A number with whole numbers up to 2^32 in its lower half: 2^52 more than they.
+/// Added to a whole number below 2^32, it puts that number into the lower half of the double.
 inline constexpr double two_to_52 = 4503599627370496.0;
 
-/// The upper half of a double read as a whole number: its logarithm to base 2 up to 0.09, with 2^20 for the unit.
+/// The upper half of a double read as a whole number: its logarithm to base 2 within 0.09, in units of 2^-20.
 template <class Real> [[gnu::always_inline]] inline Real upper_half(const Real& x) {
   constexpr auto above = std::bit_cast<std::uint64_t>(two_to_52);
   if constexpr (width<Real> == 1) {
@@ -22,7 +22,7 @@ template <class Real> [[gnu::always_inline]] inline Real upper_half(const Real& 
     return xsimd::bitwise_cast<Real>(Whole(xsimd::bitwise_cast<Whole>(x) >> 32 | Whole(above))) - Real(two_to_52);
   }
 }
-/// The double with this upper half, rounded to a whole number, and nothing in the lower.
+/// The double with this upper half, rounded to a whole number, and a lower half of zero.
 template <class Real> [[gnu::always_inline]] inline Real from_upper_half(const Real& half) {
   if constexpr (width<Real> == 1) {
     return std::bit_cast<double>(std::bit_cast<std::uint64_t>(half + two_to_52) << 32);
@@ -32,7 +32,7 @@ template <class Real> [[gnu::always_inline]] inline Real from_upper_half(const R
   }
 }
 
-/// (x/y)^(1/order) to 4%, as detail::rough_root() has it, for y >= 0.
+/// (x/y)^(1/order) to 4%, like detail::rough_root(), for y >= 0.
 template <std::size_t order, class Real> [[gnu::always_inline]] inline Real rough_root(double x, const Real& y) {
   const double one = upper_half(1.0);
   constexpr double inverse = 1.0 / static_cast<double>(order);

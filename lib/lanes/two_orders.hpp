@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// TwoOrders: two successive coefficients of products of power series at once. Each number that is loaded serves both, which
-// halves the loads: they, not the arithmetic, are what sums of products in wide registers wait for. How many coefficients are
-// known is a number and no constant: code of its own for each order would be more than instruction caches hold.
+// TwoOrders: computes two successive coefficients of products of power series at once. Each loaded number serves both, which
+// halves the loads: loads, not arithmetic, limit sums of products in wide registers. The number of known coefficients is a
+// variable and not a template constant, because separate code for each order would not fit in the instruction cache.
 #pragma once
 
 #include <graze/lib/lanes/real.hpp>
@@ -12,11 +12,12 @@
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
-/// How many coefficients are known: none, an even or an odd number of them.
+/// Number of known coefficients: none, even or odd.
 enum class Known { none, even, odd };
 
-/// Products of a series a with N others, and one half of its square if Squared, the first `known` coefficients of all of them
-/// being known: the sums of a_i b_j over i + j = known - 1, and over i + j = known once the next coefficients are known, too.
+/// Products of a series a with N others and, if Squared, one half of its square. The first `known` coefficients of all series
+/// are known. first() is the sum of a_i b_j over i + j = known - 1. second() is the sum over i + j = known and needs the next
+/// coefficients, too.
 template <class Real, Known Number, std::size_t N, bool Squared> class TwoOrders {
  public:
   template <class... Series>
@@ -37,7 +38,7 @@ template <class Real, Known Number, std::size_t N, bool Squared> class TwoOrders
   }
 
  private:
-  /// From the middle on: what was computed last comes last, and need not be waited for.
+  /// Sums from the middle outwards: the newest coefficients enter last, so that the sum need not wait for them.
   [[gnu::always_inline]] void add_up() {
     const std::size_t middle = known_ / 2;
     Real a_low = a_[middle];
@@ -80,7 +81,7 @@ template <class Real, Known Number, std::size_t N, bool Squared> class TwoOrders
   std::size_t known_;
   const Real* a_;
   std::array<const Real*, N> b_;
-  /// The last: of the square. The second without its ends.
+  /// The last entry is that of the square. second_ lacks the first and last terms of its sum.
   std::array<Real, N + 1> first_{}, second_{};
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Whole Hertz contacts in lanes: from a table, and one by one for making it.
+// Whole Hertz contacts in lanes: from a table, and in steps to make the table.
 #pragma once
 
 #include <graze/lib/lanes/contact_sum.hpp>
@@ -14,16 +14,16 @@ inline namespace GRAZE_ARITHMETIC {
 
 inline constexpr double cells_per_angle = static_cast<double>(time_cells) / std::numbers::pi;
 
-/// What the table says of contacts that begin now.
+/// The table's values for contacts that begin now.
 template <class Real> struct KnownContact {
-  Mask<Real> ends;                         ///< before the period does
-  Mask<Real> spans;                        ///< the end of the period, where it stands at depth y^2 and speed v
-  Real duration, v_out, divergence, c, s;  ///< of it all; the forcing's phase at its end
+  Mask<Real> ends;                         ///< lanes whose contact ends before the period
+  Mask<Real> spans;                        ///< lanes whose contact spans the end of the period, at depth y^2 and speed v
+  Real duration, v_out, divergence, c, s;  ///< of the whole contact; the forcing's phase at its end
   Real y, v, begun_divergence;             ///< at the end of the period
   Real Phi[4], begun_Phi[4];
 };
 
-/// The quantities of pieces, one of each lane (none: null), at (u, v).
+/// Evaluates pieces, one for each lane (null: none), at (u, v).
 template <class Real, bool Tangent> class PieceSums {
  public:
   static constexpr std::size_t W = width<Real>;
@@ -56,7 +56,7 @@ template <class Real, bool Tangent> class PieceSums {
   }
 };
 
-/// Of the contacts that begin with the landings.
+/// Looks up the contacts that begin with the landings.
 template <class Real, bool Tangent> KnownContact<Real> known_contact(const Memory<Real>& m, const Landing<Real>& landing) {
   constexpr std::size_t W = width<Real>;
   alignas(64) double here[W], time[W], speed[W], left[W], ends[W] = {}, spans[W] = {}, angle[W] = {};
@@ -111,7 +111,7 @@ template <class Real, bool Tangent> KnownContact<Real> known_contact(const Memor
   return out;
 }
 
-/// Writes down how fast the barrier was met, of motions whose table is still to be made.
+/// Counts the speeds of entry of motions whose table is still to be made.
 template <class Real> void note_speeds(const Memory<Real>& m, const Landing<Real>& landing) {
   alignas(64) double speed[width<Real>];
   put(speed, landing.v);
@@ -123,7 +123,7 @@ template <class Real> void note_speeds(const Memory<Real>& m, const Landing<Real
   });
 }
 
-/// A contact is over: by table, within the period.
+/// Ends a tabulated contact within the period.
 template <class Real, bool Tangent> void leave_known(Memory<Real>& m, const KnownContact<Real>& contact) {
   if constexpr (Tangent) compose(m, contact.ends, contact.Phi[0], contact.Phi[1], contact.Phi[2], contact.Phi[3]);
   m.set(divergence, contact.ends, Real(m[divergence] + contact.divergence));
@@ -131,14 +131,15 @@ template <class Real, bool Tangent> void leave_known(Memory<Real>& m, const Know
   leave_barrier<Real, Tangent>(m, contact.ends, contact.v_out, contact.c, contact.s);
 }
 
-/// Of a contact that spans the end of the period, the part before it,
+/// Carries the part of a contact before the end of the period.
 template <class Real, bool Tangent> void begin_spanning(Memory<Real>& m, const KnownContact<Real>& contact) {
   const auto& Phi = contact.begun_Phi;
   if constexpr (Tangent) compose(m, contact.spans, Phi[0], Phi[1], Phi[2], Phi[3]);
   m.set(divergence, contact.spans, Real(m[divergence] + contact.begun_divergence));
 }
 
-/// and the part after it, `before` having been left of the period at entry: what the whole is without the first.
+/// Carries the part after it: the whole contact without its first part. `before` is the time that was left of the period at
+/// entry.
 template <class Real, bool Tangent>
 void end_spanning(Memory<Real>& m, const Mask<Real>& where, const KnownContact<Real>& contact, const Real& before) {
   if constexpr (Tangent) {
@@ -152,7 +153,7 @@ void end_spanning(Memory<Real>& m, const Mask<Real>& where, const KnownContact<R
   leave_barrier<Real, Tangent>(m, where, contact.v_out, contact.c, contact.s);
 }
 
-/// Series steps through each contact of the job, as in a period.
+/// Carries each contact of the job in series steps, as in a period.
 template <class Real> void pass_contacts(const ContactJob& job) {
   const WideRegisters until_the_end;
   constexpr std::size_t W = width<Real>;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// WideRegisters: the upper halves of the registers that the lanes use. While they are not empty, code compiled for SSE alone (all
-// the rest of the program) takes up to six times as long on Intel's processors. The compiler sees to it at the end of functions
-// that use them, but not on every way out of the lanes.
+// WideRegisters: clears the upper halves of the registers that the lanes use. While they are not clear, code compiled for SSE
+// alone (the rest of the program) takes up to six times as long on Intel's processors. The compiler clears them at the end of
+// functions that use them, but not on every path out of the lanes.
 #pragma once
 
 #include <graze/lib/lanes/real.hpp>
@@ -9,7 +9,7 @@
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
-/// Empties them at its end.
+/// Clears them in its destructor.
 struct WideRegisters {
   [[gnu::always_inline]] static void leave() {
 #ifdef GRAZE_FUSED
