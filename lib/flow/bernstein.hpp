@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A sign of a polynomial that is certain on a whole stretch, from its Bernstein coefficients.
+// Proof of a polynomial's sign on a whole interval, from its Bernstein coefficients.
 #pragma once
 
 #include <array>
@@ -7,8 +7,8 @@
 
 namespace graze::detail {
 
-/// True if the polynomial with power coefficients a_0 ... a_N in h is <= 0 on all of [0, H] and < 0 at H, shown by its Bernstein
-/// coefficients (it lies in their convex hull).
+/// Whether the polynomial with power coefficients a_0 ... a_N in h is <= 0 on all of [0, H] and < 0 at H, shown by its
+/// Bernstein coefficients (it lies in their convex hull).
 template <std::size_t N> inline bool stays_below_zero(const std::array<double, N + 1>& a, double H) {
   static constexpr std::array<double, N + 1> inverse_binomial = [] {
     std::array<double, N + 1> inverse{};

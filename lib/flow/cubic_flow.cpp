@@ -17,11 +17,11 @@ using C = CubicOscillator;
 constexpr std::size_t order = detail::cubic_order;
 using Coefficients = std::span<const double, order + 1>;
 
-/// Whether the gap stays below zero over a whole step: its Bernstein coefficients to a degree of 8, with the rest of its terms
-/// taken for the worst. Nearly all steps do, and no more needs to be known of them.
+/// Whether the gap stays below zero over a whole step, by its Bernstein coefficients up to degree 8 with a bound of the
+/// remaining terms. This suffices for nearly all steps.
 bool stays_below(Coefficients x, double sign, double at_start, double at_start_slope, double length) {
   constexpr std::size_t degree = 8;
-  std::array<double, degree + 1> power;  // of the length; by squares, lest each wait for the one before
+  std::array<double, degree + 1> power;  // powers of the length, by squares for a shorter chain of dependencies
   power[0] = 1.0;
   power[1] = length;
 #pragma GCC unroll 8
@@ -55,7 +55,7 @@ struct GapPolynomial {
     }
   }
   std::array<double, 6> at_start() const { return {start, sign * a[1], sign * a[2], sign * a[3], sign * a[4], sign * a[5]}; }
-  /// gap, then its derivatives over factorials up to the last asked for.
+  /// The gap, then its derivatives over factorials up to number `Last`.
   template <std::size_t Last> std::array<double, Last + 1> at(double h) const {
     std::array<double, Last + 1> z{};
     for (std::size_t k = order; k > 0; --k) {  // Horner's scheme for all derivatives together
@@ -68,7 +68,7 @@ struct GapPolynomial {
   }
 };
 
-/// Root in [0, H] of the polynomial of degree 5 with coefficients z, roughly: where the search begins.
+/// Approximate root in [0, H] of the polynomial of degree 5 with coefficients z: the start of the search.
 double near_root(const std::array<double, 6>& z, double H) {
   double root = 0.0;
   for (int i = 0; i < 8; ++i) {
@@ -82,14 +82,14 @@ double near_root(const std::array<double, 6>& z, double H) {
   return root;
 }
 
-/// First h in [0, length] where the gap rises through 0. `leaving`: the flight's start lies on the barrier and leaves it (it is
-/// not an active guard, Propagator has seen to that): rounding must not undo this.
+/// First h in [0, length] where the gap rises through 0. `leaving`: the flight starts on the barrier and leaves it (the
+/// Propagator has checked that the guard is not active); rounding must not undo this.
 std::optional<double> first_crossing(const GapPolynomial& gap, double length, double t, double scale, bool leaving) {
   double s = 0.0, H = length;
   std::array<double, 6> z = gap.at_start();
   const bool resting = leaving && std::abs(z[1]) <= rest_tolerance * (1.0 + 2.0 * std::abs(z[2]));
   while (s < length) {
-    // Once a maximum at rounding distance has been looked at, the motion is taken to leave it.
+    // Once a maximum within rounding of the barrier has been checked, the motion counts as leaving it.
     const bool from_barrier = leaving;
     if (leaving) {
       z[0] = std::min(z[0], 0.0);
@@ -114,14 +114,14 @@ std::optional<double> first_crossing(const GapPolynomial& gap, double length, do
           const double move = newton / (1.0 - 0.5 * std::clamp(bend, -1.0, 1.0));
           root -= move;
           if (!(root >= lo && root <= hi)) root = 0.5 * (lo + hi);
-          // What a move leaves is of the size of its cube times (a/v)^2 and j/v.
+          // The error after a move is of the order of its cube times (a/v)^2 and j/v.
           const double remains = std::abs(move) * (bend * bend + std::abs(6.0 * move * move * here[3] / here[1]));
           if (std::min(std::abs(move), 20.0 * remains) <= 4e-16 * root || lo == hi) break;
         }
         return std::clamp(root, s, s + H);
       }
       if (H < too_short || (!from_barrier && a < 0.0 && std::abs(g) < 4e-16 * scale && v * v < -a * 1e-14 * scale)) {
-        // At rounding distance below a maximum: look at the maximum itself, once, and go on beyond it.
+        // A maximum within rounding of the barrier: check the maximum itself, once, and continue beyond it.
         const double to_top = a < 0.0 ? std::max(0.0, -v / a) : 0.0;
         const std::array<double, 6> top = gap.at<5>(s + to_top);
         if (top[0] > 0.0 || !(top[2] < 0.0)) return std::min(s + to_top, length);
@@ -201,14 +201,14 @@ template <std::size_t Quads> void CubicFlow::carry_with(const FlowTask& task, co
     }
   };
 
-  // The last two terms of a step are within a quarter of the tolerance: what is left out is below a twentieth of it.
+  // The last two terms of a step are within a quarter of the tolerance: the truncation error is below a twentieth of it.
   const double allowed = 0.25 * options_.tolerance;
   detail::CubicSeries<Quads> series(oscillator_, sources_.coefficients, x0[0]);
   double s = 0.0;
   for (std::size_t step = 0; step < options_.max_steps; ++step) {
     const double left = duration - s;
     if (left <= 0.0) return finish(FlowEnd::time, duration);
-    if (step % 16 == 0) {  // lest the phase drift from the time
+    if (step % 16 == 0) {  // the phase must not drift from the time
       const double phase = oscillator_.value[C::frequency] * (task.t0 + s);
       z.cosine = std::cos(phase);
       z.sine = std::sin(phase);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // CubicFlow: x'' = A cos(w t) + c - 2 b v - k x - beta x^3 (dimensionless) by Taylor series of order 16 in time, with
 //     dx' = dv,   dv' = -2 b dv - (k + 3 beta x^2) dx + f_p
-// for the columns of Phi and Psi (detail/cubic_recurrence.hpp); divergence = -2 b (t1 - t0). A step is as long as the last two
-// terms of the series allow within FlowOptions::tolerance. Where the motion runs off to infinity (beta < 0) the segment fails.
+// for the columns of Phi and Psi (cubic_recurrence.hpp); divergence = -2 b (t1 - t0). A step is as long as the last two terms
+// of the series allow within FlowOptions::tolerance. If the motion escapes to infinity (beta < 0), the segment fails.
 //
-// No crossing of a barrier is missed: on every step the polynomial that is the motion there is bounded, not sampled. Its part
-// up to degree 5, with M6 h^6 for the rest (M6 from the moduli of the coefficients), has Bernstein coefficients that show how far
-// one may go without a crossing; once the speed has a certain sign on a stretch, the root in it is unique and Halley's.
+// No crossing of a barrier is missed: on every step the polynomial of the motion is bounded, not sampled. The Bernstein
+// coefficients of its part up to degree 5, with M6 h^6 for the rest (M6 from the moduli of the coefficients), show how far the
+// motion goes without a crossing. Where the speed certainly keeps its sign, the root is unique, and found by Halley's method.
 #pragma once
 
 #include <graze/lib/flow/flow.hpp>
@@ -27,7 +27,7 @@ class CubicFlow {
   void field(double t, const Vector& x, Vector& out) const;
 
  private:
-  /// With as many columns of the tangent as detail::CubicState has: Phi, then Psi in the coefficients of sources_.
+  /// Carries with the columns of the tangent of detail::CubicState: Phi, then Psi in the coefficients of sources_.
   template <std::size_t Quads> void carry_with(const FlowTask& task, const Vector& x0, Segment& out) const;
 
   CubicOscillator oscillator_;

@@ -5,8 +5,8 @@
 //     cos_n = w^n/n! (cos, -sin, -cos, sin, ...),
 //     (n+1) dx_{n+1} = dv_n,   (n+1) dv_{n+1} = -2 b dv_n - k dx_n - 3 beta (X dx)_n + (f_p)_n,
 // four quantities at a time: P = (x, dx_1, dx_2, 0), V = (v, dv_1, dv_2, 0), and further columns by fours.
-// What takes time is the wait of one coefficient for the one before, from v_n over X_{n+1} to v_{n+2}: all that does not need
-// the newest is summed beforehand.
+// The dependency of one coefficient on the one before, from v_n through X_{n+1} to v_{n+2}, limits the speed: all terms without
+// the newest coefficient are summed beforehand.
 //
 // Compiled for more than one kind of processor (series_kernels.hpp): plain numbers only.
 #pragma once
@@ -23,7 +23,8 @@ inline constexpr std::size_t cubic_order = 16;
 /// A motion at an instant, with the columns of Phi and then 4 (Quads - 1) of derivatives in coefficients.
 template <std::size_t Quads> struct CubicState {
   static constexpr std::size_t columns = 2 + 4 * (Quads - 1);
-  double moved = 0.0, v = 0.0;  ///< displacement from the start of the flight, lest a short one drown in the rounding of x; speed
+  /// Displacement from the start of the flight (rounding of x would swamp that of a short one); speed.
+  double moved = 0.0, v = 0.0;
   double cosine = 1.0, sine = 0.0;  ///< of the forcing's phase
   double dx[columns] = {}, dv[columns] = {};
 };
@@ -39,7 +40,7 @@ template <std::size_t Quads> struct CubicTerms {
   State start;
   double x[cubic_order + 1], square[cubic_order + 1], cube[cubic_order + 1];
   alignas(32) double P[Quads][cubic_order + 1][4], V[Quads][cubic_order + 1][4];
-  double last, before;  ///< sums of the coefficients of the last two orders, each relative to 1 + |what it belongs to|
+  double last, before;  ///< sums of the coefficients of the last two orders, each relative to 1 + |its quantity|
 };
 
 template <class Machine, std::size_t Quads> struct CubicRecurrence {
@@ -108,7 +109,7 @@ template <class Machine, std::size_t Quads> struct CubicRecurrence {
   }
 
  private:
-  /// What is the same for all orders: the factors of V_n, of P_n, of the products, and of X_n.
+  /// Constants of all orders: the factors of V_n, of P_n, of the products, and of X_n.
   struct Constants {
     Quad drag, pull[Quads], cubic[Quads], cubic_P0[Quads];
     double twice_x0;
@@ -141,7 +142,7 @@ template <class Machine, std::size_t Quads> struct CubicRecurrence {
     const double v_n = s.V[0][n][0];
     for (std::size_t j = 0; j < Quads; ++j) {
       const Quad V = Machine::load(s.V[j][n]);
-      // Coefficient n of X P but for X_n and P_n, from the middle outwards: what was found last enters last.
+      // Coefficient n of X P without X_n and P_n, from the middle outwards: the newest coefficients enter last.
       Quad one = Machine::all(0.0), two = one;
       if constexpr (n % 2 == 0 && n > 0) one = Machine::all(s.square[n / 2]) * Machine::load(s.P[j][n / 2]);
 #pragma GCC unroll 8

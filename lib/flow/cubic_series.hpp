@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// CubicSeries: Taylor series of order 16 in time of a cubic oscillator, of its tangent and of its derivatives in the coefficients
-// (cubic_recurrence.hpp), by the kernels that the processor has. Nothing is allocated.
+// CubicSeries: Taylor series of order 16 in time of a cubic oscillator, of its tangent and of its derivatives in the
+// coefficients (cubic_recurrence.hpp), by the fastest kernels for the processor. Nothing is allocated.
 #pragma once
 
 #include <graze/lib/flow/series_kernels.hpp>
@@ -53,8 +53,8 @@ template <std::size_t Quads> class CubicSeries {
   }
   /// Coefficients of x.
   std::span<const double, cubic_order + 1> position() const { return terms_.x; }
-  /// Sums of the coefficients of the last order and of the one before, each relative to 1 + |what it belongs to|; not finite if
-  /// one of them is not.
+  /// Sums of the coefficients of the last order and of the one before, each relative to 1 + |its quantity|; not finite if one
+  /// of them is not.
   double last() const { return terms_.last; }
   double before() const { return terms_.before; }
 

@@ -17,8 +17,9 @@
 
 namespace graze {
 
-/// What carries a motion. automatic: the fastest that a mode's structure allows, many motions side by side in SIMD lanes.
-/// alone: the same without company (a check on the lanes). general: the GSL integrator for every mode (an oracle for the others).
+/// Method that carries a motion. automatic: the fastest that a mode's structure allows, many motions side by side in SIMD
+/// lanes. alone: the same flows, each motion by itself (a check on the lanes). general: the GSL integrator for every mode (an
+/// oracle for the others).
 enum class FlowKind { automatic, alone, general };
 enum class Sensitivity { none, state, state_and_parameters };
 
@@ -27,9 +28,9 @@ struct FlowOptions {
   double tolerance = 1e-13;        ///< local error per step, relative to 1 + |x| (numerical flows)
   double max_step = 0.0;           ///< of the general integrator; 0: a sixteenth of the forcing period, or unlimited
   std::size_t max_steps = 100000;  ///< of one segment; more is FlowEnd::failed
-  /// Remaining time of an impact series below which it is taken for complete (its sum is then known to its square).
+  /// Remaining time of an impact series below which it counts as complete (the error of its sum is of the order of the square).
   double accumulation_window = 1e-6;
-  /// Asked before every segment; may be empty. A run (simulate, carry) for which it says true ends as Termination::interrupted.
+  /// Called before every segment; may be empty. If it returns true, the run (simulate, carry) ends as Termination::interrupted.
   std::function<bool()> cancelled = {};
 };
 
@@ -51,12 +52,12 @@ struct Segment {
   std::size_t evaluations = 0;  ///< of the field (or of the closed form)
 };
 
-/// What a flow is asked to do.
+/// Input of Flow::carry.
 struct FlowTask {
   double t0 = 0.0;
   double t_end = 0.0;
   Sensitivity sensitivity = Sensitivity::none;
-  bool watch_events = true;  ///< false: the mode's field is followed through its guards
+  bool watch_events = true;  ///< false: the mode's guards are ignored
 };
 
 class LinearFlow;

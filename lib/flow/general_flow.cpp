@@ -59,11 +59,12 @@ struct GeneralFlow::Integrator {
   FlowOptions options;
   std::vector<std::size_t> events;  // of this mode
   Eigen::Index n, m;
-  Vector origin;  // start of the segment: the state is integrated as its deviation from it, so that a short
-                  // flight off a barrier does not drown in the rounding of x
+  // Start of the segment. The state is integrated as its deviation from it, because a short flight off a barrier would be lost
+  // in the rounding of x.
+  Vector origin;
   Vector x, f;
   Matrix A, f_p;
-  std::array<StepPointer, 3> steppers;  // by sensitivity; made when they are needed: most flows of modes never are
+  std::array<StepPointer, 3> steppers;  // by sensitivity; made on demand, as most are never used
   std::vector<double> y, y_next, error, slope, slope_next, y_state, error_state;
   std::size_t evaluations = 0;
   double max_step;
@@ -94,7 +95,7 @@ struct GeneralFlow::Integrator {
     return one.get();
   }
 
-  /// Field of x | Phi | divergence | Psi; how much of it there is follows from `size`.
+  /// Field of x | Phi | divergence | Psi; `total`, one of the values of size(), says how many of them are present.
   void equations(double t, const double* in, double* out, Eigen::Index total) {
     ++evaluations;
     x = origin + Eigen::Map<const Vector>(in, n);
@@ -155,7 +156,7 @@ struct GeneralFlow::Integrator {
   std::optional<double> first_crossing(const Guard& guard, const Node& a, const Node& b, int depth) {
     const double H = b.s - a.s;
     const double c1 = a.g + a.g_dot * H / 3.0, c2 = b.g - b.g_dot * H / 3.0;
-    const bool beyond = a.g < 0.0 ? b.g >= 0.0 : b.g > 0.0;  // to stay on a guard from the start is not to cross it
+    const bool beyond = a.g < 0.0 ? b.g >= 0.0 : b.g > 0.0;  // staying on a guard from the start is no crossing
     const auto [low, high] = std::minmax({a.g, c1, c2, b.g});
     const double spread = high - low;
     if (high < -0.25 * spread) return std::nullopt;
@@ -166,7 +167,7 @@ struct GeneralFlow::Integrator {
       return mid.g > 0.0 ? std::nullopt : first_crossing(guard, mid, b, depth + 1);
     };
     const double misfit = std::abs(mid.g - (a.g + 3.0 * c1 + 3.0 * c2 + b.g) / 8.0);
-    // What happens within rounding of the barrier would be halved without end.
+    // Within rounding of the barrier halving would not end.
     const double rounding = 4e-15 * (1.0 + origin.lpNorm<Eigen::Infinity>());
     if (misfit > 1e-3 * spread + rounding) return halves();
     if (high < -20.0 * misfit - rounding) return std::nullopt;
@@ -175,7 +176,7 @@ struct GeneralFlow::Integrator {
       if (a.g < 0.0 && a.g_dot > 0.0 && b.g_dot > 0.0 && c2 >= c1) return brent(value, a.s, b.s);  // it rises throughout
       return halves();
     }
-    // A maximum and a minimum inside, where it rises (or falls) at both ends: part them.
+    // If it rises (or falls) at both ends, a maximum and a minimum lie inside: separate them.
     if ((a.g_dot > 0.0) == (b.g_dot > 0.0) && std::max(c1, c2) > std::max(a.g, b.g) + rounding) return halves();
     if (a.g_dot > 0.0 && b.g_dot < 0.0) {  // a maximum inside: does it reach the barrier?
       const double top = brent([&](double s) { return node_inside(guard, s).g_dot; }, a.s, b.s);
@@ -266,7 +267,7 @@ void GeneralFlow::carry(const FlowTask& task, const Vector& x0, Segment& out) {
       const Guard& guard = I.system.events[event].guard;
       Integrator::Node a = I.node_at(guard, 0.0, I.y.data());
       if (first && std::abs(a.g) <= guard_tolerance * (1.0 + x0.lpNorm<Eigen::Infinity>())) {
-        // A start on the guard that is not active (Propagator has seen to that) leaves it: rounding must not undo this.
+        // A start on the guard that is not active (the Propagator has checked this) leaves it: rounding must not undo this.
         a.g = std::min(a.g, 0.0);
         a.g_dot = std::min(a.g_dot, 0.0);
       }
@@ -280,7 +281,7 @@ void GeneralFlow::carry(const FlowTask& task, const Vector& x0, Segment& out) {
     if (crossing) {
       if (*crossing < h) {
         if (apply(*crossing) != GSL_SUCCESS) break;
-        if (relative_error() > I.options.tolerance && *crossing > 1e-10) {  // the whole step was better by chance: go in two
+        if (relative_error() > I.options.tolerance && *crossing > 1e-10) {  // the whole step was accurate by chance: take two
           h = 0.5 * *crossing;
           continue;
         }

@@ -3,10 +3,10 @@
 //     dPhi/dt = f_x Phi,   dPsi/dt = f_x Psi + f_p,   d(divergence)/dt = trace f_x
 // are integrated along with the state.
 //
-// Events: on every step each guard is bounded by the Bernstein coefficients of its cubic Hermite polynomial; where that comes
-// near zero the polynomial is checked against the motion itself (a partial step of the same method), halved until it describes
-// it, and maxima and roots are then found on the motion, by Brent's method. What happens between two steps is thus not
-// overlooked, as long as a step (at most a sixteenth of the forcing period) resolves the guard.
+// Events: on every step each guard is bounded by the Bernstein coefficients of its cubic Hermite polynomial. Where that comes
+// near zero, the polynomial is compared with the motion itself (a partial step of the same method), on intervals that are
+// halved until both agree. Maxima and roots are then found on the motion, by Brent's method. No event between two steps is thus
+// missed, as long as a step (at most a sixteenth of the forcing period) resolves the guard.
 #pragma once
 
 #include <graze/lib/flow/flow.hpp>

@@ -13,8 +13,8 @@ namespace {
 
 using C = HertzContact;
 
-/// Newton, kept in the bracket, on a quantity of a partial step: value(s) returns it with its derivative; value(0) < 0 <=
-/// value(h).
+/// Root by Newton's method, kept in the bracket [0, h]. value(s) returns a quantity of a partial step and its derivative;
+/// value(0) < 0 <= value(h).
 template <class Value> double root_in_step(const Value& value, double h) {
   double lo = 0.0, hi = h, s = h;
   for (int i = 0; i < 60; ++i) {
@@ -22,7 +22,7 @@ template <class Value> double root_in_step(const Value& value, double h) {
     (g < 0.0 ? lo : hi) = s;
     const double next = s - g / slope;
     const bool inside = next >= lo && next <= hi;
-    if (inside && std::abs(next - s) <= 1e-9 * h) return next;  // it converges quadratically: what is left is below rounding
+    if (inside && std::abs(next - s) <= 1e-9 * h) return next;  // quadratic convergence: the error left is below rounding
     s = inside ? next : 0.5 * (lo + hi);
   }
   return s;
@@ -90,7 +90,7 @@ template <std::size_t Quads> void HertzFlow::leave_rest(const FlowTask& task, do
     Eigen::Matrix2d A;
     A << 0.0, 1.0, -1.0 - 3.0 * p[C::beta] * r * r, -2.0 * p[C::damping];
     Eigen::Matrix2d Phi = Eigen::Matrix2d::Identity() + A * dt + A * A * (dt * dt / 2);
-    // What the contact's own stiffness, 1.5 k_H y, adds up to.
+    // The integral of the contact's own stiffness, 1.5 k_H y.
     const double stiffness = 1.5 * p[C::stiffness] * (4.0 * root_depth(dt / 2) + y) * dt / 6;
     Phi(1, 0) -= stiffness;
     for (Eigen::Index k = 0; k < 2; ++k) {
@@ -99,7 +99,7 @@ template <std::size_t Quads> void HertzFlow::leave_rest(const FlowTask& task, do
     }
     if constexpr (Quads > 1) {
       for (std::size_t k = 0; k < sources_.coefficients.size(); ++k) {
-        double f_p = 0.0;  // in the middle; of what depends on the depth nothing is left
+        double f_p = 0.0;  // in the middle; terms that depend on the depth vanish
         switch (sources_.coefficients[k]) {
         case C::damping:
           f_p = -2.0 * (v + a * dt / 2);
@@ -168,8 +168,8 @@ template <std::size_t Quads> void HertzFlow::carry_with(const FlowTask& task, co
     }
   };
 
-  // Shortest contact in s: half a turn about the equilibrium (0, 0), pi sqrt(2/|a|), a being the acceleration at the barrier:
-  // of all accelerations met there within dt at speeds up to v.
+  // Longest step, a fraction of the shortest contact in s: half a turn about the equilibrium (0, 0), pi sqrt(2/|a|). Here a is
+  // the largest acceleration at the barrier within dt at speeds up to v.
   const auto longest_step = [&](double cosine, double v, double dt) {
     const double a = std::abs(p[C::amplitude] * cosine - r * (1.0 + p[C::beta] * r * r)) + 2.0 * p[C::damping] * std::abs(v) +
                      std::abs(p[C::amplitude]) * p[C::frequency] * dt;
@@ -179,7 +179,8 @@ template <std::size_t Quads> void HertzFlow::carry_with(const FlowTask& task, co
   if (z.y == 0.0 && z.v <= rest_tolerance) {
     const double a = p[C::amplitude] * z.cosine - 2.0 * p[C::damping] * z.v - r * (1.0 + p[C::beta] * r * r);
     if (z.v < -rest_tolerance * (1.0 + std::abs(a))) return finish(FlowEnd::event, z);
-    // From rest on the barrier the motion is analytic in t, not in s: its series over a first short while (terms left out: t^4).
+    // From rest on the barrier the motion is analytic in t, not in s: a series in t covers a first short interval (truncated at
+    // t^4).
     leave_rest(task, std::min(1e-5, duration), z);
     if (z.y == 0.0 && z.v <= 0.0) return finish(FlowEnd::event, z);
   }
@@ -192,7 +193,7 @@ template <std::size_t Quads> void HertzFlow::carry_with(const FlowTask& task, co
     if (z.time >= duration) return finish(FlowEnd::time, z);
     series.expand(z);
     out.evaluations += order;
-    // Of two coefficients, lest one be small by chance.
+    // From two coefficients, as one may be small by chance.
     const double size = std::max(series.last(), series.before() * ratio / h);
     if (!std::isfinite(size)) break;
     const double v = std::abs(z.v), longest = longest_step(z.cosine, v, 0.0);
@@ -218,7 +219,7 @@ template <std::size_t Quads> void HertzFlow::carry_with(const FlowTask& task, co
       return finish(end, series.at(s));
     }
     z = next;
-    if (step % 16 == 0) set_phase(z);  // lest it drift from the time
+    if (step % 16 == 0) set_phase(z);  // the phase must not drift from the time
   }
   finish(FlowEnd::failed, z);
 }

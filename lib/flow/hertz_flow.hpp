@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // HertzFlow: a passage through Hertz contact in regularising variables. With y = sqrt(x - r) and dt = y ds,
 //     dy/ds = v/2,   dt/ds = y,   dv/ds = y (xi cos(eta t) - 2 b v - x - beta x^3 - k_H y^3 (1 + b_H v)),   x = r + y^2,
-// analytic through entry and exit, which are the simple root y = 0; grazing is the equilibrium (0, 0). The tangent is carried in
-// (x, v) at fixed time, dPhi/ds = y A Phi, dPsi/ds = y (A Psi + f_p), which is regular there. Stepped by Taylor series of order
-// 16 (detail/hertz_recurrence.hpp), which also hold the roots, with the step capped at a fraction of the shortest possible
-// contact, pi sqrt(2/|a|) in s, so that none is stepped over.
+// analytic through entry and exit, which are the simple root y = 0; grazing is the equilibrium (0, 0). The tangent is carried
+// in (x, v) at fixed time, dPhi/ds = y A Phi, dPsi/ds = y (A Psi + f_p), which is regular there. Steps are Taylor series of
+// order 16 (hertz_recurrence.hpp), which also give the roots. A step is at most a fraction of the shortest possible contact,
+// pi sqrt(2/|a|) in s, so that no contact is stepped over.
 #pragma once
 
 #include <graze/lib/flow/flow.hpp>
@@ -21,14 +21,14 @@ class HertzFlow {
   HertzFlow(const HybridSystem& system, std::size_t mode, std::span<const std::size_t> active, const HertzContact& contact,
             const FlowOptions& options);
 
-  /// The mode's only event must be leaving through x = r, a parameter.
+  /// Whether the mode's only event is leaving through x = r, a parameter.
   static bool applies(const HybridSystem& system, std::size_t mode, const HertzContact& contact);
 
   void carry(const FlowTask& task, const Vector& x0, Segment& out) const;
   void field(double t, const Vector& x, Vector& out) const;
 
  private:
-  /// With as many columns of the tangent as detail::HertzState has.
+  /// Carries with the columns of the tangent of detail::HertzState.
   template <std::size_t Quads> void carry_with(const FlowTask& task, const Vector& x0, Segment& out) const;
   template <std::size_t Quads> void leave_rest(const FlowTask& task, double dt, detail::HertzState<Quads>& z) const;
   /// -d(acceleration)/dv at depth y^2.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Taylor series in s of a Hertz contact in regularising variables (hertz_flow.hpp), of its tangent and of its derivatives in the
-// parameters. With y = sqrt(x - r), u = y^2, dt = y ds the powers of y are products of series, and what multiplies the speed
-// v = 2 dy/ds integrates by itself: y v = du/ds, y^4 v = (2/5) d(y^5)/ds. Hence
+// parameters. With y = sqrt(x - r), u = y^2, dt = y ds the powers of y are products of series, and the factors of the speed
+// v = 2 dy/ds have integrals: y v = du/ds, y^4 v = (2/5) d(y^5)/ds. Hence
 //     dv/ds = xi y cos - r y - y^3 - beta y x^3 - k_H y^4 - d/ds (2 b u + (2/5) k_H b_H y^5),
 //     d(cos, sin)/ds = eta y (-sin, cos),   dt/ds = y,   d(ln det)/ds = -(2 b y + k_H b_H y^4).
 // A column (dx, dv) of the tangent, at fixed time, is carried as (dx, q), q = dv + (2 b + k_H b_H y^3) dx:
@@ -85,7 +85,7 @@ template <class Machine, std::size_t Quads> struct HertzRecurrence {
     const auto weight = [](const double* first) {
       return Machine::all(1.0) / (Machine::all(1.0) + Machine::magnitude(Machine::load(first)));
     };
-    // The time and the divergence lie at 0 to 1: the first as it is, the second does not count.
+    // Weights of y and v. The time, of order 1, counts unweighted, and the divergence does not count.
     const Quad motion = weight(s.motion[0]) * Machine::set(1.0, 1.0, 0.0, 0.0), forced = weight(s.forced[0]),
                dx = weight(s.dx[0]);
     const auto size = [&](std::size_t k) {
@@ -106,7 +106,7 @@ template <class Machine, std::size_t Quads> struct HertzRecurrence {
     s.last = size(hertz_order);
     s.before = size(hertz_order - 1);
   }
-  /// The larger one; not a number if `b` is not.
+  /// The larger of both; not a number if `b` is not.
   static double not_below(double a, double b) { return a > b ? a : b; }
 
   template <std::size_t... k> static void expand(Terms& s, const Constants& c, std::index_sequence<k...>) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // HertzSeries: Taylor series of order 16 of a Hertz contact in regularising variables, of its tangent and of its derivatives in
-// the parameters (hertz_recurrence.hpp), by the kernels that the processor has. Nothing is allocated.
+// the parameters (hertz_recurrence.hpp), by the fastest kernels for the processor. Nothing is allocated.
 #pragma once
 
 #include <graze/lib/flow/series_kernels.hpp>
@@ -41,7 +41,7 @@ template <std::size_t Quads> class HertzSeries {
   double depth(double s) const { return one(0, s); }
   double speed(double s) const { return one(1, s); }
   double time(double s) const { return one(2, s); }
-  /// Largest coefficient of the last order and of the one before, each relative to 1 + |what it belongs to|; not finite if one of
+  /// Largest coefficient of the last order and of the one before, each relative to 1 + |its quantity|; not finite if one of
   /// them is not.
   double last() const { return terms_.last; }
   double before() const { return terms_.before; }

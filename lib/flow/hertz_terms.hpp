@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// HertzTerms: the coefficients of the Taylor series of a Hertz contact (hertz_recurrence.hpp) and what they follow from.
+// HertzTerms: the coefficients of the Taylor series of a Hertz contact (hertz_recurrence.hpp) and their inputs.
 #pragma once
 
 #include <graze/lib/flow/hertz_step.hpp>
@@ -35,7 +35,7 @@ template <std::size_t Quads> struct HertzTerms {
   QuadSeries factors, dx;                    ///< of (dx_1, dx_2) in -d(dx)/ds and in -dq/ds; dx_1, dx_2, and again
   QuadSeries more_q[more + 1], more_dx[more + 1];
   Series y_cos, y_sin, yx3;
-  double last, before;  ///< largest coefficients of the last two orders, each relative to 1 + |what it belongs to|
+  double last, before;  ///< largest coefficients of the last two orders, each relative to 1 + |its quantity|
 };
 
 /// Coefficient k of y times the derivative of the acceleration in a coefficient of the contact (0 for C::count), at fixed (t,

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Barriers of a mode whose guards are all levels of x, h = sign (x - level): what the flows that bound the motion between them
-// know of its events.
+// Barriers of a mode whose guards are all levels of x, h = sign (x - level), for the flows that bound the motion between them.
 #pragma once
 
 #include <graze/lib/system/hybrid_system.hpp>
@@ -22,7 +21,7 @@ inline bool guards_are_levels(const HybridSystem& system, std::size_t mode) {
   });
 }
 
-/// Of a mode for which guards_are_levels holds, at parameters p.
+/// The barriers of a mode for which guards_are_levels holds, at parameters p.
 inline std::vector<LevelBarrier> level_barriers(const HybridSystem& system, std::size_t mode, const Vector& p) {
   std::vector<LevelBarrier> barriers;
   for (std::size_t i = 0; i < system.events.size(); ++i) {

@@ -15,8 +15,8 @@ using Vector2 = Eigen::Vector2d;
 
 }  // namespace
 
-/// exp(-b s) times C = cos(sqrt(q2) s) and S = sin(sqrt(q2) s)/sqrt(q2), continued to q2 <= 0; k = q2 + b^2 > 0. Formed as one
-/// product each: of an overdamped oscillator cosh overflows where exp(-b s) vanishes.
+/// exp(-b s) times C = cos(sqrt(q2) s) and S = sin(sqrt(q2) s)/sqrt(q2), continued to q2 <= 0; k = q2 + b^2 > 0. Each is formed
+/// as one product: for an overdamped oscillator, cosh overflows where exp(-b s) vanishes.
 struct LinearFlow::Damped {
   double C, S, decay;
 };
@@ -55,9 +55,9 @@ struct LinearFlow::Flight {
   double t0, x0;
   double c, s;  // cosine and sine of the forcing's phase at t0
   double d, e;  // deviation from the particular solution at t0: position and speed
-  double near;  // up to here after the start
-  std::array<double, 9>
-      series;  // x - x0 = sum of series[i] s^i: a short flight off a barrier must not drown in the rounding of x
+  double near;  // time after the start up to which `series` holds
+  // x - x0 = sum of series[i] s^i, because a short flight off a barrier would be lost in the rounding of x.
+  std::array<double, 9> series;
 };
 
 bool LinearFlow::applies(const HybridSystem& system, std::size_t mode, std::span<const std::size_t> active,
@@ -169,12 +169,13 @@ std::optional<double> LinearFlow::first_crossing(const Flight& flight, const det
   const double w = q.frequency, k = q.stiffness, b = q.damping;
   const double w2 = w * w, w4 = w2 * w2, forced6 = forced_ * w4 * w2;
   const double scale = 1.0 + std::abs(barrier.level);
-  const double longest = 2.5 / std::max(w, std::sqrt(k));  // beyond that the Taylor bound holds nothing useful
+  const double longest = 2.5 / std::max(w, std::sqrt(k));  // beyond that the Taylor bound is useless
   const auto evaluate = [&](double s) {
     ++evaluations;
     return at(flight, s);
   };
-  // A start on the barrier that is not an active guard (Propagator has seen to that) leaves it: rounding must not undo this.
+  // A start on the barrier that is not an active guard (the Propagator has checked this) leaves it: rounding must not undo
+  // this.
   double start = flight.x0 - barrier.level;
   bool leaving = std::abs(start) <= guard_tolerance * scale;
   if (leaving) start = 0.0;
@@ -185,8 +186,8 @@ std::optional<double> LinearFlow::first_crossing(const Flight& flight, const det
   double g = gap(z), v = barrier.sign * z.v;
   const bool resting = leaving && std::abs(v) <= rest_tolerance * (1.0 + std::abs(z.a));
   double H = longest;
-  while (s < s_end && evaluations < max_steps_) {  // where one period is ages long, the end would never come
-    // Once a maximum at rounding distance has been looked at, the motion is taken to leave it.
+  while (s < s_end && evaluations < max_steps_) {  // an extremely long period would never end
+    // Once a maximum within rounding of the barrier has been checked, the motion counts as leaving it.
     const bool from_barrier = leaving;
     if (leaving) {
       g = std::min(g, 0.0);
@@ -194,7 +195,8 @@ std::optional<double> LinearFlow::first_crossing(const Flight& flight, const det
       leaving = false;
     }
     const double a = resting && s == 0.0 ? std::min(barrier.sign * z.a, 0.0) : barrier.sign * z.a, j = barrier.sign * z.j;
-    // Bound of the sixth derivative: of the transient by its energy one derivative down, sqrt(x6^2 + k x5^2), which only decays.
+    // Bound of the sixth derivative: that of the transient follows from the energy one derivative down, sqrt(x6^2 + k x5^2),
+    // which only decays.
     const double x4 = barrier.sign * z.x4, x5 = barrier.sign * z.x5;
     const double x5_h = z.x5 - w4 * w * (sine_ * z.c - cosine_ * z.s);
     const double x4_h = z.x4 - w4 * (cosine_ * z.c + sine_ * z.s);
@@ -205,11 +207,11 @@ std::optional<double> LinearFlow::first_crossing(const Flight& flight, const det
     for (;; H *= 0.5) {
       if (detail::stays_below_zero<6>({g, v, a / 2, j / 6, x4 / 24, x5 / 120, M6 / 720}, H)) break;  // no crossing on [s, s + H]
       if (detail::stays_below_zero<5>({-v, -a, -j / 2, -x4 / 6, -x5 / 24, M6 / 120},
-                                      H)) {  // the speed stays positive on it: at most one
+                                      H)) {  // the speed stays positive on it: at most one crossing
         if (g >= 0.0) return s;
         const Point end = evaluate(s + H);
         if (gap(end) < 0.0) break;
-        // Unique root: of the Taylor polynomial first, then by Halley's method, kept in the bracket.
+        // The root is unique: first of the Taylor polynomial, then by Halley's method, kept in the bracket.
         double lo = s, hi = s + H, root = s;
         for (int i = 0; i < 8; ++i) {
           const double h = root - s;
@@ -227,14 +229,14 @@ std::optional<double> LinearFlow::first_crossing(const Flight& flight, const det
           const double newton = h / (barrier.sign * here.v), bend = newton * here.a / here.v;
           const double move = newton / (1.0 - 0.5 * std::clamp(bend, -1.0, 1.0));
           root -= move;
-          // What a move leaves is of the size of its cube times (a/v)^2 and j/v.
+          // The error after a move is of the order of its cube times (a/v)^2 and j/v.
           const double left = std::abs(move) * (bend * bend + std::abs(move * move * here.j / here.v));
           if (std::min(std::abs(move), 20.0 * left) <= 4e-16 * (flight.t0 + root) || lo == hi) break;
         }
         return std::clamp(root, s, s + H);
       }
       if (H < too_short || (!from_barrier && a < 0.0 && std::abs(g) < 4e-16 * scale && v * v < -a * 1e-14 * scale)) {
-        // At rounding distance below a maximum: look at the maximum itself, once, and go on beyond it.
+        // A maximum within rounding of the barrier: check the maximum itself, once, and continue beyond it.
         const double to_top = a < 0.0 ? std::max(0.0, -v / a) : 0.0;
         const Point top = evaluate(s + to_top);
         if (gap(top) > 0.0 || !(barrier.sign * top.a < 0.0)) return std::min(s + to_top, s_end);

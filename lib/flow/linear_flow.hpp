@@ -4,10 +4,10 @@
 //     Phi(s) = e^{-b s} [[C + b S, S], [-k S, C - b S]],   C = cos(q s), S = sin(q s)/q, q^2 = k - b^2 (any sign),
 // with its derivatives in b, k, A, w, c. Free of discretisation; only the instant of an event needs a root.
 //
-// No crossing is ever missed: from the current instant, sign (x - level) is bounded from above by its Taylor polynomial of degree
-// 5 plus M6 h^6/720, where M6 >= |x^(6)| over the rest of the flight follows from the energy of the transient (which only decays)
-// and the forced amplitude. The polynomial's Bernstein coefficients show how far one may go without a crossing; once a speed of
-// constant sign is certain on a stretch, the root in it is unique and Newton's.
+// No crossing is ever missed: from the current instant, sign (x - level) is bounded from above by its Taylor polynomial of
+// degree 5 plus M6 h^6/720, where M6 >= |x^(6)| over the rest of the flight follows from the energy of the transient (which
+// only decays) and the forced amplitude. The polynomial's Bernstein coefficients show how far the motion goes without a
+// crossing. Where the speed certainly keeps its sign, the root is unique, and found by Halley's method.
 #pragma once
 
 #include <graze/lib/flow/flow.hpp>
@@ -20,8 +20,8 @@ class LinearFlow {
   LinearFlow(const HybridSystem& system, std::size_t mode, const Vector& p, std::span<const std::size_t> active,
              const LinearOscillator& oscillator, std::size_t max_steps);
 
-  /// Whether the closed form holds: stiffness > 0, away from undamped resonance, all guards of the mode are levels of x, and the
-  /// active parameters are covered.
+  /// Whether the closed form holds: stiffness > 0, away from undamped resonance, all guards of the mode are levels of x, and
+  /// the active parameters are covered.
   static bool applies(const HybridSystem& system, std::size_t mode, std::span<const std::size_t> active,
                       const LinearOscillator& oscillator);
 
@@ -36,9 +36,10 @@ class LinearFlow {
   Damped damped(double s) const;
   /// exp(-b s) dS/d(q^2).
   double dS_dq2(double s, const Damped& f) const;
-  /// `known`: damped(s), where the caller has it.
+  /// `known`: damped(s), if the caller has it.
   Point at(const Flight& flight, double s, const Damped* known = nullptr) const;
-  /// nullopt: there is none up to s_end, or, where `evaluations` has come to max_steps, it was given up.
+  /// The first crossing of the barrier up to s_end. nullopt: there is none, or the search was given up because `evaluations`
+  /// reached max_steps.
   std::optional<double> first_crossing(const Flight& flight, const detail::LevelBarrier& barrier, double s_end,
                                        std::size_t& evaluations) const;
   /// Phi and Psi of out's stretch, of duration s.

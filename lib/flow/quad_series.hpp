@@ -12,7 +12,7 @@ template <class Machine, std::size_t Order> struct QuadSums {
   static_assert(Order % 2 == 0);
   static constexpr std::size_t all_four = 4;
 
-  /// first + a_1 h + a_2 h^2 + ...: even and odd powers side by side, half as long a chain.
+  /// first + a_1 h + a_2 h^2 + ...: even and odd powers are summed separately, in a chain of half the length.
   static Quad at(const Series& a, const Quad& first, double h) {
     const Quad step = Machine::all(h), square = Machine::all(h * h);
     Quad even = Machine::load(a[Order]), odd = Machine::load(a[Order - 1]);
@@ -25,8 +25,8 @@ template <class Machine, std::size_t Order> struct QuadSums {
   }
   static Quad at(const Series& a, double h) { return at(a, Machine::load(a[0]), h); }
 
-  /// Coefficient k of the product of a series, number `lane` of four, with four, or of four with four. From the middle outwards:
-  /// what was found last enters last.
+  /// Coefficient k of the product of one series, number `lane` of four, with four, or of four with four. The sum goes from the
+  /// middle outwards: the newest coefficients enter last.
   template <std::size_t k, std::size_t lane = all_four>
   [[gnu::always_inline]] static Quad product(const Series& a, const Series& b) {
     Quad one = Machine::all(0.0), two = one;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The recurrences of the Taylor series, compiled once with what every processor has and once for those with AVX2 and fused
-// multiplication and addition (series_generic.cpp, series_fused.cpp), chosen when the program runs. The two differ by rounding.
+// The recurrences of the Taylor series, compiled once for every processor and once for those with AVX2 and fused multiply-add
+// (series_generic.cpp, series_fused.cpp), and chosen at run time. The two differ by rounding.
 #pragma once
 
 #include <graze/lib/flow/cubic_recurrence.hpp>
@@ -19,7 +19,7 @@ using SeriesKernels =
     KernelsOf<CubicTerms<1>, CubicTerms<2>, CubicTerms<3>, HertzTerms<0>, HertzTerms<1>, HertzTerms<2>, HertzTerms<3>>;
 
 extern const SeriesKernels series_generic, series_fused;
-/// The fastest that this processor has.
+/// The fastest kernels for this processor.
 const SeriesKernels& series_kernels();
 
 /// `Machine`: four numbers in registers, Quad, with + - * /, load, store, all (four times one number), set, first (a number and
