@@ -40,7 +40,7 @@ bool stays_below(Coefficients x, double sign, double at_start, double at_start_s
 
 /// sign (x - level) on one step of the flight, a polynomial in the time since the step's start, with its derivatives.
 struct GapPolynomial {
-  Coefficients a;  // without a[0]: the gap is start + what the flight has moved
+  Coefficients a;  // without a[0]: the gap is `start` plus the displacement since then
   double sign;
   double start;  // sign (x - level) at the step's start
   double sixth;  // bound of |sixth derivative| / 720 over the step
@@ -98,7 +98,7 @@ std::optional<double> first_crossing(const GapPolynomial& gap, double length, do
       leaving = false;
     }
     const double g = z[0], v = z[1], a = 2.0 * z[2];
-    if (!from_barrier && g >= 0.0) return s;  // only by rounding: the bound had it below
+    if (!from_barrier && g >= 0.0) return s;  // by rounding only: the bound shows g < 0
     H = std::min(2.0 * H, length - s);
     const double too_short = 1e-15 * (1.0 + std::abs(t));
     for (;; H *= 0.5) {

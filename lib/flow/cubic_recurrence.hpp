@@ -34,7 +34,7 @@ template <std::size_t Quads> struct CubicTerms {
   enum Coefficient : std::size_t { damping, stiffness, cubic, amplitude, frequency, constant };  ///< as in CubicOscillator
   double q[6];
   double turn[cubic_order + 1], force[cubic_order + 1];  ///< w^n/n!, and A times it
-  const std::size_t* sources;                            ///< the coefficients that columns 2, 3, ... are derivatives in
+  const std::size_t* sources;                            ///< coefficients for the derivatives in columns 2, 3, ...
   std::size_t source_count;
   double x0, t;  ///< where `moved` is 0; instant of the step's start
   State start;

@@ -22,7 +22,7 @@ template <std::size_t Quads> class CubicSeries {
                 same(C::amplitude, Terms::amplitude) && same(C::frequency, Terms::frequency) &&
                 same(C::constant, Terms::constant));
 
-  /// `sources`: the coefficients that columns 2, 3, ... of the tangent are derivatives in; x0: where State::moved is 0.
+  /// `sources`: coefficients for the derivatives in columns 2, 3, ... of the tangent; x0: position at which State::moved is 0.
   CubicSeries(const C& oscillator, const std::vector<std::size_t>& sources, double x0,
               const SeriesKernels& kernels = series_kernels())
       : kernel_(kernels) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Taylor series in s of a Hertz contact in regularising variables (hertz_flow.hpp), of its tangent and of its derivatives in the
-// parameters. With y = sqrt(x - r), u = y^2, dt = y ds the powers of y are products of series, and the factors of the speed
+// Taylor series in s of a Hertz contact in regularising variables (hertz_flow.hpp), of its tangent and of its derivatives in
+// the parameters. With y = sqrt(x - r), u = y^2, dt = y ds the powers of y are products of series, and the factors of the speed
 // v = 2 dy/ds have integrals: y v = du/ds, y^4 v = (2/5) d(y^5)/ds. Hence
 //     dv/ds = xi y cos - r y - y^3 - beta y x^3 - k_H y^4 - d/ds (2 b u + (2/5) k_H b_H y^5),
 //     d(cos, sin)/ds = eta y (-sin, cos),   dt/ds = y,   d(ln det)/ds = -(2 b y + k_H b_H y^4).

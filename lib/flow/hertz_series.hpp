@@ -16,7 +16,7 @@ template <std::size_t Quads> class HertzSeries {
   using Terms = HertzTerms<Quads>;
   using State = HertzState<Quads>;
 
-  /// `sources`: the coefficients that columns 2, 3, ... of the tangent are derivatives in; t0: where HertzState::time is 0.
+  /// `sources`: coefficients for the derivatives in columns 2, 3, ... of the tangent; t0: time at which HertzState::time is 0.
   HertzSeries(const C& contact, const std::vector<std::size_t>& sources, double t0,
               const SeriesKernels& kernels = series_kernels())
       : kernel_(kernels) {

@@ -25,7 +25,7 @@ template <std::size_t Quads> struct HertzTerms {
 
   double q[HertzContact::count];
   bool with_cubic;             ///< whether y x^2 and y x^3 are needed
-  const std::size_t* sources;  ///< the coefficients that columns 2, 3, ... are derivatives in (HertzContact::count: in none)
+  const std::size_t* sources;  ///< coefficients for the derivatives in columns 2, 3, ... (HertzContact::count: none)
   std::size_t source_count;
   double t0;  ///< where State::time is 0
   State start;

@@ -205,7 +205,7 @@ std::optional<double> LinearFlow::first_crossing(const Flight& flight, const det
     H = std::min({2.0 * H, longest, s_end - s});
     const double too_short = 1e-15 * (1.0 + s);
     for (;; H *= 0.5) {
-      if (detail::stays_below_zero<6>({g, v, a / 2, j / 6, x4 / 24, x5 / 120, M6 / 720}, H)) break;  // no crossing on [s, s + H]
+      if (detail::stays_below_zero<6>({g, v, a / 2, j / 6, x4 / 24, x5 / 120, M6 / 720}, H)) break;  // none on [s, s + H]
       if (detail::stays_below_zero<5>({-v, -a, -j / 2, -x4 / 6, -x5 / 24, M6 / 120},
                                       H)) {  // the speed stays positive on it: at most one crossing
         if (g >= 0.0) return s;
@@ -257,7 +257,7 @@ std::optional<double> LinearFlow::first_crossing(const Flight& flight, const det
     z = evaluate(s);
     g = gap(z);
     v = barrier.sign * z.v;
-    if (g >= 0.0) return s;  // only by rounding: the bound had it below
+    if (g >= 0.0) return s;  // by rounding only: the bound shows g < 0
   }
   return std::nullopt;
 }

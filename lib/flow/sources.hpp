@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sources: which coefficients of a mode's structure the active parameters enter. The series of a flow carry derivatives in the
-// coefficients; dx/dp is dx/dq dq/dp.
+// Sources: the coefficients of a mode's structure that depend on the active parameters. The series of a flow carry derivatives
+// in the coefficients; dx/dp is dx/dq dq/dp.
 #pragma once
 
 #include <graze/lib/numerics/vector.hpp>
