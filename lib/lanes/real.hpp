@@ -27,7 +27,7 @@ template <class Real> struct MaskType { using type = typename Real::batch_bool_t
 template <> struct MaskType<double> { using type = bool; };
 template <class Real> using Mask = typename MaskType<Real>::type;
 
-// Always inlined: a copy of them compiled for one processor must not serve another.
+// Always inlined, so that a copy compiled for one processor cannot serve another.
 [[gnu::always_inline]] inline double select(bool mask, double a, double b) { return mask ? a : b; }
 [[gnu::always_inline]] inline bool any(bool mask) { return mask; }
 [[gnu::always_inline]] inline unsigned bits(bool mask) { return mask ? 1U : 0U; }

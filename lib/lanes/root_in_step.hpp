@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Roots of a quantity within one step, in lanes.
 #pragma once
 
 #include <graze/lib/lanes/real.hpp>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Approximate roots of numbers in lanes, from the bits of their doubles.
 #pragma once
 
 #include <graze/lib/lanes/real.hpp>
