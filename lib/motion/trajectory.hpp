@@ -65,7 +65,7 @@ struct Contact {
 /// sliding body ends none: nothing jumps there.
 bool ends_contact(const EventRecord& event);
 
-/// The contacts of a run, in order (from events of kind impact, or enter followed by leave).
+/// The contacts of a run, in order (from events of kind impact or stick, or enter followed by leave).
 std::vector<Contact> contacts(const std::vector<EventRecord>& events);
 
 /// Complete contacts of a motion with the period `duration`: those that begin within the period, and those that end within it.
