@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/output/notes.hpp>
-#include <graze/lib/motion/sampled_motion.hpp>
 #include <graze/apps/text/number.hpp>
+#include <graze/lib/motion/sampled_motion.hpp>
 
 #include <graze/lib/motion/order_of_events.hpp>
 
@@ -36,7 +36,7 @@ std::string shown(const Problem& problem, const Vector& state) {
 
 std::vector<std::string> order_notes(const Problem& problem, const std::vector<EventRecord>& events) {
   std::vector<std::string> notes;
-  for (const OrderedPair& pair : pairs_whose_order_matters(problem.system, problem.parameters, events))
+  for (const OrderedPair& pair : noncommuting_events(problem.system, problem.parameters, events))
     notes.push_back(
         fmt::format("{0} and {1} meet at tau = {2}, and their order matters: {0} goes first and leads to {3}, {1} first "
                     "would lead to {4}",

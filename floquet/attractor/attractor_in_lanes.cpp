@@ -102,7 +102,7 @@ MotionTask<Attractor> approach_attractor_in_lanes(TaskSlot& lane, const HybridSy
     Attractor alone = approach_attractor(system, p, start, options);
     co_return alone;
   }
-  lane.take_parameters(p);
+  lane.set_parameters(p);
   Attractor attractor = co_await approach(lane, system, p, start, options);
   co_return attractor;
 }
@@ -113,7 +113,7 @@ MotionTask<> average_on_attractor_in_lanes(TaskSlot& lane, const HybridSystem& s
     average_on_attractor(system, p, attractor, options);
     co_return;
   }
-  lane.take_parameters(p);
+  lane.set_parameters(p);
   AttractorOptions longer = options;
   for (int round = 0; attractor.termination == Termination::time && attractor.type != AttractorType::periodic; ++round) {
     const bool on = co_await average(lane, system, p, round, options, attractor);

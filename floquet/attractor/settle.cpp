@@ -31,8 +31,8 @@ Settled settle(const HybridSystem& system, const Vector& p, const Vector& start,
   for (; result.periods < options.periods; ++result.periods) {
     if (next_period()) continue;
     // Ever lower bounces on a pressed stop without energy loss: the rest state is the limit, but is never reached.
-    const auto rest = result.termination == Termination::event_limit ? rest_for_ever(propagator, result.state) : std::nullopt;
-    if (!rest || !comes_to_rest(propagator, result.state, *rest)) return result;
+    const auto rest = result.termination == Termination::event_limit ? permanent_rest(propagator, result.state) : std::nullopt;
+    if (!rest || !reaches_rest(propagator, result.state, *rest)) return result;
     result.state = *rest;
     break;
   }

@@ -175,8 +175,8 @@ bool may_rest(const HybridSystem& system, const Vector& p, const Vector& state) 
 
 std::optional<PeriodicOrbit> resting_orbit(Propagator& propagator, const Vector& state) {
   if (!may_rest(propagator.system(), propagator.parameters(), state)) return std::nullopt;
-  const std::optional<Vector> rest = rest_for_ever(propagator, state);
-  if (!rest || !comes_to_rest(propagator, state, *rest)) return std::nullopt;
+  const std::optional<Vector> rest = permanent_rest(propagator, state);
+  if (!rest || !reaches_rest(propagator, state, *rest)) return std::nullopt;
   ShootingOptions shooting;
   shooting.flow = propagator.options();
   PeriodicOrbit orbit = shoot(propagator.system(), propagator.parameters(), *rest, 1, shooting);

@@ -256,7 +256,7 @@ class Search {
     LaneCarrier many(system_, options_.flow);
     const std::size_t set = many.add_parameters(p_);
     if (scout_.table()) many.use(set, *scout_.table());
-    many.tell_of(known_.ellipses());
+    many.set_reported_ellipses(known_.ellipses());
     carry_together(many, set, watches, [this] { return cancelled(); });
   }
 

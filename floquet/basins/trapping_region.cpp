@@ -135,7 +135,7 @@ TrappingRegion trapping_region(const HybridSystem& system, const Vector& p, cons
     x = transition.x1;
   }
   if (!differentiable) return region;
-  if (period == 1 && rest_for_ever(propagator, state) == state) return around_rest(propagator, std::move(region), Phi.front());
+  if (period == 1 && permanent_rest(propagator, state) == state) return around_rest(propagator, std::move(region), Phi.front());
   const auto values = product_eigenvalues(Phi);
   const double rate = std::pow(std::abs(values.front()), 1.0 / period);
   if (!(rate < 1.0)) return region;

@@ -72,7 +72,7 @@ LaneGuess guess_of(std::size_t parameters, const States& guess) {
 /// Stores the orbit if the motion from `from` approaches it.
 MotionTask<> approach(TaskSlot& lane, const HybridSystem& system, std::size_t parameters, const Vector& p, const LaneOrbit& orbit,
                       Vector from, PredictedOrbit& reached) {
-  lane.take_parameters(parameters);
+  lane.set_parameters(parameters);
   std::optional<PeriodicOrbit> approached = co_await orbit_approached_in_lanes(lane, system, p, orbit, from);
   if (!approached) co_return;
   reached.orbit = std::move(*approached);

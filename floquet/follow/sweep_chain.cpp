@@ -78,7 +78,7 @@ MotionTask<std::optional<Vector>> SweepChain::carry_on(TaskSlot& lane, const Vec
   initial_mode(system_, 0.0, state, p);
   const auto count = static_cast<std::size_t>(periods);
   if (LaneCarrier::applies(system_, p, options_.attractor.lyapunov.flow)) {
-    lane.take_parameters(p);
+    lane.set_parameters(p);
     const std::span<const PeriodResult> results = co_await lane.carry(state, count);
     if (results.empty()) co_return state;
     // After the end of a motion, all results have the same termination.
@@ -107,8 +107,8 @@ Vector SweepChain::with_its_stop(const Begin& begin, const Vector& p) const {
   if (mode_at(system_, 0.0, begin.state, p)) return begin.state;
   const FlowOptions& flow = options_.attractor.lyapunov.flow;
   Propagator before(system_, parameters(values_[begin.number - 1]), {}, flow), now(system_, p, {}, flow);
-  if (rest_for_ever(before, begin.state) != begin.state) return begin.state;
-  return rest_for_ever(now, begin.state).value_or(begin.state);
+  if (permanent_rest(before, begin.state) != begin.state) return begin.state;
+  return permanent_rest(now, begin.state).value_or(begin.state);
 }
 
 MotionTask<SweepRow> SweepChain::find(TaskSlot& lane, Begin begin, AttractorOptions finding,
@@ -156,7 +156,7 @@ MotionTask<> SweepChain::sample(TaskSlot& lane, const Vector& p, SweepRow& row) 
   } else if (!LaneCarrier::applies(system_, p, options_.attractor.lyapunov.flow)) {
     sample_alone(p, static_cast<std::size_t>(wanted), row);
   } else {
-    lane.take_parameters(p);
+    lane.set_parameters(p);
     ImpactSpeeds speeds;
     const Vector from = row.attractor.state;
     const std::span<const PeriodResult> periods = co_await lane.carry(from, static_cast<std::size_t>(wanted), &speeds);

@@ -202,7 +202,7 @@ bool same(const LaneOrbit& shorter, const LaneOrbit& orbit) {
 }
 
 MotionTask<> shoot_to(TaskSlot& lane, const LaneGuess& guess, LanePatience patience, LaneOrbit& orbit) {
-  lane.take_parameters(guess.parameters);
+  lane.set_parameters(guess.parameters);
   orbit = co_await shoot_in_lanes(lane, guess.states, patience);
 }
 

@@ -62,7 +62,7 @@ bool carry_together(LaneCarrier& many, std::size_t set, std::vector<Watch>& watc
     bool stopped = false;
     Vector state = Vector(2);
   };
-  struct One : PeriodWatch {
+  struct One : PeriodObserver {
     Watch* watch = nullptr;
     Common* common = nullptr;
     std::size_t seen = 0;
@@ -76,7 +76,7 @@ bool carry_together(LaneCarrier& many, std::size_t set, std::vector<Watch>& watc
   std::vector<MotionRun> runs;
   runs.reserve(watches.size());
   for (std::size_t i = 0; i < watches.size(); ++i) {
-    each[i].see = [](PeriodWatch& self, std::size_t number, const PeriodResult& period) {
+    each[i].see = [](PeriodObserver& self, std::size_t number, const PeriodResult& period) {
       One& one = static_cast<One&>(self);
       Common& all = *one.common;
       if (++all.seen % periods_between_cancellation_tests == 0) all.stopped = all.stopped || all.cancelled();

@@ -81,16 +81,16 @@ template <class Machine, std::size_t Quads> struct CubicRecurrence {
   /// The motion h after the step's start.
   static void at(const Terms& s, double h, typename Terms::State& to) {
     const double square = -h * h;
-    double turned = s.turn[cubic_order], turned_away = s.turn[cubic_order - 1];  // cos(w h), and sin(w h)/h
+    double turned = s.turn[cubic_order], sine_over_h = s.turn[cubic_order - 1];  // cos(w h), and sin(w h)/h
 #pragma GCC unroll 8
     for (std::size_t k = cubic_order; k > 2; k -= 2) {
       turned = Machine::fma(square, turned, s.turn[k - 2]);
-      turned_away = Machine::fma(square, turned_away, s.turn[k - 3]);
+      sine_over_h = Machine::fma(square, sine_over_h, s.turn[k - 3]);
     }
     turned = Machine::fma(square, turned, 1.0);
-    turned_away *= h;
-    to.cosine = Machine::fma(s.start.cosine, turned, -s.start.sine * turned_away);
-    to.sine = Machine::fma(s.start.sine, turned, s.start.cosine * turned_away);
+    sine_over_h *= h;
+    to.cosine = Machine::fma(s.start.cosine, turned, -s.start.sine * sine_over_h);
+    to.sine = Machine::fma(s.start.sine, turned, s.start.cosine * sine_over_h);
     alignas(32) double P[4], V[4];
     for (std::size_t j = 0; j < Quads; ++j) {
       const Quad from = j == 0 ? Machine::set(s.start.moved, s.P[0][0][1], s.P[0][0][2], 0.0) : Machine::load(s.P[j][0]);

@@ -73,7 +73,8 @@ double HertzFlow::speed_coefficient(double y) const {
   return 2.0 * p[C::damping] + p[C::stiffness] * p[C::contact_damping] * y * y * y;
 }
 
-template <std::size_t Quads> void HertzFlow::leave_rest(const FlowTask& task, double dt, detail::HertzState<Quads>& z) const {
+template <std::size_t Quads>
+void HertzFlow::start_from_rest(const FlowTask& task, double dt, detail::HertzState<Quads>& z) const {
   const auto& p = contact_.value;
   const double r = p[C::barrier], v = z.v, w = p[C::frequency], c = z.cosine, s = z.sine;
   const double a = p[C::amplitude] * c - 2.0 * p[C::damping] * v - r - p[C::beta] * r * r * r;
@@ -181,7 +182,7 @@ template <std::size_t Quads> void HertzFlow::carry_with(const FlowTask& task, co
     if (z.v < -rest_tolerance * (1.0 + std::abs(a))) return finish(FlowEnd::event, z);
     // From rest on the barrier the motion is analytic in t, not in s: a series in t covers a first short interval (truncated at
     // t^4).
-    leave_rest(task, std::min(1e-5, duration), z);
+    start_from_rest(task, std::min(1e-5, duration), z);
     if (z.y == 0.0 && z.v <= 0.0) return finish(FlowEnd::event, z);
   }
 

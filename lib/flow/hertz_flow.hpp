@@ -30,7 +30,7 @@ class HertzFlow {
  private:
   /// Carries with the columns of the tangent of detail::HertzState.
   template <std::size_t Quads> void carry_with(const FlowTask& task, const Vector& x0, Segment& out) const;
-  template <std::size_t Quads> void leave_rest(const FlowTask& task, double dt, detail::HertzState<Quads>& z) const;
+  template <std::size_t Quads> void start_from_rest(const FlowTask& task, double dt, detail::HertzState<Quads>& z) const;
   /// -d(acceleration)/dv at depth y^2.
   double speed_coefficient(double y) const;
 

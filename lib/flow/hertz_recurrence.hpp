@@ -96,18 +96,18 @@ template <class Machine, std::size_t Quads> struct HertzRecurrence {
       double all = (a[0] < a[1] ? a[1] : a[0]) + (b[0] < b[1] ? b[1] : b[0]) + time;
       if constexpr (Quads > 0) {
         const double tangent = Machine::largest(Machine::magnitude(Machine::load(s.dx[k])) * dx), q = b[2] < b[3] ? b[3] : b[2];
-        all = not_below(all, not_below(tangent, q));
+        all = nan_keeping_max(all, nan_keeping_max(tangent, q));
       }
       for (std::size_t j = 0; j < Terms::more; ++j)
         for (const QuadSeries* series : {&s.more_dx[j], &s.more_q[j]})
-          all = not_below(all, Machine::largest(Machine::magnitude(Machine::load((*series)[k])) * weight((*series)[0])));
+          all = nan_keeping_max(all, Machine::largest(Machine::magnitude(Machine::load((*series)[k])) * weight((*series)[0])));
       return all;
     };
     s.last = size(hertz_order);
     s.before = size(hertz_order - 1);
   }
   /// The larger of both; not a number if `b` is not.
-  static double not_below(double a, double b) { return a > b ? a : b; }
+  static double nan_keeping_max(double a, double b) { return a > b ? a : b; }
 
   template <std::size_t... k> static void expand(Terms& s, const Constants& c, std::index_sequence<k...>) {
     (next<k>(s, c), ...);

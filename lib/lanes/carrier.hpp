@@ -45,7 +45,7 @@ template <class Flight> class Carrier : public Periods<Flight> {
   /// One step of a task that may end something: a flight, a contact, a period.
   void end(Task task) {
     if (task == Task::contact) {
-      const Surfacing<Real> up = press<Flight>(memory_, job_, ratio_);
+      const ContactEnd<Real> up = press<Flight>(memory_, job_, ratio_);
       if (any(up.at_barrier)) Flight::leave_barrier(memory_, up.at_barrier, up.v, up.c, up.s);
       if (any(up.at_end)) end_periods(up.at_end, Real(memory_[barrier] + up.y * up.y), up.v);
     } else if (task == Task::period_end) {
@@ -61,21 +61,21 @@ template <class Flight> class Carrier : public Periods<Flight> {
 
   void hit(Landing<Real> landing) {
     landing.where = memory_.count_impacts(landing.where);
-    if (queue_.notes()) note_impacts(memory_, landing, job_.motions);
+    if (queue_.notes()) record_impacts(memory_, landing, job_.motions);
     if (job_.law == Law::restitution) return rebound<Flight>(memory_, landing);
     if (job_.law == Law::linear_elastic) return change_sides<Flight>(memory_, landing, job_.motions);
     Mask<Real> touching = landing.where;
     if constexpr (!Flight::cubic) {  // tables exist for linear flights only
       if (queue_.met()) note_speeds(memory_, landing);
-      if (queue_.tables()) touching = but_not(touching, pass_known(landing));
+      if (queue_.tables()) touching = and_not(touching, pass_known(landing));
     }
     if (any(touching)) touch(memory_, touching, Real(0.0), landing.v, landing.c, landing.s);
   }
 
   /// Carries the contacts that the table covers.
   Mask<Real> pass_known(const Landing<Real>& landing) {
-    const KnownContact<Real> contact = known_contact<Real, Tangent>(memory_, landing);
-    if (any(contact.ends)) leave_known<Real, Tangent>(memory_, contact);
+    const TabulatedContact<Real> contact = known_contact<Real, Tangent>(memory_, landing);
+    if (any(contact.ends)) end_tabulated<Real, Tangent>(memory_, contact);
     if (any(contact.spans)) {
       const Real before = memory_[rest];
       begin_spanning<Real, Tangent>(memory_, contact);

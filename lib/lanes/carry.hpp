@@ -10,7 +10,7 @@
 namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
-template <class Flight> void take_turns(Carrier<Flight>& first, Carrier<Flight>& second) {
+template <class Flight> void interleave(Carrier<Flight>& first, Carrier<Flight>& second) {
   for (bool goes_on = true; goes_on;) {
     const Task one = first.choice().task;
     first.step(one);
@@ -50,7 +50,7 @@ template <class Flight> void carry_with(const Job& job) {
   if (first.steps_contacts())
     sort_contacts(first, second);
   else
-    take_turns(first, second);
+    interleave(first, second);
 }
 
 template <class Real, std::size_t Order> void carry_with_order(const Job& job) {

@@ -51,8 +51,8 @@ template <class Real> Arrival<Real> arrival(const Memory<Real>& m) {
   const Real parabola = -2.0 * g0 / (start.v + sqrt(largest(Real(start.v * start.v - 2.0 * start.a * g0), Real(0.0))));
   Real h = polynomial_root(start, g0, least(largest(parabola, Real(0.0)), farthest), Real(0.0), farthest, 2);
   Arrival<Real> out{
-      P, Q, Real(1.0), Real(0.0), c, s, Real(0.0), mask_of<Real>(0), but_not(crossing, rises(start, start.v, farthest))};
-  Mask<Real> seeking = but_not(crossing, out.unsure);
+      P, Q, Real(1.0), Real(0.0), c, s, Real(0.0), mask_of<Real>(0), and_not(crossing, rises(start, start.v, farthest))};
+  Mask<Real> seeking = and_not(crossing, out.unsure);
   for (int round = 0; round < 12 && any(seeking); ++round) {
     const Later<Real> there = later(m, P, Q, c, s, h);
     const Point<Real> z = point(m, there.P, there.Q, there.c, there.s);
@@ -75,7 +75,7 @@ template <class Real> Arrival<Real> arrival(const Memory<Real>& m) {
     out.s = select(settled, dot(s, by.force_c, c, by.force_s), out.s);
     out.h = select(settled, h, out.h);
     out.found = out.found | settled;
-    seeking = but_not(seeking, settled);
+    seeking = and_not(seeking, settled);
   }
   return out;
 }
@@ -122,7 +122,7 @@ void leave_barrier(Memory<Real>& m, const Mask<Real>& where, const Real& v, cons
   look_ahead(m, goes, part);
   m.set(off_barrier, goes, Real(1.0));
   m.assign(goes, Task::flight);
-  m.assign(but_not(where, goes), Task::given_up);
+  m.assign(and_not(where, goes), Task::given_up);
   // Up to there x'' = A cos(w t) + c - k x - 2 b x' is below `pull`, because x falls by at most fastest * part.
   const Real pull = abs(m[amplitude]) + m[constant] + 2.0 * m[damping] * fastest + m[stiffness] * (fastest * part - r);
   const Mask<Real> clear = goes & (Real(-2.0 * v) > pull * part);
@@ -145,11 +145,11 @@ template <class Real, bool Tangent> Landing<Real> land(Memory<Real>& m) {
   const Real v = wedge(m[rate], end.Q, m[damping], end.P) + m[frequency] * wedge(m[sine], end.c, m[cosine], end.s);
   const Real duration = m[flown] + end.h;
   const Mask<Real> short_hop = (m[off_barrier] > Real(0.5)) & (duration < m[shortest_flight]);
-  const Mask<Real> good = but_not(end.found & (v > m[slowest_impact]), short_hop);
+  const Mask<Real> good = and_not(end.found & (v > m[slowest_impact]), short_hop);
   m.set(rest, good, Real((m[cells] - m[next_point]) * m[cell] + (m[ahead] - end.h)));
   const Real E = m[spiral_c], F = m[spiral_s];
   end_flight<Real, Tangent>(m, good, wedge(end.turn_c, E, end.turn_s, F), dot(end.turn_c, F, end.turn_s, E), duration);
-  m.assign(but_not(crossing, good), Task::given_up);
+  m.assign(and_not(crossing, good), Task::given_up);
   m.set(trial, end.unsure, Real(0.5 * m[trial]));
   m.set(tried, end.unsure, Real(1.0));
   m.assign(end.unsure, Task::flight);
@@ -167,7 +167,7 @@ template <class Number, bool WithTangent, std::size_t Order> struct LinearFlight
     const Real x0 = m[side] * x;
     begin_flight<Real, tangent>(m, where, x0, Real(m[side] * v), Real(1.0), Real(0.0));
     const Real x1 = x_after_cell(m, Real(m[transient_p]), Real(m[transient_q]), Real(1.0), Real(0.0));
-    look_ahead(m, set_out(m, where, Real(0.0), x0, x1), Real(m[cell]));
+    look_ahead(m, leave_point(m, where, Real(0.0), x0, x1), Real(m[cell]));
     m.set(off_barrier, where, Real(0.0));
   }
   static void leave_barrier(Memory<Real>& m, const Mask<Real>& where, const Real& v, const Real& c, const Real& s) {

@@ -32,7 +32,7 @@ template <class Number, bool WithTangent, std::size_t Order> struct CubicFlight 
     const Mask<Real> goes = where & (-1.0 * v > m[slowest_impact]) & (Real(-2.0 * v) > m[shortest_flight] * pressing);
     begin(m, goes, Real(0.0), v, c, s);
     m.set(off_barrier, goes, Real(1.0));
-    m.assign(but_not(where, goes), Task::given_up);
+    m.assign(and_not(where, goes), Task::given_up);
   }
 
   static Real spring_at_barrier(const Memory<Real>& m) {
@@ -52,9 +52,9 @@ template <class Number, bool WithTangent, std::size_t Order> struct CubicFlight 
     Real h = trusted(last, before, 0.25 * job.tolerance);
     h = select(h >= left * (1.0 - 1e-12), left, h);
     Mask<Real> below = stays_below(series, z.gap, h), rising = below;
-    for (int halvings = 0; any(but_not(flying, below)); ++halvings) {
+    for (int halvings = 0; any(and_not(flying, below)); ++halvings) {
       rising = keeps_rising(series, h);
-      const Mask<Real> unsure = but_not(flying, below | rising);
+      const Mask<Real> unsure = and_not(flying, below | rising);
       if (!any(unsure) || halvings == most_halvings) break;
       h = select(unsure, Real(0.5 * h), h);
       below = stays_below(series, z.gap, h);
@@ -62,7 +62,7 @@ template <class Number, bool WithTangent, std::size_t Order> struct CubicFlight 
     const Mask<Real> from_barrier = (m[off_barrier] > Real(0.5)) & (m[flown] == Real(0.0));
     const Mask<Real> fine = flying & (from_barrier | (z.gap < -too_close * (1.0 + abs(law.r)))) & (below | rising) &
                             (Real(last + before) < Real(1e300)) & (m[steps] < Real(static_cast<double>(job.max_steps)));
-    Mask<Real> crosses = but_not(fine, below);
+    Mask<Real> crosses = and_not(fine, below);
     if (any(crosses)) {
       const Real reached = series.gap(h);
       crosses = crosses & (reached >= Real(0.0));
@@ -70,19 +70,19 @@ template <class Number, bool WithTangent, std::size_t Order> struct CubicFlight 
                        select(crosses, parabola_root(z.gap, z.v, h, reached), h), crosses);
     }
     const FlightState<Real> next = series.at(h);
-    const Mask<Real> moves = but_not(fine, crosses);
+    const Mask<Real> moves = and_not(fine, crosses);
     set(m, moves, next);
     const Real duration = m[flown] + h;
     m.set(flown, moves, duration);
     m.set(rest, fine, Real(left - h));
     m.set(steps, moves, Real(m[steps] + 1.0));
     m.assign(moves & (h >= left), Task::period_end);
-    m.assign(but_not(flying, fine), Task::given_up);
+    m.assign(and_not(flying, fine), Task::given_up);
     if (!any(crosses)) return {crosses, next.v, next.c, next.s};
     const Mask<Real> short_hop = (m[off_barrier] > Real(0.5)) & (duration < m[shortest_flight]);
-    const Mask<Real> lands = but_not(crosses & (next.v > m[slowest_impact]), short_hop);
+    const Mask<Real> lands = and_not(crosses & (next.v > m[slowest_impact]), short_hop);
     end_flight(m, lands, next.Phi, duration);
-    m.assign(but_not(crosses, lands), Task::given_up);
+    m.assign(and_not(crosses, lands), Task::given_up);
     return {lands, next.v, next.c, next.s};
   }
 

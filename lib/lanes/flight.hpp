@@ -131,9 +131,9 @@ void go_on_to(Memory<Real>& m, const Mask<Real>& where, const Later<Real>& there
 /// Starts motions at a point of the grid, at position x, for the next one. They march if they stay clear of the barrier up to
 /// it, else they take a step. Returns those that take a step.
 template <class Real>
-[[gnu::always_inline]] inline Mask<Real> set_out(Memory<Real>& m, const Mask<Real>& where, const Real& from, const Real& x,
-                                                 const Real& x_later) {
-  const Mask<Real> follows = but_not(where, stays_clear(m, x, x_later));
+[[gnu::always_inline]] inline Mask<Real> leave_point(Memory<Real>& m, const Mask<Real>& where, const Real& from, const Real& x,
+                                                     const Real& x_later) {
+  const Mask<Real> follows = and_not(where, stays_clear(m, x, x_later));
   m.set(next_point, where, select(follows, Real(from + 1.0), from));
   m.assign(where, Task::marching);
   m.assign(follows, Task::flight);
@@ -147,7 +147,7 @@ template <class Real>
   const Real here = m[next_point];
   const Mask<Real> ends = where & (here == m[cells]);
   m.assign(ends, Task::period_end);
-  return set_out(m, but_not(where, ends), here, z.x, x_after_cell(m, z.P, z.Q, z.c, z.s));
+  return leave_point(m, and_not(where, ends), here, z.x, x_after_cell(m, z.P, z.Q, z.c, z.s));
 }
 
 /// Whether the speed, v at first, is >= 0 for a time h and > 0 at its end.
@@ -170,7 +170,7 @@ template <class Real, bool Tangent> void fly(Memory<Real>& m) {
   const Mask<Real> from_barrier = (m[off_barrier] > Real(0.5)) & (m[flown] == Real(0.0));
   const Real r = m[barrier], g = select(from_barrier, Real(0.0), Real(z.x - r)),
              v = select(from_barrier, least(z.v, Real(0.0)), z.v);
-  const Mask<Real> close = but_not(z.x > highest(m), from_barrier);
+  const Mask<Real> close = and_not(z.x > highest(m), from_barrier);
 
   const Real h = m[trial], left = m[ahead];
   const Real h2 = h * h, h3 = h2 * h, h4 = h2 * h2, h5 = h4 * h, top = z.bound6 * h5;
@@ -181,10 +181,10 @@ template <class Real, bool Tangent> void fly(Memory<Real>& m) {
                      (1.0 / 360.0) * z.x4 * h4,
                      (1.0 / 720.0) * z.x5 * h5,
                      (1.0 / 720.0) * top * h};
-  const Mask<Real> below = below_zero(position), sure = below | rises(z, v, h), stays = but_not(flying, sure);
+  const Mask<Real> below = below_zero(position), sure = below | rises(z, v, h), stays = and_not(flying, sure);
   const Later<Real> there = later(m, P, Q, c, s, h);
-  const Mask<Real> goes = but_not(flying & sure, close), crosses = but_not(goes, below) & (there.x >= r),
-                   moves = but_not(goes, crosses);
+  const Mask<Real> goes = and_not(flying & sure, close), crosses = and_not(goes, below) & (there.x >= r),
+                   moves = and_not(goes, crosses);
 
   go_on_to<Real, Tangent>(m, moves, there, h);
   const Real length = m[cell];

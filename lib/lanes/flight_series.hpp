@@ -47,14 +47,14 @@ template <class Real, bool Tangent, std::size_t Order> class FlightSeries {
   Real speed(const Real& h) const { return sum(v_, h); }
   FlightState<Real> at(const Real& h) const {
     const Real square = -h * h;
-    Real turned = turn_[order], turned_away = turn_[order - 1];  // cos(w h), and sin(w h)/h
+    Real turned = turn_[order], sine_over_h = turn_[order - 1];  // cos(w h), and sin(w h)/h
     for (std::size_t k = order; k > 2; k -= 2) {
       turned = madd(square, turned, turn_[k - 2]);
-      turned_away = madd(square, turned_away, turn_[k - 3]);
+      sine_over_h = madd(square, sine_over_h, turn_[k - 3]);
     }
     turned = madd(square, turned, Real(1.0));
-    turned_away = h * turned_away;
-    FlightState<Real> z{gap(h), speed(h), wedge(c_, turned, s_, turned_away), dot(s_, turned, c_, turned_away), {}};
+    sine_over_h = h * sine_over_h;
+    FlightState<Real> z{gap(h), speed(h), wedge(c_, turned, s_, sine_over_h), dot(s_, turned, c_, sine_over_h), {}};
     if constexpr (Tangent)
       for (std::size_t i = 0; i < 4; ++i) z.Phi[i] = sum(Phi_[i], h);
     return z;

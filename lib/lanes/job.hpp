@@ -65,15 +65,15 @@ struct ContactPieces;
 
 /// Histogram of the speeds of impacts and of entries into contact. Band k counts speeds from 2^k to 2^(k + 1), k from `lowest`
 /// on; speeds beyond the range count in the first or the last band.
-struct SpeedsMet {
+struct SpeedHistogram {
   static constexpr std::int64_t lowest = -12, count = 20;
   std::array<std::int64_t, count> of_band{};
 };
 
 /// Recorder of the speeds of impacts and of entries into contact. The speeds of a period that is given up are overwritten.
-struct ImpactNotes {
-  void (*add)(ImpactNotes& notes, double speed) = nullptr;  ///< stores a speed as number `count`
-  std::size_t count = 0, before = 0;                        ///< number of speeds now, and at the start of the period
+struct SpeedRecorder {
+  void (*add)(SpeedRecorder& notes, double speed) = nullptr;  ///< stores a speed as number `count`
+  std::size_t count = 0, before = 0;                          ///< number of speeds now, and at the start of the period
 };
 
 /// Result of one forcing period of one motion.
@@ -94,8 +94,8 @@ struct Ellipse {
 
 /// Observer of a motion. Called after the periods that end in an ellipse of the job, those with number `next` (counted from 1)
 /// or higher, and those that the lanes gave up; returns whether the motion continues.
-struct PeriodWatch {
-  bool (*see)(PeriodWatch& watch, std::size_t number, const Period& period) = nullptr;
+struct PeriodObserver {
+  bool (*see)(PeriodObserver& watch, std::size_t number, const Period& period) = nullptr;
   std::size_t next = 1;
 };
 
@@ -109,9 +109,9 @@ struct Motion {
   std::size_t periods = 1;               ///< to be carried
   Period* results = nullptr;             ///< one for each period; of an observed motion one, for the last
   const ContactPieces* table = nullptr;  ///< table of contacts; may be null
-  SpeedsMet* met = nullptr;              ///< histogram for the speeds of entry; may be null
-  ImpactNotes* notes = nullptr;          ///< may be null
-  PeriodWatch* watch = nullptr;          ///< may be null
+  SpeedHistogram* met = nullptr;         ///< histogram for the speeds of entry; may be null
+  SpeedRecorder* notes = nullptr;        ///< may be null
+  PeriodObserver* watch = nullptr;       ///< may be null
 
   /// The result of a period.
   Period& result(std::size_t of_period) const { return results[watch ? 0 : of_period]; }
@@ -126,7 +126,7 @@ inline constexpr int most_impacts = 4000;
 struct Carried {
   std::size_t periods = 0;
   /// The next period failed, or was given up (an impact too weak for the lanes, the motion too close to the barrier) without a
-  /// Job::do_given_up to carry it.
+  /// Job::carry_given_up to carry it.
   bool failed = false;
 };
 
@@ -149,7 +149,7 @@ struct Job {
   /// number of motions. May be null.
   std::size_t (*more)(void* whom, std::size_t number, std::size_t taken) = nullptr;
   /// Carries a period that the lanes give up and stores its result; returns whether the motion continues. May be null.
-  bool (*do_given_up)(void* whom, const Job& job, const Motion& motion, std::size_t period) = nullptr;
+  bool (*carry_given_up)(void* whom, const Job& job, const Motion& motion, std::size_t period) = nullptr;
   void* whom = nullptr;
 };
 

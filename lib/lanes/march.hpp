@@ -52,7 +52,7 @@ template <class Real, bool Tangent> void march(Memory<Real>& m) {
   const Real P1 = dot(c, P, s, Q), Q1 = wedge(c, Q, s, P), c1 = take<Real>(to_c), s1 = take<Real>(to_s);
   const Real point1 = m[next_point] + n, x1 = P1 + (dot(m[cosine], c1, m[sine], s1) + m[offset]);
   const Mask<Real> sees_no_end = n == Real(static_cast<double>(points_ahead - 1));
-  const Mask<Real> one_more = but_not(point1 < m[cells], sees_no_end) & stays_clear(m, x1, x_after_cell(m, P1, Q1, c1, s1));
+  const Mask<Real> one_more = and_not(point1 < m[cells], sees_no_end) & stays_clear(m, x1, x_after_cell(m, P1, Q1, c1, s1));
   const Real p = m[cell_p], q = m[cell_q], P2 = select(one_more, dot(p, P1, q, Q1), P1),
              Q2 = select(one_more, wedge(p, Q1, q, P1), Q1);
   const Real c2 = select(one_more, take<Real>(next_c), c1), s2 = select(one_more, take<Real>(next_s), s1);
@@ -66,11 +66,11 @@ template <class Real, bool Tangent> void march(Memory<Real>& m) {
   }
   m.set(phase_c, marching, c2);
   m.set(phase_s, marching, s2);
-  const Mask<Real> ends = marching & (point == m[cells]), goes_on = but_not(marching, ends) & sees_no_end;
+  const Mask<Real> ends = marching & (point == m[cells]), goes_on = and_not(marching, ends) & sees_no_end;
   m.set(flown, marching, Real(m[flown] + (n + over_one) * length));
   m.set(next_point, marching, Real(point + select(goes_on, Real(0.0), Real(1.0))));
   look_ahead(m, marching, length);
-  const Mask<Real> flies = but_not(marching, goes_on);  // from a point not too close to the barrier
+  const Mask<Real> flies = and_not(marching, goes_on);  // from a point not too close to the barrier
   m.assign(flies, Task::flight);
   m.assign(flies & (x_after_cell(m, P2, Q2, c2, s2) >= m[barrier]), Task::crossing);
   m.assign(ends, Task::period_end);

@@ -57,7 +57,7 @@ enum Field : std::size_t {
   divergence,
   impact_count,  ///< of the period so far
   ended,         ///< number of periods of the motion that have ended
-  told_at,       ///< number of the next period to be stored wherever it ends; 0: every one
+  next_stored,   ///< number of the next period to be stored wherever it ends; 0: every one
   begun_at,      ///< position and speed at the start of the period, of observed motions
   begun_with,
   fields
@@ -73,7 +73,7 @@ template <class Real> struct Memory {
   const Coefficients* coefficients_of[W];  ///< source of `coefficient`
   const Grid* grid[W];
   const ContactPieces* table[W];
-  SpeedsMet* met[W];
+  SpeedHistogram* met[W];
 
   /// All lanes are idle. (Idle lanes take part in the arithmetic, with harmless numbers.)
   Memory() {
@@ -125,7 +125,7 @@ template <class Real> struct Memory {
     const Real count = (*this)[impact_count] + select((*this)[side] > Real(0.0), Real(1.0), Real(0.0));
     set(impact_count, where, count);
     const Mask good = where & (count <= Real(static_cast<double>(most_impacts)));
-    assign(but_not(where, good), Task::given_up);
+    assign(and_not(where, good), Task::given_up);
     return good;
   }
   /// Loads a motion's coefficients into a lane: those of its flight, or those of -x in contact.

@@ -249,7 +249,7 @@ std::shared_ptr<const Grid> grid_of(const Coefficients& q) {
 
 }  // namespace
 
-bool lanes_know(const HybridSystem& system, const Vector& p) { return describe(system, p).has_value(); }
+bool lanes_support(const HybridSystem& system, const Vector& p) { return describe(system, p).has_value(); }
 
 std::optional<Oscillator> lane_oscillator(const HybridSystem& system, const Vector& p) {
   const std::optional<Description> description = describe(system, p);

@@ -29,7 +29,7 @@ struct Oscillator {
 };
 
 /// Whether the lanes support the system at these parameters.
-bool lanes_know(const HybridSystem& system, const Vector& p);
+bool lanes_support(const HybridSystem& system, const Vector& p);
 /// The oscillator of the system at these parameters. nullopt: the lanes do not support it.
 std::optional<Oscillator> lane_oscillator(const HybridSystem& system, const Vector& p);
 

@@ -16,11 +16,11 @@ namespace graze::lanes {
 inline namespace GRAZE_ARITHMETIC {
 
 /// Records the speeds of impacts and entries into contact (Motion::notes).
-template <class Real> void note_impacts(const Memory<Real>& m, const Landing<Real>& landing, const Motion* motions) {
+template <class Real> void record_impacts(const Memory<Real>& m, const Landing<Real>& landing, const Motion* motions) {
   alignas(64) double speed[width<Real>];
   put(speed, landing.v);
   for_each(landing.where, [&](std::size_t lane) {
-    ImpactNotes* const notes = motions[m.motion[lane]].notes;
+    SpeedRecorder* const notes = motions[m.motion[lane]].notes;
     if (!notes || m.coefficient[side][lane] < 0.0) return;
     WideRegisters::leave();
     notes->add(*notes, speed[lane]);
@@ -77,13 +77,13 @@ void touch(Memory<Real>& m, const Mask<Real>& where, const Real& y, const Real& 
 }
 
 /// Lanes whose contact ended, at the barrier or with the period, and their state and phase there.
-template <class Real> struct Surfacing {
+template <class Real> struct ContactEnd {
   Mask<Real> at_barrier, at_end;
   Real y, v, c, s;
 };
 
 /// One step of every lane in contact, at the accuracy of the job.
-template <class Flight, class Real, class Job> Surfacing<Real> press(Memory<Real>& m, const Job& job, double ratio) {
+template <class Flight, class Real, class Job> ContactEnd<Real> press(Memory<Real>& m, const Job& job, double ratio) {
   using Series = ContactSeries<Real, Flight::tangent, Flight::cubic, Flight::order>;
   const Mask<Real> pressed = m.is(Task::contact);
   const ContactLaw<Real> law = contact_law(m);
@@ -114,14 +114,14 @@ template <class Flight, class Real, class Job> Surfacing<Real> press(Memory<Real
   }
   const Real duration = m[rest];
   const Mask<Real> finite = abs(Real(y_end + v_end + time_end)) < Real(1e300);
-  Mask<Real> surfaced = but_not(pressed & finite, y_end > Real(0.0)), late = pressed & finite & (time_end >= duration);
+  Mask<Real> surfaced = and_not(pressed & finite, y_end > Real(0.0)), late = pressed & finite & (time_end >= duration);
   Real s = h;
   if (any(surfaced | late)) {
     s = root_in_step([&](const Real& trial) { return std::pair<Real, Real>(-series.depth(trial), -0.5 * series.speed(trial)); },
                      h, select(surfaced, parabola_root(Real(-z.y), Real(-0.5 * z.v), h, Real(-y_end)), h), surfaced);
     const Real over = series.time(s) - duration;
     const Mask<Real> in_time = surfaced & (over <= Real(0.0));
-    late = but_not(surfaced | late, in_time);
+    late = and_not(surfaced | late, in_time);
     surfaced = in_time;
     s = root_in_step([&](const Real& trial) { return std::pair<Real, Real>(series.time(trial) - duration, series.depth(trial)); },
                      s, select(late, parabola_root(Real(z.time - duration), z.y, s, over), s), late);
@@ -158,7 +158,7 @@ template <class Flight, class Real, class Job> Surfacing<Real> press(Memory<Real
   m.set(divergence, taken_over, Real(m[divergence] + next.divergence));
   m.set(contact_divergence, taken_over, Real(0.0));
   m.set(rest, surfaced, Real(duration - next.time));
-  const Mask<Real> endless = but_not(m[steps] >= Real(static_cast<double>(job.max_steps)), ended);
+  const Mask<Real> endless = and_not(m[steps] >= Real(static_cast<double>(job.max_steps)), ended);
   m.assign(pressed & (endless | !finite), Task::given_up);
   return {surfaced, late, y, next.v, next.c, next.s};
 }

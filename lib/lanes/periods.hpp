@@ -42,12 +42,12 @@ template <class Flight> class Periods {
     Starts starts;
     const Real number = memory_[ended] + 1.0;
     memory_.set(ended, where, number);
-    Mask<Real> on = where & (number < memory_[told_at]), in_ellipse = mask_of<Real>(0);
+    Mask<Real> on = where & (number < memory_[next_stored]), in_ellipse = mask_of<Real>(0);
     if (queue_.watched()) {
       in_ellipse = in_ellipses(job_, x, v);
-      on = but_not(on, in_ellipse);
+      on = and_not(on, in_ellipse);
     }
-    if (const Mask<Real> to_tell = but_not(where, on); any(to_tell)) on = on | write_down(to_tell, x, v, in_ellipse, starts);
+    if (const Mask<Real> to_tell = and_not(where, on); any(to_tell)) on = on | store_results(to_tell, x, v, in_ellipse, starts);
     if (job_.law == Law::linear_elastic) {
       alignas(64) double at[W];
       put(at, x);
@@ -66,16 +66,16 @@ template <class Flight> class Periods {
       const Motion& motion = job_.motions[memory_.motion[lane]];
       const std::size_t period = ended_in(lane);
       if (motion.notes) motion.notes->count = motion.notes->before;
-      if (period > 0 && memory_.field[told_at][lane] > 0.0) {  // the result of the period before may not be stored
+      if (period > 0 && memory_.field[next_stored][lane] > 0.0) {  // the result of the period before may not be stored
         motion.result(period - 1).x = memory_.field[begun_at][lane];
         motion.result(period - 1).v = memory_.field[begun_with][lane];
       }
       WideRegisters::leave();
-      const bool done = job_.do_given_up && job_.do_given_up(job_.whom, job_, motion, period);
+      const bool done = job_.carry_given_up && job_.carry_given_up(job_.whom, job_, motion, period);
       if (!done) return end_motion(lane, starts, true);
       memory_.field[ended][lane] += 1.0;
       const Period& result = motion.result(period);
-      if (!may_go_on(lane, motion, result, motion.watch != nullptr)) return end_motion(lane, starts, false);
+      if (!continues(lane, motion, result, motion.watch != nullptr)) return end_motion(lane, starts, false);
       place(lane, motion, result.x, result.v, starts);
     });
     begin_motions(starts);
@@ -99,7 +99,7 @@ template <class Flight> class Periods {
   std::size_t ended_in(std::size_t lane) const { return static_cast<std::size_t>(memory_.field[ended][lane]); }
 
   /// Stores the results of the periods that have ended in these lanes. Returns the motions that continue.
-  Mask<Real> write_down(const Mask<Real>& where, const Real& x, const Real& v, const Mask<Real>& in_ellipse, Starts& starts) {
+  Mask<Real> store_results(const Mask<Real>& where, const Real& x, const Real& v, const Mask<Real>& in_ellipse, Starts& starts) {
     const unsigned interesting = bits(in_ellipse);
     unsigned goes_on = 0;
     alignas(64) double at[W], at_speed[W];
@@ -111,7 +111,7 @@ template <class Flight> class Periods {
       Period& result = motion.result(number - 1);
       write_period<Real, Tangent>(memory_, lane, at[lane], at_speed[lane], result);
       const bool told = motion.watch && ((interesting >> lane & 1U) != 0 || number >= motion.watch->next);
-      if (!may_go_on(lane, motion, result, told)) return end_motion(lane, starts, false);
+      if (!continues(lane, motion, result, told)) return end_motion(lane, starts, false);
       if (motion.notes) motion.notes->before = motion.notes->count;
       goes_on |= 1U << lane;
     });
@@ -131,7 +131,7 @@ template <class Flight> class Periods {
     if (job_.law == Law::restitution) {
       const Mask<Real> inside = where & (x > memory_[barrier]);
       memory_.assign(inside, Task::given_up);
-      where = but_not(where, inside);
+      where = and_not(where, inside);
     }
     if constexpr (Tangent) memory_.begin_tangent(where);
     if (job_.law == Law::hertz) {
@@ -139,7 +139,7 @@ template <class Flight> class Periods {
       const Mask<Real> pressed = where & (into > Real(0.0));
       memory_.set(rest, pressed, memory_[period]);
       if (any(pressed)) touch(memory_, pressed, Real(sqrt(into)), v, Real(1.0), Real(0.0));
-      where = but_not(where, pressed);
+      where = and_not(where, pressed);
     }
     Flight::begin_period(memory_, where, x, v);
   }
@@ -169,7 +169,7 @@ template <class Flight> class Periods {
   }
 
   /// Whether a motion continues after a period. If `told`, its observer is called and decides too.
-  bool may_go_on(std::size_t lane, const Motion& motion, const Period& result, bool told) {
+  bool continues(std::size_t lane, const Motion& motion, const Period& result, bool told) {
     const std::size_t number = ended_in(lane);
     const bool more = number != motion.periods && !queue_.stops(motion);
     if (!told) return more;
@@ -181,7 +181,7 @@ template <class Flight> class Periods {
   /// Sets which period of a motion must be stored next: without an observer, every one.
   void listen(std::size_t lane, const Motion& motion) {
     const bool some = motion.watch && !motion.notes && !job_.while_full;
-    memory_.field[told_at][lane] = some ? static_cast<double>(std::min(motion.watch->next, motion.periods)) : 0.0;
+    memory_.field[next_stored][lane] = some ? static_cast<double>(std::min(motion.watch->next, motion.periods)) : 0.0;
   }
 
   void end_motion(std::size_t lane, Starts& starts, bool failed) {

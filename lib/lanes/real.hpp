@@ -32,8 +32,8 @@ template <class Real> using Mask = typename MaskType<Real>::type;
 [[gnu::always_inline]] inline bool any(bool mask) { return mask; }
 [[gnu::always_inline]] inline unsigned bits(bool mask) { return mask ? 1U : 0U; }
 /// Where a is true and b is not.
-[[gnu::always_inline]] inline bool but_not(bool a, bool b) { return a && !b; }
-template <class T, class A> xsimd::batch_bool<T, A> but_not(const xsimd::batch_bool<T, A>& a, const xsimd::batch_bool<T, A>& b) {
+[[gnu::always_inline]] inline bool and_not(bool a, bool b) { return a && !b; }
+template <class T, class A> xsimd::batch_bool<T, A> and_not(const xsimd::batch_bool<T, A>& a, const xsimd::batch_bool<T, A>& b) {
 #if XSIMD_WITH_AVX512F
   if constexpr (std::is_same_v<A, xsimd::avx512f>) return static_cast<__mmask8>(a.data & ~b.data);
 #endif

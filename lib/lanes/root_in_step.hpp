@@ -22,12 +22,12 @@ template <class Real, class Value> Real root_in_step(const Value& value, const R
     const auto [g, slope] = value(s);
     const Mask<Real> below = g < Real(0.0);
     lo = select(seeking & below, s, lo);
-    hi = select(but_not(seeking, below), s, hi);
+    hi = select(and_not(seeking, below), s, hi);
     const Real next = s - g / slope;
     const Mask<Real> inside = (next >= lo) & (next <= hi);
     const Mask<Real> done = inside & (abs(Real(next - s)) <= 1e-9 * h);
     s = select(seeking, select(inside, next, Real(0.5 * (lo + hi))), s);
-    seeking = but_not(seeking, done);
+    seeking = and_not(seeking, done);
   }
   return s;
 }

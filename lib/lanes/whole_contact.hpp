@@ -15,7 +15,7 @@ inline namespace GRAZE_ARITHMETIC {
 inline constexpr double cells_per_angle = static_cast<double>(time_cells) / std::numbers::pi;
 
 /// The table's values for contacts that begin now.
-template <class Real> struct KnownContact {
+template <class Real> struct TabulatedContact {
   Mask<Real> ends;                         ///< lanes whose contact ends before the period
   Mask<Real> spans;                        ///< lanes whose contact spans the end of the period, at depth y^2 and speed v
   Real duration, v_out, divergence, c, s;  ///< of the whole contact; the forcing's phase at its end
@@ -57,7 +57,7 @@ template <class Real, bool Tangent> class PieceSums {
 };
 
 /// Looks up the contacts that begin with the landings.
-template <class Real, bool Tangent> KnownContact<Real> known_contact(const Memory<Real>& m, const Landing<Real>& landing) {
+template <class Real, bool Tangent> TabulatedContact<Real> known_contact(const Memory<Real>& m, const Landing<Real>& landing) {
   constexpr std::size_t W = width<Real>;
   alignas(64) double here[W], time[W], speed[W], left[W], ends[W] = {}, spans[W] = {}, angle[W] = {};
   const ContactPiece *piece[W], *begun[W];
@@ -74,7 +74,7 @@ template <class Real, bool Tangent> KnownContact<Real> known_contact(const Memor
     any_known = any_known || piece[lane];
   }
   const Mask<Real> none = mask_of<Real>(0);
-  KnownContact<Real> out{};
+  TabulatedContact<Real> out{};
   out.ends = out.spans = none;
   if (!any_known) return out;
   const PieceSums<Real, Tangent> sums(m, piece, time, speed);
@@ -117,14 +117,14 @@ template <class Real> void note_speeds(const Memory<Real>& m, const Landing<Real
   put(speed, landing.v);
   for_each(landing.where, [&](std::size_t lane) {
     if (!m.met[lane]) return;
-    const std::int64_t band = band_of<Real>(speed[lane]) - SpeedsMet::lowest, last = SpeedsMet::count - 1;
+    const std::int64_t band = band_of<Real>(speed[lane]) - SpeedHistogram::lowest, last = SpeedHistogram::count - 1;
     const auto place = static_cast<std::size_t>(band < 0 ? 0 : band > last ? last : band);
     __atomic_fetch_add(&m.met[lane]->of_band[place], 1, __ATOMIC_RELAXED);  // other threads count there, too
   });
 }
 
 /// Ends a tabulated contact within the period.
-template <class Real, bool Tangent> void leave_known(Memory<Real>& m, const KnownContact<Real>& contact) {
+template <class Real, bool Tangent> void end_tabulated(Memory<Real>& m, const TabulatedContact<Real>& contact) {
   if constexpr (Tangent) compose(m, contact.ends, contact.Phi[0], contact.Phi[1], contact.Phi[2], contact.Phi[3]);
   m.set(divergence, contact.ends, Real(m[divergence] + contact.divergence));
   m.set(rest, contact.ends, Real(m[rest] - contact.duration));
@@ -132,7 +132,7 @@ template <class Real, bool Tangent> void leave_known(Memory<Real>& m, const Know
 }
 
 /// Carries the part of a contact before the end of the period.
-template <class Real, bool Tangent> void begin_spanning(Memory<Real>& m, const KnownContact<Real>& contact) {
+template <class Real, bool Tangent> void begin_spanning(Memory<Real>& m, const TabulatedContact<Real>& contact) {
   const auto& Phi = contact.begun_Phi;
   if constexpr (Tangent) compose(m, contact.spans, Phi[0], Phi[1], Phi[2], Phi[3]);
   m.set(divergence, contact.spans, Real(m[divergence] + contact.begun_divergence));
@@ -141,7 +141,7 @@ template <class Real, bool Tangent> void begin_spanning(Memory<Real>& m, const K
 /// Carries the part after it: the whole contact without its first part. `before` is the time that was left of the period at
 /// entry.
 template <class Real, bool Tangent>
-void end_spanning(Memory<Real>& m, const Mask<Real>& where, const KnownContact<Real>& contact, const Real& before) {
+void end_spanning(Memory<Real>& m, const Mask<Real>& where, const TabulatedContact<Real>& contact, const Real& before) {
   if constexpr (Tangent) {
     const auto &A = contact.Phi, &B = contact.begun_Phi;
     const Real inverse = 1.0 / select(where, Real(B[0] * B[3] - B[1] * B[2]), Real(1.0));
@@ -172,7 +172,7 @@ template <class Real> void pass_contacts(const ContactJob& job) {
       touch(m, here, Real(0.0), Real(entry.v), Real(entry.c), Real(entry.s));
     }
     if (!any(m.is(Task::contact))) return;
-    const Surfacing<Real> up = press<LinearFlight<Real, true, high_order>>(m, job, ratio);
+    const ContactEnd<Real> up = press<LinearFlight<Real, true, high_order>>(m, job, ratio);
     const unsigned ended = bits(up.at_barrier);
     for_each(up.at_barrier | up.at_end | m.is(Task::given_up), [&](std::size_t lane) {
       ContactExit& exit = job.exits[m.motion[lane]];

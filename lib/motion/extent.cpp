@@ -102,9 +102,9 @@ double remainder(const Series& series) { return std::abs(series[degree]) + std::
 
 double instant(std::size_t j) { return -std::cos(std::numbers::pi * static_cast<double>(j) / degree); }
 
-class Measuring {
+class ExtentIntegrator {
  public:
-  Measuring(Propagator& propagator, const equations::MotionFunctions& functions)
+  ExtentIntegrator(Propagator& propagator, const equations::MotionFunctions& functions)
       : propagator_(propagator), functions_(functions), out_(functions.size()), all_(functions.size() + functions.arguments()),
         value_(all_), rate_(all_), size_(all_, 0.0), rate_size_(all_, 0.0) {}
 
@@ -297,7 +297,7 @@ class Measuring {
 }  // namespace
 
 std::vector<Extent> extents(Propagator& propagator, const Trajectory& run, const equations::MotionFunctions& functions) {
-  return Measuring(propagator, functions).measure(run);
+  return ExtentIntegrator(propagator, functions).measure(run);
 }
 
 }  // namespace graze

@@ -26,7 +26,7 @@ constexpr std::size_t most_to_join = 4096;
 /// Finest tolerance with tables: there the lanes' series are as accurate as a table, and a finer tolerance asks for more.
 constexpr double finest_tolerance = 1e-13;
 
-SpeedRange speeds_of(const lanes::SpeedsMet& met) {
+SpeedRange speeds_of(const lanes::SpeedHistogram& met) {
   const auto& n = met.of_band;
   const auto all = static_cast<double>(std::accumulate(n.begin(), n.end(), std::int64_t{0}));
   std::size_t first = 0, last = n.size() - 1;
@@ -34,14 +34,14 @@ SpeedRange speeds_of(const lanes::SpeedsMet& met) {
     if ((slower += static_cast<double>(n[first])) > too_few * all) break;
   for (double faster = 0.0; last > first; --last)
     if ((faster += static_cast<double>(n[last])) > too_few * all) break;
-  const auto speed = [](std::size_t band) { return std::ldexp(1.0, static_cast<int>(band) + lanes::SpeedsMet::lowest); };
+  const auto speed = [](std::size_t band) { return std::ldexp(1.0, static_cast<int>(band) + lanes::SpeedHistogram::lowest); };
   return {speed(first), speed(last)};
 }
 
 }  // namespace
 
 ImpactSpeeds::ImpactSpeeds() {
-  add = [](lanes::ImpactNotes& notes, double speed) {
+  add = [](lanes::SpeedRecorder& notes, double speed) {
     auto& self = static_cast<ImpactSpeeds&>(notes);
     self.list_.resize(self.count++);
     self.list_.push_back(speed);
@@ -54,7 +54,7 @@ struct LaneCarrier::Set {
   double period;
   std::unique_ptr<Propagator> propagator = nullptr;  ///< for periods that the lanes give up; made on demand
   bool awaits_table = false;
-  lanes::SpeedsMet met = {};  ///< filled while awaits_table
+  lanes::SpeedHistogram met = {};  ///< filled while awaits_table
   std::unique_ptr<ContactTable> own_table = nullptr;
   const ContactTable* table = nullptr;
   lanes::ContactPieces pieces = {};  ///< view of the table
@@ -69,7 +69,7 @@ struct LaneCarrier::Going {
 bool LaneCarrier::is_linear(const Going& one) { return !one.set->oscillator.cubic; }
 
 bool LaneCarrier::applies(const HybridSystem& system, const Vector& p, const FlowOptions& options) {
-  return options.kind == FlowKind::automatic && lanes::lanes_know(system, p);
+  return options.kind == FlowKind::automatic && lanes::lanes_support(system, p);
 }
 
 LaneCarrier::LaneCarrier(const HybridSystem& system, const FlowOptions& options, LaneWidth width)
@@ -150,10 +150,10 @@ const ContactTable* LaneCarrier::table(std::size_t parameters) const { return se
 
 bool LaneCarrier::awaits_table(std::size_t parameters) const { return set_of(parameters).awaits_table; }
 
-void LaneCarrier::look_for_table(std::size_t parameters) { look_for_table(set_of(parameters)); }
+void LaneCarrier::make_pending_table(std::size_t parameters) { make_pending_table(set_of(parameters)); }
 
 /// Makes the table of a set that awaits one, if it has met enough contacts.
-void LaneCarrier::look_for_table(Set& set) {
+void LaneCarrier::make_pending_table(Set& set) {
   const auto& met = set.met.of_band;
   if (!set.awaits_table || std::accumulate(met.begin(), met.end(), std::int64_t{0}) < contacts_before_table) return;
   set.awaits_table = false;
@@ -162,7 +162,7 @@ void LaneCarrier::look_for_table(Set& set) {
   set.pieces = set.table->pieces();
 }
 
-bool LaneCarrier::do_left_over(const lanes::Motion& motion, std::size_t period, bool tangent) {
+bool LaneCarrier::carry_by_propagator(const lanes::Motion& motion, std::size_t period, bool tangent) {
   const std::lock_guard lock(left_over_lock_);
   ++left_over_;
   Set& set = *sets_[motion.parameters];
@@ -199,8 +199,8 @@ void LaneCarrier::carry_in_lanes(std::size_t begin, std::size_t end, bool tangen
   job.ellipses = ellipses_.data();
   job.ellipse_count = ellipses_.size();
   job.whom = this;
-  job.do_given_up = [](void* self, const lanes::Job& its, const lanes::Motion& motion, std::size_t period) {
-    return static_cast<LaneCarrier*>(self)->do_left_over(motion, period, its.tangent);
+  job.carry_given_up = [](void* self, const lanes::Job& its, const lanes::Motion& motion, std::size_t period) {
+    return static_cast<LaneCarrier*>(self)->carry_by_propagator(motion, period, its.tangent);
   };
   if (supply_) {
     job.while_full = true;
@@ -233,7 +233,7 @@ void LaneCarrier::carry(std::span<MotionRun> runs, bool tangent) {
   while (!going_.empty()) {
     go_on(tangent);
     // Runs whose set awaits a table have stopped, so that it can be made now.
-    for (const Going& one : going_) look_for_table(*one.set);
+    for (const Going& one : going_) make_pending_table(*one.set);
     std::erase_if(going_, [](const Going& one) { return one.run->carried == one.run->periods; });
   }
 }

@@ -36,7 +36,7 @@ struct MotionStart {
 using PeriodResult = lanes::Period;
 
 /// Speeds of impacts and of entries into contact, in the order of time.
-class ImpactSpeeds : public lanes::ImpactNotes {
+class ImpactSpeeds : public lanes::SpeedRecorder {
  public:
   ImpactSpeeds();
   /// The recorded speeds.
@@ -48,7 +48,7 @@ class ImpactSpeeds : public lanes::ImpactNotes {
 
 /// Observer of one motion: called after its periods (lanes::PeriodWatch says which), also after a failed one; returns whether
 /// to continue.
-using PeriodWatch = lanes::PeriodWatch;
+using PeriodObserver = lanes::PeriodObserver;
 using StateEllipse = lanes::Ellipse;
 
 /// A motion to be carried over `periods` forcing periods, with the storage for its results.
@@ -59,7 +59,7 @@ struct MotionRun {
   ImpactSpeeds* speeds = nullptr;  ///< speeds of its impacts and entries into contact; may be null
   std::size_t carried = 0;         ///< periods carried so far
   /// May be null. If set, `results` has one entry, for the last period, and no table is made for the motion.
-  PeriodWatch* watch = nullptr;
+  PeriodObserver* watch = nullptr;
   /// In carry_while_full: carried over all its periods at once; if it joins later, it goes ahead of the others.
   bool goes_first = false;
   /// The state after the periods carried so far.
@@ -112,7 +112,7 @@ class LaneCarrier {
   bool awaits_table(std::size_t parameters) const;
   static constexpr std::size_t periods_between_looks = 64;
   /// Makes a pending table if enough contacts have been met. carry_while_full makes none by itself.
-  void look_for_table(std::size_t parameters);
+  void make_pending_table(std::size_t parameters);
 
   /// Uses an existing table of contacts, made for the same parameters: keep it alive. @throws std::invalid_argument if it was
   /// made for others.
@@ -121,7 +121,7 @@ class LaneCarrier {
   const ContactTable* table(std::size_t parameters) const;
 
   /// From now on, observers are also called after each period that ends in one of these ellipses.
-  void tell_of(std::vector<StateEllipse> ellipses) { ellipses_ = std::move(ellipses); }
+  void set_reported_ellipses(std::vector<StateEllipse> ellipses) { ellipses_ = std::move(ellipses); }
 
   /// From now on, many motions are distributed over all threads of the caller's arena (oneTBB).
   void use_all_threads() { all_threads_ = true; }
@@ -154,7 +154,7 @@ class LaneCarrier {
   void check_set(std::size_t parameters) const;
   Set& set_of(std::size_t parameters) const;
   OwnSet make_set(const Vector& p);
-  void look_for_table(Set& set);
+  void make_pending_table(Set& set);
   static bool is_linear(const Going& one);
   lanes::Motion next_of(const Going& one) const;
   void go_on(bool tangent);
@@ -163,7 +163,7 @@ class LaneCarrier {
   void carry_in_lanes(std::size_t begin, std::size_t end, bool tangent);
   void finish(std::size_t number);
   /// Carries a period that the lanes gave up, by the Propagator. False: the motion ends in it.
-  bool do_left_over(const lanes::Motion& motion, std::size_t period, bool tangent);
+  bool carry_by_propagator(const lanes::Motion& motion, std::size_t period, bool tangent);
 
   const HybridSystem* system_;
   FlowOptions options_;

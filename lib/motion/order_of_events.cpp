@@ -72,8 +72,8 @@ std::optional<Vector> behind(const HybridSystem& system, const Vector& p, Instan
 
 }  // namespace
 
-std::vector<OrderedPair> pairs_whose_order_matters(const HybridSystem& system, const Vector& p,
-                                                   const std::vector<EventRecord>& events) {
+std::vector<OrderedPair> noncommuting_events(const HybridSystem& system, const Vector& p,
+                                             const std::vector<EventRecord>& events) {
   std::vector<OrderedPair> pairs;
   const std::vector<bool> is_alternative = alternatives(system);
   for (const EventRecord& record : events) {

@@ -18,7 +18,6 @@ struct OrderedPair {
 
 /// Pairs of simultaneous events whose order changes the state, each pair of names once. `events` are those of a run of the
 /// system, in order.
-std::vector<OrderedPair> pairs_whose_order_matters(const HybridSystem& system, const Vector& p,
-                                                   const std::vector<EventRecord>& events);
+std::vector<OrderedPair> noncommuting_events(const HybridSystem& system, const Vector& p, const std::vector<EventRecord>& events);
 
 }  // namespace graze

@@ -107,7 +107,7 @@ HeldMap held_map(const HybridSystem& system, const Event& holding, double t, con
   return out;
 }
 
-std::optional<Vector> rest_for_ever(Propagator& propagator, const Vector& state) {
+std::optional<Vector> permanent_rest(Propagator& propagator, const Vector& state) {
   const HybridSystem& system = propagator.system();
   const Vector& p = propagator.parameters();
   if (!is_forced(system) || !state.allFinite()) return std::nullopt;
@@ -124,7 +124,7 @@ std::optional<Vector> rest_for_ever(Propagator& propagator, const Vector& state)
   return std::nullopt;
 }
 
-bool comes_to_rest(Propagator& propagator, const Vector& state, const Vector& rest) {
+bool reaches_rest(Propagator& propagator, const Vector& state, const Vector& rest) {
   if (state == rest) return true;
   const HybridSystem& system = propagator.system();
   const Vector& p = propagator.parameters();
@@ -171,8 +171,7 @@ Bounces bounces_to_rest(Propagator& propagator, const Vector& rest) {
       const double y = times * times * height, v = times * speed;
       const Vector high{{rest[0] - sign * y, 0.0}}, fast{{rest[0], -sign * v}};
       const Vector back{{rest[0] - sign * 0.5 * y, sign * 0.5 * v}};
-      return comes_to_rest(propagator, high, rest) && comes_to_rest(propagator, fast, rest) &&
-             comes_to_rest(propagator, back, rest);
+      return reaches_rest(propagator, high, rest) && reaches_rest(propagator, fast, rest) && reaches_rest(propagator, back, rest);
     };
     if (small_enough(1.0) && small_enough(0.5)) return {height, speed};
   }

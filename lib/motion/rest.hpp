@@ -33,11 +33,11 @@ HeldMap held_map(const HybridSystem& system, const Event& holding, double t, con
 
 /// The state of permanent rest at the stop near `state`: held there at forcing phase 0, not released within a forcing period,
 /// and with all other coordinates at the same place after it. Empty: there is none, or the system is not forced.
-std::optional<Vector> rest_for_ever(Propagator& propagator, const Vector& state);
+std::optional<Vector> permanent_rest(Propagator& propagator, const Vector& state);
 
 /// Whether the motion from `state` at forcing phase 0 reaches that rest or is in it: it is held there after a period, or it
 /// bounces on the stop, many times a period, with an action that shrinks at the rate of `held_map`.
-bool comes_to_rest(Propagator& propagator, const Vector& state, const Vector& rest);
+bool reaches_rest(Propagator& propagator, const Vector& state, const Vector& rest);
 
 /// Largest bounces that come to rest: height above the stop and speed, found by trial. 0: none do.
 struct Bounces {

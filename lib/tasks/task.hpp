@@ -13,11 +13,11 @@ namespace graze {
 template <class T = void> class MotionTask;
 
 /// Common part of the promises: the exception, and the coroutine that awaits the task.
-struct LanePromiseBase {
+struct TaskPromiseBase {
   std::exception_ptr error;
   std::coroutine_handle<> waiting = std::noop_coroutine();  ///< resumed when the task ends
 
-  struct HandBack {
+  struct ResumeWaiting {
     bool await_ready() const noexcept { return false; }
     template <class Promise> std::coroutine_handle<> await_suspend(std::coroutine_handle<Promise> ended) const noexcept {
       return ended.promise().waiting;
@@ -25,11 +25,11 @@ struct LanePromiseBase {
     void await_resume() const noexcept {}
   };
   std::suspend_always initial_suspend() const noexcept { return {}; }
-  HandBack final_suspend() const noexcept { return {}; }
+  ResumeWaiting final_suspend() const noexcept { return {}; }
   void unhandled_exception() { error = std::current_exception(); }
 };
 
-template <class T> struct LanePromise : LanePromiseBase {
+template <class T> struct TaskPromise : TaskPromiseBase {
   std::optional<T> value;
   MotionTask<T> get_return_object();
   void return_value(T result) { value = std::move(result); }
@@ -39,7 +39,7 @@ template <class T> struct LanePromise : LanePromiseBase {
   }
 };
 
-template <> struct LanePromise<void> : LanePromiseBase {
+template <> struct TaskPromise<void> : TaskPromiseBase {
   MotionTask<void> get_return_object();
   void return_void() const {}
   void result() const {
@@ -51,7 +51,7 @@ template <> struct LanePromise<void> : LanePromiseBase {
 /// arguments of an awaited call, f({a, b}): give it a name.)
 template <class T> class [[nodiscard]] MotionTask {
  public:
-  using promise_type = LanePromise<T>;
+  using promise_type = TaskPromise<T>;
   using Handle = std::coroutine_handle<promise_type>;
 
   MotionTask() = default;
@@ -82,11 +82,11 @@ template <class T> class [[nodiscard]] MotionTask {
   Handle handle_ = {};
 };
 
-template <class T> MotionTask<T> LanePromise<T>::get_return_object() {
-  return MotionTask<T>(std::coroutine_handle<LanePromise>::from_promise(*this));
+template <class T> MotionTask<T> TaskPromise<T>::get_return_object() {
+  return MotionTask<T>(std::coroutine_handle<TaskPromise>::from_promise(*this));
 }
-inline MotionTask<void> LanePromise<void>::get_return_object() {
-  return MotionTask<void>(std::coroutine_handle<LanePromise>::from_promise(*this));
+inline MotionTask<void> TaskPromise<void>::get_return_object() {
+  return MotionTask<void>(std::coroutine_handle<TaskPromise>::from_promise(*this));
 }
 
 }  // namespace graze

@@ -26,9 +26,9 @@ constexpr std::size_t long_computation = 4096;
 
 LaneCarrier& TaskSlot::motions() const { return pool_->motions_; }
 
-void TaskSlot::take_parameters(const Vector& p) {
+void TaskSlot::set_parameters(const Vector& p) {
   if (!own_parameters_ || p != own_) {
-    pool_->put_down(p, own_parameters_);
+    pool_->store_parameters(p, own_parameters_);
     own_ = p;
   }
   parameters_ = *own_parameters_;
@@ -41,7 +41,7 @@ TaskSlot::Carrying TaskSlot::carry(std::span<const MotionStart> motions, std::si
   for (std::size_t m = 0; m < motions.size(); ++m)
     runs_.push_back({{{parameters_, motions[m].x, motions[m].v}, periods, &results_[m * periods]}, this});
   open_ = periods > 0 ? runs_.size() : 0;
-  asked_for_ += periods;
+  requested_periods_ += periods;
   return Carrying(*this);
 }
 
@@ -55,18 +55,18 @@ TaskSlot::Carrying TaskSlot::carry(const Vector& state, std::size_t periods, Imp
 /// Resumes the task with its results.
 void TaskSlot::resume() {
   runs_.clear();
-  motions().look_for_table(parameters_);
+  motions().make_pending_table(parameters_);
   waiting_.resume();
 }
 
 TaskPool::TaskPool(LaneCarrier& motions, WorkSharing* exchange) : motions_(motions), exchange_(exchange) {
   through = [](RunSupply& self, MotionRun& run, std::size_t periods) {
-    static_cast<TaskPool&>(self).go_on_with(static_cast<TaskSlot::Run&>(run), periods);
+    static_cast<TaskPool&>(self).feed_lanes(static_cast<TaskSlot::Run&>(run), periods);
   };
 }
 
 /// The index of an unused parameter set, if there is one.
-std::optional<std::size_t> TaskPool::free_place() {
+std::optional<std::size_t> TaskPool::unused_set() {
   if (free_parameters_.empty()) return std::nullopt;
   const std::size_t place = free_parameters_.back();
   free_parameters_.pop_back();
@@ -74,8 +74,8 @@ std::optional<std::size_t> TaskPool::free_place() {
 }
 
 /// Stores the parameters in the set `place` or, if there is none, in an unused or a new set.
-void TaskPool::put_down(const Vector& p, std::optional<std::size_t>& place) {
-  if (!place) place = free_place();
+void TaskPool::store_parameters(const Vector& p, std::optional<std::size_t>& place) {
+  if (!place) place = unused_set();
   if (place)
     motions_.change_parameters(*place, p);
   else
@@ -86,17 +86,17 @@ void TaskPool::put_down(const Vector& p, std::optional<std::size_t>& place) {
 void TaskPool::clear(TaskSlot& place) {
   if (place.own_parameters_) free_parameters_.push_back(*place.own_parameters_);
   place.own_parameters_.reset();
-  place.hurries_ = false;
-  place.asked_for_ = 0;
+  place.urgent_ = false;
+  place.requested_periods_ = 0;
   place.results_.clear();
 }
 
 /// The slot of the task with the most forcing periods, if these are more than `long_computation`; else null.
-const TaskSlot* TaskPool::longest_of(std::span<const std::unique_ptr<Member>> members) {
+const TaskSlot* TaskPool::longest_task(std::span<const std::unique_ptr<Member>> members) {
   const TaskSlot* longest = nullptr;
   for (const auto& member : members) {
     const TaskSlot& place = member->place;
-    if (place.asked_for_ > (longest ? longest->asked_for_ : long_computation)) longest = &place;
+    if (place.requested_periods_ > (longest ? longest->requested_periods_ : long_computation)) longest = &place;
   }
   return longest;
 }
@@ -120,7 +120,7 @@ void TaskPool::carry(std::span<const std::unique_ptr<Member>> members, bool tang
 }
 
 /// Feeds the lanes after a run has been carried for `periods` more periods, until the quota of the turn is used up.
-void TaskPool::go_on_with(TaskSlot::Run& run, std::size_t periods) {
+void TaskPool::feed_lanes(TaskSlot::Run& run, std::size_t periods) {
   left_ -= std::min(left_, periods);
   if (run.carried < run.periods) {
     if (periods < share_ || run.goes_first) left_ = 0;  // the lanes are no longer full
@@ -181,7 +181,7 @@ void TaskPool::run(const std::function<std::optional<MotionTask<>>(TaskSlot&, st
     }
     std::array<std::size_t, 2> motions{};  // without and with the tangent
     std::array<bool, 2> hurry{};
-    longest_ = longest_of(members);
+    longest_ = longest_task(members);
     for (const auto& member : members) {
       const TaskSlot& place = member->place;
       motions[place.tangent_ ? 1 : 0] += place.open_;

@@ -26,14 +26,14 @@ class TaskSlot {
   explicit TaskSlot(TaskPool& pool) : pool_(&pool) {}
 
   /// Sets the parameters of its motions from now on. @throws std::invalid_argument if LaneCarrier does not apply.
-  void take_parameters(const Vector& p);
+  void set_parameters(const Vector& p);
   /// The same by the index of a parameter set of LaneCarrier.
-  void take_parameters(std::size_t known) { parameters_ = known; }
+  void set_parameters(std::size_t known) { parameters_ = known; }
   std::size_t parameters() const { return parameters_; }
   LaneCarrier& motions() const;
   MotionStart at(const Vector& state) const { return {parameters_, state[0], state[1]}; }
   /// Sets whether others wait for its result: the task is then served every round, even in a small batch.
-  void hurry(bool others_wait) { hurries_ = others_wait; }
+  void hurry(bool others_wait) { urgent_ = others_wait; }
 
   class Carrying;
   /// co_await: the results of `periods` forcing periods of these motions at the slot's parameters, in the order of
@@ -52,8 +52,8 @@ class TaskSlot {
   std::optional<std::size_t> own_parameters_;
   Vector own_;
   std::size_t parameters_ = 0;
-  bool tangent_ = false, hurries_ = false;
-  std::size_t asked_for_ = 0;  ///< forcing periods requested so far
+  bool tangent_ = false, urgent_ = false;
+  std::size_t requested_periods_ = 0;  ///< forcing periods requested so far
   std::vector<PeriodResult> results_;
   std::vector<Run> runs_;  ///< of the present request
   std::size_t open_ = 0;   ///< unfinished runs
@@ -95,19 +95,19 @@ class TaskPool : RunSupply {
   void help();
   void carry_part(const Part& part);
   std::size_t set_for(const SharedRuns& lent);
-  static const TaskSlot* longest_of(std::span<const std::unique_ptr<Member>> members);
-  bool hurries(const TaskSlot& place) const { return place.hurries_ || &place == longest_; }
-  std::optional<std::size_t> free_place();
-  void put_down(const Vector& p, std::optional<std::size_t>& place);
+  static const TaskSlot* longest_task(std::span<const std::unique_ptr<Member>> members);
+  bool hurries(const TaskSlot& place) const { return place.urgent_ || &place == longest_; }
+  std::optional<std::size_t> unused_set();
+  void store_parameters(const Vector& p, std::optional<std::size_t>& place);
   void clear(TaskSlot& place);
   void carry(std::span<const std::unique_ptr<Member>> members, bool tangent, std::size_t motions);
-  void go_on_with(TaskSlot::Run& run, std::size_t periods);
+  void feed_lanes(TaskSlot::Run& run, std::size_t periods);
 
   LaneCarrier& motions_;
   WorkSharing* exchange_;
   std::vector<std::size_t> free_parameters_;  ///< indices of unused parameter sets
   std::vector<MotionRun*> runs_;              ///< at the beginning of a turn
-  std::optional<std::size_t> of_others_;      ///< parameter set for runs that another pool shares
+  std::optional<std::size_t> shared_set_;     ///< parameter set for runs that another pool shares
   std::vector<MotionRun> shared_;             ///< runs of another pool that this one carries
   const TaskSlot* longest_ = nullptr;         ///< slot of the task that goes first
   bool tangent_ = false;                      ///< of the present turn

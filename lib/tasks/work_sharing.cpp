@@ -12,7 +12,7 @@ namespace graze {
 namespace {
 
 /// Number of runs that is worth a thread of its own.
-constexpr std::size_t fewest_lent = 8;
+constexpr std::size_t fewest_shared_runs = 8;
 
 }  // namespace
 
@@ -110,7 +110,7 @@ void TaskPool::take(std::vector<std::unique_ptr<Member>>& members) {
     TaskSlot& place = parcel.member->place;
     place.pool_ = this;
     if (parcel.parameters) {
-      place.parameters_ = *(place.own_parameters_ = motions_.add(std::move(*parcel.parameters), free_place()));
+      place.parameters_ = *(place.own_parameters_ = motions_.add(std::move(*parcel.parameters), unused_set()));
       for (TaskSlot::Run& run : place.runs_) run.start.parameters = place.parameters_;
     }
     members.push_back(std::move(parcel.member));
@@ -119,7 +119,7 @@ void TaskPool::take(std::vector<std::unique_ptr<Member>>& members) {
 
 /// Shares the runs of the pool's only task with idle pools until all are finished. False: not shared.
 bool TaskPool::lend(TaskSlot& place) {
-  const std::size_t parts = std::min(1 + exchange_->waiting(), place.open_ / fewest_lent), set = place.parameters_;
+  const std::size_t parts = std::min(1 + exchange_->waiting(), place.open_ / fewest_shared_runs), set = place.parameters_;
   if (parts < 2 || motions_.awaits_table(set)) return false;
   SharedRuns lent{this, set, motions_.parameters(set), motions_.table(set), place.tangent_, place.runs_, parts};
   if (!exchange_->lend(lent)) return false;
@@ -156,9 +156,9 @@ void TaskPool::carry_part(const Part& part) {
 
 /// The parameter set for runs of another pool.
 std::size_t TaskPool::set_for(const SharedRuns& lent) {
-  put_down(lent.p, of_others_);
-  if (lent.table) motions_.use(*of_others_, *lent.table);
-  return *of_others_;
+  store_parameters(lent.p, shared_set_);
+  if (lent.table) motions_.use(*shared_set_, *lent.table);
+  return *shared_set_;
 }
 
 }  // namespace graze

@@ -206,7 +206,7 @@ TEST_CASE("multiples are followed only on request, and their limits are kept") {
   start[static_cast<Eigen::Index>(parameter_index(newton_oscillator().parameters, "xi"))] = 0.9995 * grazing;
   const PeriodicOrbit orbit = shoot(newton_oscillator(), start, steady_response(start), 1);
   ContinuationOptions options = options_for("xi", 0.999 * grazing, 1.001 * grazing);
-  const auto longest_of = [&] {
+  const auto longest_task = [&] {
     int period = 0;
     for (const Branch& branch : follow_branches(newton_oscillator(), {{orbit, {1}}}, options).branches)
       period = std::max(period, branch.period);
@@ -214,14 +214,14 @@ TEST_CASE("multiples are followed only on request, and their limits are kept") {
   };
   CHECK(ContinuationOptions{}.max_multiple == 1);
   options.max_multiple = 1;
-  CHECK(longest_of() == 1);
+  CHECK(longest_task() == 1);
   options.max_multiple = 3;
-  CHECK(longest_of() == 3);
+  CHECK(longest_task() == 3);
   options.max_multiple = longest;
   options.max_period = 5;
-  CHECK(longest_of() == 5);
+  CHECK(longest_task() == 5);
   options.switch_generations = 0;
-  CHECK(longest_of() == 1);
+  CHECK(longest_task() == 1);
   options.switch_generations = 1;
   options.max_branches = 2;
   const BranchGraph cut = follow_branches(newton_oscillator(), {{orbit, {1}}}, options);

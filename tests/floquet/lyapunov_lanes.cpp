@@ -142,7 +142,7 @@ TEST_CASE("one motion in lanes has the exponents of a motion") {
   std::vector<LyapunovSpectrum> in_pool(starts.size());
   LaneCarrier many(system);
   const auto average = [&](std::size_t k, TaskSlot& lane) -> MotionTask<> {
-    lane.take_parameters(starts[k].p);
+    lane.set_parameters(starts[k].p);
     LaneAverage one(lane, system, starts[k], options);
     const bool open = co_await one.carry(lane, 40);
     CHECK(open);

@@ -50,7 +50,7 @@ TEST_CASE("a mass on a pressed stop rests for ever where the pressing never vani
     Vector p = pressed(0.8);
     p[oscillator_parameter::xi] = xi;
     Propagator propagator(rigid(), p);
-    CHECK(rest_for_ever(propagator, rest).has_value() == (std::abs(xi) < 1.0));
+    CHECK(permanent_rest(propagator, rest).has_value() == (std::abs(xi) < 1.0));
   }
 }
 

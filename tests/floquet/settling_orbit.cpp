@@ -57,7 +57,7 @@ std::vector<std::optional<PeriodicOrbit>> looked_for(const Vector& p, const Vect
   LaneCarrier many(damped_hertz(), {});
   OrbitSearchResult look;
   TaskPool(many).run(1, [&](std::size_t, TaskSlot& lane) -> MotionTask<> {
-    lane.take_parameters(p);
+    lane.set_parameters(p);
     look = co_await look_for_orbit_in_lanes(lane, damped_hertz(), p, start, max_period, nearness);
   });
   return {orbit_of_close_returns(propagator, start, max_period, nearness), look.orbit,
@@ -190,7 +190,7 @@ TEST_CASE("an orbit that a motion was seen to pass by is looked at again once th
     LaneCarrier many(damped_hertz(), {});
     OrbitSearchResult out;
     TaskPool(many).run(1, [&](std::size_t, TaskSlot& lane) -> MotionTask<> {
-      lane.take_parameters(p);
+      lane.set_parameters(p);
       out = co_await look_for_orbit_in_lanes(lane, damped_hertz(), p, start, max_period, nearness, {}, known);
     });
     carried = many.carried();
@@ -218,7 +218,7 @@ TEST_CASE("a look notes the orbits that the motion passes by") {
   LaneCarrier many(system_with_both(), {});
   for (const bool again : {false, true}) {
     TaskPool(many).run(1, [&](std::size_t, TaskSlot& lane) -> MotionTask<> {
-      lane.take_parameters(with_both());
+      lane.set_parameters(with_both());
       const OrbitSearchResult look =
           co_await look_for_orbit_in_lanes(lane, system_with_both(), with_both(), chaotic, 12, 0.1, {}, &refused);
       CHECK_FALSE(look.orbit);

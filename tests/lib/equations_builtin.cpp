@@ -118,7 +118,7 @@ TEST_CASE("built-in oscillators written as text run on the same flows and lanes 
       const HybridSystem read = equations::make_system(oscillator_text(kind, law)).system;
       INFO(given.name);
       const Vector p = parameters(given, {{"xi", 1.2}, {"eta", 0.8}, {"r", 0.7}});
-      REQUIRE(lanes::lanes_know(read, p));
+      REQUIRE(lanes::lanes_support(read, p));
       for (std::size_t m = 0; m < read.modes.size(); ++m)
         REQUIRE(std::string(make_flow(read, m, p, {}).kind()) == make_flow(given, m, p, {}).kind());
       Propagator first(given, p, all_parameters(given)), second(read, p, all_parameters(read));

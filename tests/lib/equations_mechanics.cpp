@@ -91,7 +91,7 @@ TEST_CASE("built-in oscillators run with the bits of those written by hand, thro
       const bool hard = law.name == "newton";
       Vector p = parameters(given, {{"xi", hard ? 3.0 : 1.2}, {"eta", hard ? 0.4 : 0.8}, {"r", 0.7}});
       if (hard) p[static_cast<Eigen::Index>(parameter_index(given.parameters, "k_r"))] = 0.5;
-      REQUIRE(lanes::lanes_know(read, p));
+      REQUIRE(lanes::lanes_support(read, p));
       Propagator first(given, p, all_parameters(given)), second(read, p, all_parameters(read));
       Transition a, b;
       const Vector x0 = vector({0.1, 0.6});
@@ -383,9 +383,9 @@ TEST_CASE("a ball on a shaking table: complete chattering, rest on the moving ta
   REQUIRE(transition.x1[0] == Approx(0.0).margin(1e-10));
   REQUIRE(transition.x1[1] == Approx(0.9).epsilon(1e-10));
   REQUIRE(system.modes[transition.mode1].name == "table");
-  const auto rest = rest_for_ever(propagator, vector({0.1, 0.5}));
+  const auto rest = permanent_rest(propagator, vector({0.1, 0.5}));
   REQUIRE(rest == vector({0.0, 0.9}));
-  REQUIRE(comes_to_rest(propagator, transition.x1, *rest));
+  REQUIRE(reaches_rest(propagator, transition.x1, *rest));
   // Period by period the rounding of the integration does not take it off the table or into it.
   for (int period = 0; period < 200; ++period) {
     const Vector x = transition.x1;

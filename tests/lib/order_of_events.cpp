@@ -34,7 +34,7 @@ TEST_CASE("two stops that are hit together are told of if their order matters") 
   const HybridSystem system = bar();
   Vector p = default_parameters(system.parameters);
   const Trajectory run = fall(system, p, 0.0);
-  const auto pairs = pairs_whose_order_matters(system, p, run.events);
+  const auto pairs = noncommuting_events(system, p, run.events);
   REQUIRE(pairs.size() == 1);
   CHECK(system.events[pairs[0].first].name == "left");
   CHECK(system.events[pairs[0].second].name == "right");
@@ -48,10 +48,10 @@ TEST_CASE("two stops that are hit together are told of if their order matters") 
 TEST_CASE("nothing is said of stops that are hit together if the order is the same, or one after the other") {
   const HybridSystem system = bar();
   Vector p = default_parameters(system.parameters);
-  CHECK(pairs_whose_order_matters(system, p, fall(system, p, 1e-3).events).empty());
+  CHECK(noncommuting_events(system, p, fall(system, p, 1e-3).events).empty());
   p[static_cast<Eigen::Index>(parameter_index(system.parameters, "J"))] = 1.0;
   const Trajectory run = fall(system, p, 0.0);
   REQUIRE(run.events.size() == 2);
   REQUIRE(run.events[0].t == run.events[1].t);
-  CHECK(pairs_whose_order_matters(system, p, run.events).empty());
+  CHECK(noncommuting_events(system, p, run.events).empty());
 }

@@ -36,7 +36,7 @@ struct Counted {
 
 MotionTask<> ask_twice(TaskSlot& lane, const Vector& p, int number, int& alive, int& sum) {
   const Counted counted(alive);
-  lane.take_parameters(p);
+  lane.set_parameters(p);
   const int once = co_await twice(lane, number);
   const int again = co_await twice(lane, number);
   sum += once + again;
@@ -72,8 +72,8 @@ namespace {
 MotionTask<> go_through(TaskSlot& lane, std::vector<Vector> sets, std::vector<PeriodResult>& out) {
   MotionStart start{0, 0.1, 0.0};
   for (const Vector& p : sets) {
-    lane.take_parameters(sets.front());
-    lane.take_parameters(p);
+    lane.set_parameters(sets.front());
+    lane.set_parameters(p);
     start.parameters = lane.parameters();
     const std::span<const PeriodResult> next = co_await lane.carry({&start, 1}, 3, true);
     out.insert(out.end(), next.begin(), next.end());
@@ -154,7 +154,7 @@ TEST_CASE("with a table of contacts a computation comes to the same in any compa
   const HybridSystem system = make_oscillator("linear", "hertz");
   const Vector p = parameters(system, {{"eta", 0.711}});
   const auto average = [&](TaskSlot& lane, std::vector<PeriodResult>& out, bool& has_table) -> MotionTask<> {
-    lane.take_parameters(p);
+    lane.set_parameters(p);
     lane.motions().expect(lane.parameters(), LaneCarrier::periods_for_table);
     MotionStart start = lane.at(Vector{{0.1, 0.0}});
     for (int turn = 0; turn < 150; ++turn) {
@@ -188,7 +188,7 @@ TEST_CASE("a computation that others wait for is carried each time, among many o
   const Vector p = parameters(system, {});
   std::size_t tangents = 0, before = 0;
   const auto many_turns = [](TaskSlot& lane, const Vector& at, std::size_t& periods) -> MotionTask<> {
-    lane.take_parameters(at);
+    lane.set_parameters(at);
     MotionStart start = lane.at(Vector{{0.0, 0.0}});
     for (int turn = 0; turn < 40; ++turn, ++periods) {
       const std::span<const PeriodResult> next = co_await lane.carry({&start, 1}, 1, true);
@@ -198,7 +198,7 @@ TEST_CASE("a computation that others wait for is carried each time, among many o
   };
   const auto once = [](TaskSlot& lane, const Vector& at, bool hurries, const std::size_t& done,
                        std::size_t& seen) -> MotionTask<> {
-    lane.take_parameters(at);
+    lane.set_parameters(at);
     lane.hurry(hurries);
     const Vector rest = Vector::Zero(2);
     co_await lane.carry(rest, 1);
@@ -220,7 +220,7 @@ TEST_CASE("of many computations the one that has lasted longest gets ahead of th
   constexpr std::size_t count = 40, together = 32, last = 640 * together;
   std::size_t of_first = 0, of_others = 0, speeds = 0, impacts = 0;
   const auto go_on = [&](TaskSlot& lane, bool first) -> MotionTask<> {
-    lane.take_parameters(p);
+    lane.set_parameters(p);
     Vector at{{0.1, 0.0}};
     for (std::size_t own = 0; own < last && of_first < last;) {
       ImpactSpeeds list;

@@ -22,12 +22,12 @@ struct Told {
 };
 
 /// Wants to be told of every `each`-th period, up to `last`.
-struct Listening : PeriodWatch {
+struct Listening : PeriodObserver {
   std::size_t each = 1, last = 1;
   std::vector<Told> told;
   Listening(std::size_t every, std::size_t end) : each(every), last(end) {
     next = each;
-    see = [](PeriodWatch& self, std::size_t number, const PeriodResult& period) {
+    see = [](PeriodObserver& self, std::size_t number, const PeriodResult& period) {
       auto& its = static_cast<Listening&>(self);
       its.told.push_back({number, period});
       its.next = number / its.each * its.each + its.each;
@@ -64,7 +64,7 @@ TEST_CASE("a watch is told of the periods that it asks for and of those that end
     std::vector<PeriodResult> expected;
     whole.carry(starts, most, false, expected);
     const StateEllipse first = around(expected[0], 0.01), other = around(expected[5 * most + 30], 0.02);
-    many.tell_of({first, other});
+    many.set_reported_ellipses({first, other});
     std::vector<Listening> watches;
     std::vector<PeriodResult> last(count);
     std::vector<MotionRun> runs;

@@ -100,7 +100,7 @@ namespace {
 /// Many motions together, so many times 32 periods; with a table of contacts or without.
 MotionTask<> follow_all(TaskSlot& lane, const Vector& p, std::vector<MotionStart> motions, int times, bool table,
                         std::vector<PeriodResult>& out) {
-  lane.take_parameters(p);
+  lane.set_parameters(p);
   if (table) lane.motions().expect(lane.parameters(), LaneCarrier::periods_for_table);
   constexpr std::size_t together = 32;
   for (int k = 0; k < times; ++k) {

@@ -20,7 +20,7 @@ struct Plan {
 };
 
 inline MotionTask<> follow(TaskSlot& lane, const Vector& p, MotionStart start, Plan plan, std::vector<PeriodResult>& out) {
-  lane.take_parameters(p);
+  lane.set_parameters(p);
   start.parameters = lane.parameters();
   while (out.size() < plan.periods) {
     const std::span<const PeriodResult> next =
