@@ -188,9 +188,10 @@ struct Measured {
 std::optional<Measured> run_along(const Quantities& quantities, const HybridSystem& system, const Vector& p,
                                   const MeasuredMotion& motion) {
   const equations::MotionFunctions& functions = quantities.functions;
-  const bool needs_extents = std::any_of(quantities.list.begin(), quantities.list.end(), [](const Quantity& one) {
-    return one.kind >= QuantityKind::largest && one.kind <= QuantityKind::mean;
-  });
+  std::vector<bool> has_extent(functions.size(), false);
+  for (const Quantity& one : quantities.list)
+    if (one.kind >= QuantityKind::largest && one.kind <= QuantityKind::mean) has_extent[one.function] = true;
+  const bool needs_extents = std::find(has_extent.begin(), has_extent.end(), true) != has_extent.end();
   Measured out{std::vector<Extent>(functions.size()), std::vector<std::vector<double>>(functions.size()), {}};
   std::vector<double> values(functions.size()), rates(functions.size());
   Propagator propagator(system, p);
@@ -212,7 +213,7 @@ std::optional<Measured> run_along(const Quantities& quantities, const HybridSyst
       out.events.push_back(std::move(event));
     }
     if (!needs_extents) continue;
-    const std::vector<Extent> found = extents(propagator, run, functions);
+    const std::vector<Extent> found = extents(propagator, run, functions, has_extent);
     for (std::size_t f = 0; f < functions.size(); ++f) {
       Extent& all = out.extents[f];
       const bool known = std::isfinite(found[f].integral) && std::isfinite(all.integral);

@@ -110,6 +110,11 @@ Admissibility resimulate(ShootingEquations& equations, const Vector& u, const st
   return beyond_reach ? Admissibility::admissible : Admissibility::inadmissible;
 }
 
+/// True if stops hold all coordinates in this mode: each constrains a coordinate and its velocity.
+bool holds_all(const HybridSystem& system, std::size_t mode) {
+  return holding_event(system, mode) && (system.states == 2 || system.modes[mode].constraints.size() >= system.states);
+}
+
 /// Impacts and entries that are not part of a complete chatter, the series before its stick event; the events of an orbit are
 /// cyclic. Sticking by friction involves no accumulation of impacts.
 int isolated_impacts(const HybridSystem& system, const std::vector<EventRecord>& events) {
@@ -199,7 +204,7 @@ PeriodicOrbit describe_orbit(ShootingEquations& equations, const Vector& u, Newt
     equations.propagator().field(equations.stretch(0).mode0, 0.0, orbit.state, orbit.monodromy.trivial_direction);
   }
   orbit.conservative = liouville == 0.0;
-  orbit.rests = sequence.empty() && holding_event(equations.system(), equations.stretch(0).mode0);
+  orbit.rests = sequence.empty() && holds_all(equations.system(), equations.stretch(0).mode0);
   orbit.multipliers = multipliers(orbit.monodromy, orbit.duration);
   if (std::isfinite(log_det) && std::isfinite(liouville)) orbit.checks.liouville = std::abs(log_det - liouville);
   orbit.admissible = resimulate(equations, u, sequence, orbit.monodromy.product().cwiseAbs().maxCoeff());

@@ -25,8 +25,10 @@ constexpr double value_tolerance = 1e-12, rate_tolerance = 1e-8;
 constexpr double least_change = 1e-12;
 /// Events are located to 2^-45 of a stretch.
 constexpr int most_halvings = 45;
-/// Limit for one run. The start of a square root takes 90 panels. Beyond the limit, the accuracy is that of the first panels.
+/// Limit for one run. The start of a square root takes 90 panels.
 constexpr std::size_t most_panels = 20000;
+/// A singularity that remains in a panel of the least width is integrable if the panel holds less than this of the integral.
+constexpr double least_share = 1e-10;
 constexpr std::size_t looks = 64;  // samples of a rate's series in a panel, to find changes of sign
 /// An argument of a nonsmooth function below this, relative to its largest value so far, has no sign: this is the accuracy of
 /// its series.
@@ -104,9 +106,14 @@ double instant(std::size_t j) { return -std::cos(std::numbers::pi * static_cast<
 
 class ExtentIntegrator {
  public:
-  ExtentIntegrator(Propagator& propagator, const equations::MotionFunctions& functions)
-      : propagator_(propagator), functions_(functions), out_(functions.size()), all_(functions.size() + functions.arguments()),
-        value_(all_), rate_(all_), size_(all_, 0.0), rate_size_(all_, 0.0) {}
+  ExtentIntegrator(Propagator& propagator, const equations::MotionFunctions& functions, const std::vector<bool>& wanted)
+      : propagator_(propagator), functions_(functions), wanted_(wanted), out_(functions.size()),
+        all_(functions.size() + functions.arguments()), value_(all_), rate_(all_), size_(all_, 0.0), rate_size_(all_, 0.0),
+        absolute_(functions.size(), 0.0), unresolved_(functions.size(), 0.0) {
+    for (std::size_t k = 0; k < out_.size(); ++k)
+      if (!wanted[k]) out_[k] = not_known;
+  }
+  bool is_exhausted() const { return panels_ >= most_panels; }
 
   std::vector<Extent> measure(const Trajectory& run) {
     if (run.segments.empty()) return lost();
@@ -129,8 +136,8 @@ class ExtentIntegrator {
         widen();
       }
     }
-    for (Extent& extent : out_)
-      if (!std::isfinite(extent.integral)) extent = not_known;
+    for (std::size_t k = 0; k < out_.size(); ++k)
+      if (!std::isfinite(out_[k].integral) || unresolved_[k] > least_share * absolute_[k] || is_exhausted()) out_[k] = not_known;
     return std::move(out_);
   }
 
@@ -149,11 +156,25 @@ class ExtentIntegrator {
 
   void evaluate(const HybridState& at, const Signs& signs) {
     functions_.evaluate(propagator_.system(), at.mode, at.t, at.x, propagator_.parameters(), signs, value_.data(), rate_.data());
+    // On a branch, abs(a) is a rounding error below zero where it ends, and a power of it is not defined there.
+    const auto is_finite = [](double value) { return std::isfinite(value); };
+    const auto end = value_.begin() + static_cast<std::ptrdiff_t>(out_.size());
+    if (signs.empty() || std::all_of(value_.begin(), end, is_finite)) return;
+    plain_value_.resize(out_.size());
+    plain_rate_.resize(out_.size());
+    functions_.evaluate(propagator_.system(), at.mode, at.t, at.x, propagator_.parameters(), plain_value_.data(),
+                        plain_rate_.data());
+    for (std::size_t k = 0; k < out_.size(); ++k) {
+      if (std::isfinite(value_[k])) continue;
+      value_[k] = plain_value_[k];
+      rate_[k] = plain_rate_[k];
+    }
   }
 
   /// Widens the extents by the present values.
   void widen() {
     for (std::size_t k = 0; k < out_.size(); ++k) {
+      if (!wanted_[k]) continue;
       out_[k].largest = std::max(out_[k].largest, value_[k]);
       out_[k].smallest = std::min(out_[k].smallest, value_[k]);
     }
@@ -186,8 +207,9 @@ class ExtentIntegrator {
     const double steepest = largest(piece.rates);
     size_[k] = std::max(size_[k], largest(piece.values));
     if (std::isfinite(steepest)) rate_size_[k] = std::max(rate_size_[k], steepest);
-    const bool lost = !std::isfinite(piece.value_series[0]);  // halving does not help
-    return lost ||
+    // Halving does not help if the function is nowhere defined.
+    const bool undefined = std::none_of(piece.values.begin(), piece.values.end(), [](double v) { return std::isfinite(v); });
+    return undefined ||
            (remainder(piece.value_series) <= value_tolerance * size_[k] &&
             remainder(piece.rate_series) <= rate_tolerance * rate_size_[k]) ||
            half * steepest <= least_change * size_[k];
@@ -236,9 +258,10 @@ class ExtentIntegrator {
         pieces[k].rates[j] = rate_[k];
       }
     }
+    std::vector<bool> smooth(out_.size(), true);
     for (std::size_t k = 0; k < out_.size(); ++k) {
-      const bool smooth = expand(k, pieces[k], half);
-      converged = converged && smooth;
+      if (wanted_[k]) smooth[k] = expand(k, pieces[k], half);
+      converged = converged && smooth[k];
     }
     if (!converged && halvings < most_halvings && may_divide) {
       HybridState middle = at[degree / 2];
@@ -247,7 +270,14 @@ class ExtentIntegrator {
       return true;
     }
     for (std::size_t k = 0; k < out_.size(); ++k) {
-      out_[k].integral += half * integral_of(pieces[k].value_series);
+      if (!wanted_[k]) continue;
+      double size = 0.0;
+      for (const double value : pieces[k].values)
+        if (std::isfinite(value)) size = std::max(size, half * std::abs(value));
+      absolute_[k] += size;
+      if (!smooth[k]) unresolved_[k] = std::max(unresolved_[k], size);
+      if (const double part = half * integral_of(pieces[k].value_series); smooth[k] || std::isfinite(part))
+        out_[k].integral += part;
       if (!look_for_extrema(k, pieces[k], t0, half, at, signs)) return false;
     }
     state = at[degree];
@@ -287,17 +317,32 @@ class ExtentIntegrator {
   Propagator& propagator_;
   const Segment* segment_ = nullptr;  // the present stretch
   const equations::MotionFunctions& functions_;
+  const std::vector<bool>& wanted_;
   std::vector<Extent> out_;
   std::size_t all_;                       // number of functions, then arguments
   std::vector<double> value_, rate_;      // at the last state
   std::vector<double> size_, rate_size_;  // the largest magnitudes so far
+  std::vector<double> plain_value_, plain_rate_;
+  // Of each function: a bound of the integral of its magnitude, and its largest part in a panel whose series do not converge.
+  std::vector<double> absolute_, unresolved_;
   std::size_t panels_ = 0;
 };
 
 }  // namespace
 
-std::vector<Extent> extents(Propagator& propagator, const Trajectory& run, const equations::MotionFunctions& functions) {
-  return ExtentIntegrator(propagator, functions).measure(run);
+std::vector<Extent> extents(Propagator& propagator, const Trajectory& run, const equations::MotionFunctions& functions,
+                            const std::vector<bool>& wanted) {
+  ExtentIntegrator together(propagator, functions, wanted);
+  std::vector<Extent> out = together.measure(run);
+  if (!together.is_exhausted() || std::count(wanted.begin(), wanted.end(), true) < 2) return out;
+  // One of them takes all panels: each by itself.
+  for (std::size_t k = 0; k < wanted.size(); ++k) {
+    if (!wanted[k]) continue;
+    std::vector<bool> alone(wanted.size(), false);
+    alone[k] = true;
+    out[k] = ExtentIntegrator(propagator, functions, alone).measure(run)[k];
+  }
+  return out;
 }
 
 }  // namespace graze

@@ -23,8 +23,10 @@ struct Extent {
   double integral = 0.0;  ///< over time
 };
 
-/// The extents of the functions over the run, one each. The run must belong to the propagator's system and parameters. Entries
-/// are NaN if a function is not finite on the way, or if the motion cannot be carried again.
-std::vector<Extent> extents(Propagator& propagator, const Trajectory& run, const equations::MotionFunctions& functions);
+/// The extents of the `wanted` functions over the run (one flag each), which do not depend on each other; the others are NaN. The
+/// run must belong to the propagator's system and parameters. Entries are also NaN if a function has a pole on the way or is not
+/// defined there, if it takes more than 20000 panels, or if the motion cannot be carried again.
+std::vector<Extent> extents(Propagator& propagator, const Trajectory& run, const equations::MotionFunctions& functions,
+                            const std::vector<bool>& wanted);
 
 }  // namespace graze

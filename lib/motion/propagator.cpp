@@ -184,6 +184,7 @@ void Propagator::cross(HybridState& state, std::size_t index, double t_end, Sens
   const Event& event = system_->events[index];
   record_.event = index;
   record_.kind = event.kind;
+  record_.is_chatter = false;
   record_.t = state.t;
   record_.x_minus = state.x;
   flows_[event.from].field(state.t, state.x, f_minus_);
@@ -256,6 +257,7 @@ bool Propagator::accumulate(HybridState& state, const Event& event, double t_end
   }
   plus_known_ = false;
   record_.kind = EventKind::stick;
+  record_.is_chatter = true;
   record_.t = state.t;
   record_.exit_speed = 0.0;
   record_.x_plus = state.x;

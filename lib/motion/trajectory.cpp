@@ -131,7 +131,12 @@ Matrix sample(const HybridSystem& system, const Vector& p, const Trajectory& tra
 }
 
 bool ends_contact(const EventRecord& event) {
-  if (event.kind == EventKind::stick) return event.x_plus != event.x_minus;
+  // Where friction stops a body, its velocity, which is a rounding error, becomes exactly zero.
+  constexpr double jump = 1e-9;
+  if (event.kind == EventKind::stick)
+    return event.is_chatter ? event.x_plus != event.x_minus
+                            : (event.x_plus - event.x_minus).lpNorm<Eigen::Infinity>() >
+                                  jump * (1.0 + event.x_minus.lpNorm<Eigen::Infinity>());
   return event.kind == EventKind::impact || event.kind == EventKind::leave;
 }
 

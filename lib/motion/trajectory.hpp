@@ -17,6 +17,7 @@ struct EventRecord {
   double t = 0.0;
   Vector x_minus, x_plus;
   std::size_t mode_plus = 0;
+  bool is_chatter = false;  ///< of kind stick: a complete chatter, at its accumulation point
   double normal_speed = 0.0;
   double mass = 1.0;  ///< Event::effective_mass at the event
   /// Speed of departure: -dh/dt along the field after a hard impact, the gap's rate at the end of a soft contact.

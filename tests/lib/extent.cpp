@@ -25,7 +25,7 @@ std::vector<Extent> measured(const HybridSystem& system, const Vector& p, const 
   Propagator propagator(system, p);
   const Trajectory run = simulate(system, p, 0.0, start, {.t_end = t_end});
   REQUIRE(run.termination == Termination::time);
-  return extents(propagator, run, MotionFunctions(graph, of, system.states));
+  return extents(propagator, run, MotionFunctions(graph, of, system.states), std::vector<bool>(of.size(), true));
 }
 
 void set(const HybridSystem& system, Vector& p, const char* name, double value) {
