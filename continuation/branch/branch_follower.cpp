@@ -97,11 +97,14 @@ bool BranchFollower::take(BranchProblem& problem, const CurvePoint& before, cons
   const TestPoint a{before, branch.points.back()}, b{after, point};
   for (const TestFunction& test : test_functions()) {
     const double f_a = test.value(a), f_b = test.value(b);
-    if (!std::isfinite(f_a) || !std::isfinite(f_b) || (f_a < 0.0) == (f_b < 0.0) || !test.confirm(a, b)) continue;
+    if (!std::isfinite(f_a) || !std::isfinite(f_b) || (f_a < 0.0) == (f_b < 0.0)) continue;
+    const bool confirmed = test.confirm(a, b);
+    if (!confirmed && !(test.too_far_apart && test.too_far_apart(a, b))) continue;
     if (in_rounding(test, a, b)) continue;
-    std::optional<PointInStep> special = locate(problem, test, a, b, branch);
+    std::optional<PointInStep> special =
+        confirmed ? locate(problem, test, a, b, branch) : locate_halving(problem, test, a, b, branch);
     if (!special) {
-      if (long_step) return false;
+      if (confirmed && long_step) return false;
       continue;
     }
     // A fold beyond the end of the range: the branch leaves the range and returns within the step.
@@ -594,6 +597,41 @@ void BranchFollower::user_points(BranchProblem& problem, const CurvePoint& befor
   }
 }
 
+/// The point of the branch at this part of the step; empty if the corrector fails or its multipliers do not exist.
+std::optional<PointBetween> BranchFollower::between(BranchProblem& problem, const TestPoint& before, const TestPoint& after,
+                                                    double part) const {
+  const ZeroProblem zero = problem.zero_problem();
+  PointBetween point;
+  CurvePoint& curve = point.curve;
+  curve.u = before.curve.u + part * (after.curve.u - before.curve.u);
+  if (!correct(zero, after.curve.u - before.curve.u, curve.u, options_.trace).converged()) return std::nullopt;
+  curve.tangent = tangent_at(zero, curve.u, before.curve.tangent);
+  if (curve.tangent.size() == 0) return std::nullopt;
+  curve.arclength = before.curve.arclength + part * (after.curve.arclength - before.curve.arclength);
+  point.branch = problem.branch_point(curve.u, curve.arclength);
+  if (!point.branch.multipliers.valid) return std::nullopt;
+  return point;
+}
+
+/// Halves the step until its ends are near enough to confirm the point, then locates it.
+std::optional<PointInStep> BranchFollower::locate_halving(BranchProblem& problem, const TestFunction& test,
+                                                          const TestPoint& before, const TestPoint& after,
+                                                          const Branch& branch) const {
+  constexpr int halvings = 20;
+  PointBetween lo{before.curve, before.branch}, hi{after.curve, after.branch};
+  const bool below = test.value(before) < 0.0;
+  for (int i = 0; i < halvings && test.too_far_apart({lo.curve, lo.branch}, {hi.curve, hi.branch}); ++i) {
+    std::optional<PointBetween> middle = between(problem, {lo.curve, lo.branch}, {hi.curve, hi.branch}, 0.5);
+    if (!middle) return std::nullopt;
+    PointBetween& end = (test.value({middle->curve, middle->branch}) < 0.0) == below ? lo : hi;
+    end = std::move(*middle);
+  }
+  if (!test.confirm({lo.curve, lo.branch}, {hi.curve, hi.branch})) return std::nullopt;
+  std::optional<PointInStep> met = locate(problem, test, {lo.curve, lo.branch}, {hi.curve, hi.branch}, branch);
+  if (met) met->place = place_of(problem.zero_problem(), before.curve, met->u);
+  return met;
+}
+
 /// Empty if the sign changes without a special point of this type.
 std::optional<PointInStep> BranchFollower::locate(BranchProblem& problem, const TestFunction& test, const TestPoint& before,
                                                   const TestPoint& after, const Branch& branch) const {
@@ -610,27 +648,21 @@ std::optional<PointInStep> BranchFollower::locate(BranchProblem& problem, const 
   const auto narrow_bracket = [&](int steps, double small, double narrow) {
     for (int i = 0; i < steps && hi - lo > narrow; ++i) {
       const double s = std::clamp((lo * f_hi - hi * f_lo) / (f_hi - f_lo), lo + 0.01 * (hi - lo), hi - 0.01 * (hi - lo));
-      CurvePoint trial;
-      trial.u = before.curve.u + s * (after.curve.u - before.curve.u);
-      if (!correct(zero, after.curve.u - before.curve.u, trial.u, options_.trace).converged()) break;
-      trial.tangent = tangent_at(zero, trial.u, before.curve.tangent);
-      if (trial.tangent.size() == 0) break;
-      trial.arclength = before.curve.arclength + s * length;
-      const BranchPoint here = problem.branch_point(trial.u, trial.arclength);
-      if (!here.multipliers.valid) break;
-      const double f = test.value({trial, here});
-      best = trial;
-      best_branch = here;
+      std::optional<PointBetween> trial = between(problem, before, after, s);
+      if (!trial) break;
+      const double f = test.value({trial->curve, trial->branch});
+      best = std::move(trial->curve);
+      best_branch = std::move(trial->branch);
       if ((f < 0.0) == (f_lo < 0.0)) {
         lo = s;
         f_lo = f;
-        value_lo = here.value;
+        value_lo = best_branch.value;
         if (side == 1) f_hi *= 0.5;
         side = 1;
       } else {
         hi = s;
         f_hi = f;
-        value_hi = here.value;
+        value_hi = best_branch.value;
         if (side == -1) f_lo *= 0.5;
         side = -1;
       }

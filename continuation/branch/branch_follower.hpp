@@ -34,6 +34,12 @@ struct PointInStep {
   SpecialPoint point;
 };
 
+/// A point of the curve between two others, and its multipliers.
+struct PointBetween {
+  CurvePoint curve;
+  BranchPoint branch;
+};
+
 class BranchFollower {
  public:
   /// `low`, `high`: the range of the parameter.
@@ -65,6 +71,9 @@ class BranchFollower {
   std::optional<BranchStart> to_signature(OrbitProblem& problem, const BranchStart& start) const;
 
   // Special points.
+  std::optional<PointBetween> between(BranchProblem& problem, const TestPoint& before, const TestPoint& after, double part) const;
+  std::optional<PointInStep> locate_halving(BranchProblem& problem, const TestFunction& test, const TestPoint& before,
+                                            const TestPoint& after, const Branch& branch) const;
   std::optional<PointInStep> locate(BranchProblem& problem, const TestFunction& test, const TestPoint& before,
                                     const TestPoint& after, const Branch& branch) const;
   PointInStep locate_impact_change(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after,

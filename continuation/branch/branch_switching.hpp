@@ -58,7 +58,9 @@ void confirm_criticality(const Branch& child, SpecialPoint& pd, const Branch& pa
 /// `beyond` (which begins there if `begins`, otherwise ends there): persistence if they are admissible on different sides of
 /// the grazing, fold if on the same side. Two checks: the parity of multipliers beyond +1 (even, both families together:
 /// persistence; Feigin's rule), and the linear response. The response takes precedence if the others contradict it, because a
-/// smooth fold may lie between the grazing and the first orbit kept. Writes to the details of `grazing`.
+/// smooth fold may lie between the grazing and the first orbit kept. Writes to the details of `grazing`, with
+/// the impacts of the branch beyond: if several contacts touch together (an orbit symmetric between two barriers), it may have
+/// one more impact, or as many more as contacts touch.
 void confirm_scenario(SpecialPoint& grazing, const Branch& ended, const Branch& beyond, bool begins);
 
 }  // namespace graze

@@ -69,7 +69,8 @@ LocatedPoint locate_branch_point(BranchProblem& problem, const Vector& start) {
     located.v = null.cast<std::complex<double>>();
     if (located.newton.residual() < 1e-9 && (step_size < 1e-13 || step_size >= 0.5 * last_step)) {
       located.newton.status = std::abs(unfolding) < 1e-8 ? NewtonStatus::converged : NewtonStatus::stalled;
-      located.precision = std::max(std::abs(step[size]), 1e-13 * (1.0 + std::abs(located.u[size])));
+      // The step is not taken: what is left of the error after it comes on top.
+      located.precision = std::abs(step[size]) + 1e-13 * (1.0 + std::abs(located.u[size]));
       return located;
     }
     last_step = step_size;

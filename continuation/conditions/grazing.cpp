@@ -293,7 +293,7 @@ std::vector<GrazingGuess> near_misses(OrbitProblem& problem, const Vector& u, do
 }
 
 LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const GrazingGuess& guess,
-                              const std::vector<GrazingGuess>& together) {
+                              const std::vector<GrazingGuess>& together, const std::vector<GrazingGuess>& missed) {
   LocatedGrazing located;
   located.touches = 1 + static_cast<int>(together.size());
   located.u = start;
@@ -305,7 +305,11 @@ LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const 
   const int n = problem.states(), j = guess.stretch;
   double t = guess.t;
   double resume_after = guess.t_resume - guess.t;
-  const auto leave_out = [&] { equations.leave_out(j, {guess.events_before, t, t + resume_after}); };
+  const auto leave_out = [&](ShootingEquations& of) {
+    of.leave_out(j, {guess.events_before, t, t + resume_after});
+    for (const auto* others : {&together, &missed})
+      for (const GrazingGuess& other : *others) of.leave_out(other.stretch, {other.events_before, other.t, other.t_resume});
+  };
   // Where another event comes with the touch this mode does not hold beyond it, and other guards are watched from there on. Then
   // the orbit that misses the guard by so little that it is not met is looked for, and the rest of the way is linear.
   double miss = 0.0;
@@ -313,13 +317,30 @@ LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const 
     return 4.0 * guard_tolerance * (1.0 + located.u.head(unknowns - 1).lpNorm<Eigen::Infinity>());
   };
   if (resume_after == 0.0) miss = smallest_miss();
-  for (const GrazingGuess& other : together) equations.leave_out(other.stretch, {other.events_before, other.t, other.t_resume});
+  // Error of the value by the steps of numerical flows: its change where they are half as long. `row`: of the inverse Jacobian.
+  const auto truncation = [&](const Vector& residual, const GuardAndRate& at, const Vector& row) {
+    constexpr double half_steps = 1.0 / 256.0;  // of the tolerance, for the general integrator's order
+    OrbitProblem finer = problem.with_tolerance(half_steps * equations.options().tolerance);
+    leave_out(finer.equations());
+    Vector there;
+    located.others_vague = !finer.residual(located.u, there, nullptr);
+    for (int k = 0; k < problem.nodes() && !located.others_vague; ++k)
+      located.others_vague = finer.equations().stretch(k).event_sequence != equations.stretch(k).event_sequence;
+    if (located.others_vague) return 0.0;
+    const Touch& touch = finer.equations().stretch(j).touch;
+    const GuardAndRate met =
+        guard_and_rate(guard, system.modes[touch.mode], touch.t, touch.x, equations.parameters(), problem.parameter());
+    Vector change(unknowns + 1);
+    change << there - residual, met.h - at.h, met.rate - at.rate;
+    if (equations.autonomous()) change[unknowns - 2] = 0.0;  // the phase condition
+    return std::abs(row.dot(change));
+  };
   Vector residual;
   Matrix jacobian;
   constexpr double near_touch = 1e-6;  // Newton's method has all but found it
   double last_step = std::numeric_limits<double>::infinity();
   for (int iteration = 0; iteration < 25; ++iteration) {
-    leave_out();
+    leave_out(equations);
     if (!problem.residual(located.u, residual, &jacobian)) {
       located.newton.status = NewtonStatus::evaluation_failed;
       break;
@@ -359,7 +380,10 @@ LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const 
     }
     if (!mode_ends && located.newton.residual() < 1e-11 && (step_size < 1e-14 || step_size >= 0.5 * last_step)) {
       located.newton.status = located.curvature < 0.0 ? NewtonStatus::converged : NewtonStatus::stalled;
-      located.precision = std::max(located.precision, std::abs(step[unknowns - 1]));
+      // Rounding is allowed ten times its scatter: a truncation error of less than half of that is within it.
+      located.precision = std::max(located.precision, 2.0 * truncation(residual, at, row));
+      const double left = std::abs(step[unknowns - 1]);  // this step is not taken
+      if (left > located.precision) located.precision += left;
       if (located.newton.converged()) analyse(problem, guess, at, jacobian, located);
       break;
     }
@@ -374,8 +398,11 @@ LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const 
   }
   const Vector shortened = located.u.head(unknowns - 1);
   if (located.newton.converged()) {
-    leave_out();
+    leave_out(equations);
     located.orbit = problem.orbit(located.u, located.newton);
+    if (located.orbit.states.empty()) located.newton.status = NewtonStatus::evaluation_failed;  // another contact touches too
+  }
+  if (located.newton.converged()) {
     if (miss > 0.0) {
       located.u += miss / located.top_dp * located.family_dp;
       located.orbit.parameters[static_cast<Eigen::Index>(problem.parameter())] = problem.value(located.u);

@@ -50,9 +50,10 @@ struct LocatedGrazing {
   std::vector<std::size_t> contact_events;  ///< of a weak contact that leads through other modes, in order; else empty
   /// The contacts that touch as events of an orbit that has them: impacts, or entry and exit at once, of speed zero.
   std::vector<EventRecord> contacts;
-  double precision = 0.0;  ///< estimated error of the parameter's value
-  double curvature = 0.0;  ///< d2h/dt2 at the touch, < 0
-  PeriodicOrbit orbit;     ///< with the touching contact left out
+  double precision = 0.0;     ///< estimated error of the parameter's value: rounding, or steps of a numerical flow
+  bool others_vague = false;  ///< other contacts touch too: whether they are met hangs on the error of the flow
+  double curvature = 0.0;     ///< d2h/dt2 at the touch, < 0
+  PeriodicOrbit orbit;        ///< with the touching contact left out
   GrazingScenario scenario = GrazingScenario::unknown;
   bool leads_away = false;  ///< a weak contact leads to another mode, and not back from there at once
   Vector family_dp;         ///< du/d(parameter) of the orbits with that contact left out
@@ -66,8 +67,9 @@ struct LocatedGrazing {
 };
 
 /// `together`: contacts on other stretches that touch with this one (an orbit symmetric between two barriers) and are left out
-/// too. The linear response is that to one impact alone: with them the scenario stays unknown.
+/// too. The linear response is that to one impact alone: with them the scenario stays unknown. `missed`: free maxima on other
+/// stretches that touch too, left out as well; the orbit has no contact there.
 LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& u, const GrazingGuess& guess,
-                              const std::vector<GrazingGuess>& together = {});
+                              const std::vector<GrazingGuess>& together = {}, const std::vector<GrazingGuess>& missed = {});
 
 }  // namespace graze

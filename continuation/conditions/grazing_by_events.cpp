@@ -124,9 +124,9 @@ std::optional<OrbitProblem> states_between(SignatureProblem& problem, const Vect
 }  // namespace
 
 std::optional<LocatedGrazing> grazing_near(OrbitProblem& problem, const Vector& u, const GrazingGuess& guess,
-                                           const std::vector<GrazingGuess>& together) {
+                                           const std::vector<GrazingGuess>& together, const std::vector<GrazingGuess>& missed) {
   constexpr double near = 0.02;
-  LocatedGrazing located = locate_grazing(problem, u, guess, together);
+  LocatedGrazing located = locate_grazing(problem, u, guess, together, missed);
   if (!located.newton.converged()) return std::nullopt;
   if (weighted_norm(problem.zero_problem().weights, located.u - u) > near) return std::nullopt;
   return located;
@@ -201,26 +201,28 @@ bool agrees(const OrbitProblem& states, const LocatedGrazing& located, const Tou
   return std::abs(states.value(located.u) - value) < same * (1.0 + std::abs(value)) + 10.0 * located.precision;
 }
 
-std::optional<LocatedGrazing> located_at(SignatureProblem& problem, const Vector& u, Touching& touching, bool lost) {
+std::optional<LocatedGrazing> located_at(SignatureProblem& problem, const Vector& u, Touching& touching) {
   SignatureProblem& with = touching.longer ? *touching.longer : problem;
   std::vector<TouchTime> touches = touching_with(with, touching.at, touching.event);
-  const std::size_t struck = touches.size();
+  const auto struck = static_cast<std::ptrdiff_t>(touches.size());
   Vector v;
+  std::optional<LocatedGrazing> alone;
   if (struck == 1) {
     OrbitProblem& states = with.stroboscopic(touching.at, v);
-    std::optional<LocatedGrazing> located = grazing_near(states, v, guess_of(with, touching.at, touches.front(), states, v));
-    if (located && agrees(states, *located, touching)) return located;
+    alone = grazing_near(states, v, guess_of(with, touching.at, touches.front(), states, v));
+    if (alone && !agrees(states, *alone, touching)) alone.reset();
+    // The same touch in another turn of a shorter orbit may be met as an impact.
+    const int others = impacts(with.equations().system(), {0, with.equations().sequence()}) - 1;
+    if (alone && !alone->others_vague && alone->orbit.impacts == others) return alone;
   }
-  if (lost) add_others(problem, u, touches);
+  add_others(problem, u, touches);
   std::optional<OrbitProblem> states = states_between(with, touching.at, touches, v);
-  if (!states) return std::nullopt;
+  if (!states) return alone;
   std::vector<GrazingGuess> guesses;
   for (const TouchTime& touch : touches) guesses.push_back(guess_of(with, touching.at, touch, *states, v));
-  std::optional<LocatedGrazing> located = grazing_near(*states, v, guesses.front(), {guesses.begin() + 1, guesses.end()});
-  if (!located || !agrees(*states, *located, touching)) return std::nullopt;
-  located->touches = static_cast<int>(struck);  // the maxima that touch too are no contacts of the orbit, and come last
-  located->contacts.resize(std::min(struck, located->contacts.size()));
-  return located;
+  std::optional<LocatedGrazing> located = grazing_near(
+      *states, v, guesses.front(), {guesses.begin() + 1, guesses.begin() + struck}, {guesses.begin() + struck, guesses.end()});
+  return located && agrees(*states, *located, touching) ? located : alone;
 }
 
 }  // namespace
@@ -230,7 +232,7 @@ std::optional<GrazingAhead> grazing_ahead(SignatureProblem& problem, const Vecto
   const SignatureEquations& equations = problem.equations();
   const auto found = [&](std::optional<Touching> touching, bool lost) -> std::optional<GrazingAhead> {
     if (!touching) return std::nullopt;
-    std::optional<LocatedGrazing> located = located_at(problem, u, *touching, lost);
+    std::optional<LocatedGrazing> located = located_at(problem, u, *touching);
     if (!located) return std::nullopt;
     return GrazingAhead{std::move(*located), lost, std::move(touching->u)};
   };

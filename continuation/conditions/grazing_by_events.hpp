@@ -11,7 +11,8 @@ namespace graze {
 
 /// The grazing that Newton finds from a guess at u, if it lies right there.
 std::optional<LocatedGrazing> grazing_near(OrbitProblem& problem, const Vector& u, const GrazingGuess& guess,
-                                           const std::vector<GrazingGuess>& together = {});
+                                           const std::vector<GrazingGuess>& together = {},
+                                           const std::vector<GrazingGuess>& missed = {});
 
 /// The nearest grazing to the last orbit u of a branch that is not followed through it: of hard contacts, and of soft ones where
 /// the system has both. Empty if none lies right there.

@@ -1,32 +1,32 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // NS: a complex pair of multipliers crosses the unit circle. Test: the product of (mu_i mu_j - 1) over all pairs. It also passes
 // zero where two real multipliers have product 1 (a neutral saddle, no bifurcation), and a complex pair outside the circle may
-// become two real multipliers there: a point is one of NS where as many multipliers leave the circle as pairs do, or enter it,
-// but for one real multiplier that crosses it within the same step (LP, PD). In a dissipative system with one degree of freedom
-// det M < 1, so that neither can occur.
+// become two real multipliers there: a point is one of NS where pairs cross the circle and the real multipliers stay as they are.
+// A step in which these cross it too (LP, PD), or pairs become real ones, is halved. In a dissipative system with one degree of
+// freedom det M < 1, so that neither can occur.
 #include <graze/continuation/conditions/test_function.hpp>
 
 #include <cmath>
-#include <cstdlib>
 
 namespace graze {
 
 namespace {
 
-struct Outside {
-  int all = 0, pairs = 0;
-  int complex = 0;  ///< pairs in all, inside too
+struct Counts {
+  int pairs = 0, outside = 0;  ///< complex pairs, and those outside the circle
+  int above = 0, below = 0;    ///< real multipliers above 1, and below -1
 };
-Outside outside(const TestPoint& point) {
-  Outside count;
+Counts count(const TestPoint& point) {
+  Counts counts{.above = real_beyond(point, 1), .below = real_beyond(point, -1)};
   for (const auto& mu : nontrivial(point.branch.multipliers)) {
-    count.complex += mu.imag() > 0.0 ? 1 : 0;
-    if (!(std::abs(mu) > 1.0)) continue;
-    ++count.all;
-    count.pairs += mu.imag() > 0.0 ? 1 : 0;
+    counts.pairs += mu.imag() > 0.0 ? 1 : 0;
+    counts.outside += mu.imag() > 0.0 && std::abs(mu) > 1.0 ? 1 : 0;
   }
-  return count;
+  return counts;
 }
+
+/// Whether pairs alone may have crossed the circle.
+bool same_reals(const Counts& a, const Counts& b) { return a.pairs == b.pairs && a.above == b.above && a.below == b.below; }
 
 }  // namespace
 
@@ -42,11 +42,10 @@ TestFunction neimark_sacker_test() {
     return product.real();
   };
   test.confirm = [](const TestPoint& before, const TestPoint& after) {
-    const Outside a = outside(before), b = outside(after);
-    const int real = (b.all - a.all) - 2 * (b.pairs - a.pairs);  // that left the circle
-    // Where pairs have become real ones, or the other way round, it cannot be told from that.
-    return a.pairs != b.pairs && std::abs(real) <= (a.complex == b.complex ? 1 : 0);
+    const Counts a = count(before), b = count(after);
+    return same_reals(a, b) && a.outside != b.outside;
   };
+  test.too_far_apart = [](const TestPoint& before, const TestPoint& after) { return !same_reals(count(before), count(after)); };
   test.distance = [](const BranchPoint& point) {
     double least = std::numeric_limits<double>::infinity();
     for (const auto& mu : nontrivial(point.multipliers))

@@ -26,6 +26,8 @@ struct TestFunction {
   double (*value)(const TestPoint& point) = nullptr;
   /// After a sign change: is it this bifurcation?
   bool (*confirm)(const TestPoint& before, const TestPoint& after) = nullptr;
+  /// If that is denied: may the points be too far apart to tell? May be empty: never.
+  bool (*too_far_apart)(const TestPoint& before, const TestPoint& after) = nullptr;
   /// How far the multipliers are from those that the bifurcation has.
   double (*distance)(const BranchPoint& point) = nullptr;
   /// Newton on the extended system from u, in the branch's own coordinates; `near` is a point close by.

@@ -51,6 +51,14 @@ std::optional<Vector> OrbitProblem::to_section(OrbitProblem& other, const Vector
   return moved;
 }
 
+OrbitProblem OrbitProblem::with_tolerance(double tolerance) const {
+  FlowOptions options = equations_.options();
+  options.tolerance = tolerance;
+  OrbitProblem other(system(), p_, period(), nodes(), parameter_, scale_, options, equations_.section_phase());
+  other.size_ = size_;
+  return other;
+}
+
 OrbitProblem OrbitProblem::with_nodes(int times) const {
   OrbitProblem finer(system(), p_, period(), times * nodes(), parameter_, scale_, equations_.options(),
                      equations_.section_phase());

@@ -21,6 +21,9 @@ class OrbitProblem : public BranchProblem {
   OrbitProblem with_section(double section_phase) const;
   std::optional<Vector> to_section(OrbitProblem& other, const Vector& u);
 
+  /// The same problem, carried with that tolerance of the flows.
+  OrbitProblem with_tolerance(double tolerance) const;
+
   /// The same problem with `times` as many nodes, and an orbit of this one in those.
   OrbitProblem with_nodes(int times) const;
   std::optional<Vector> to_nodes(OrbitProblem& finer, const Vector& u);

@@ -85,6 +85,26 @@ TEST_CASE("the impactless orbit grazes where its amplitude equals the clearance,
   }
 }
 
+TEST_CASE("the error bar of a grazing covers the steps of the general integrator") {
+  Case c = oscillator("newton");
+  c["eta"] = 0.70;
+  for (const double tolerance : {1e-13, 1e-11, 1e-9, 1e-8}) {
+    INFO("tolerance " << tolerance);
+    ContinuationOptions options;
+    options.shooting.flow = {.kind = FlowKind::general, .tolerance = tolerance};
+    options.to = 0.7120;
+    options.switch_generations = 0;
+    const PeriodicOrbit orbit = shoot(c.system, c.p, steady_response(c.p), 1, options.shooting);
+    REQUIRE(orbit.converged());
+    const std::vector<Branch> branches = continue_orbit(c.system, orbit, options);
+    const auto grazings = of_type(branches.front(), PointType::GR);
+    REQUIRE(grazings.size() == 1);
+    const double off = std::abs(grazings[0]->value - impactless_grazing);
+    CHECK(off < grazings[0]->precision);
+    CHECK(grazings[0]->precision < 3.0 * off + 1e-13);
+  }
+}
+
 TEST_CASE("the impactless orbit grazes also where its maximum lies next to phase 0") {
   Case c = oscillator("newton");
   for (const auto& [name, value] : {std::pair("b", 0.010422852115207468), {"k_r", 0.9399025589058793}, {"r", 1.3113797800059455}})

@@ -141,6 +141,14 @@ std::string described(const Located& expected) {
   return out;
 }
 
+/// Whether the points before and behind it are those between which it lies.
+bool in_place(const Family& family, const Located& expected, const AnswerSpecial& reported, const Placed& placed) {
+  const std::size_t after = static_cast<std::size_t>(reported.after_point), last = placed.sigmas.size();
+  const double slack = 1e-5 * (1.0 + family.samples.back().sigma);
+  return reported.after_point >= 0 && after < last && !(placed.sigmas[after] > expected.sigma + slack) &&
+         !(after + 1 < last && placed.sigmas[after + 1] < expected.sigma - slack);
+}
+
 void compare_point(const Family& family, const Located& expected, const AnswerSpecial& reported, const Placed& placed,
                    std::vector<Complaint>& out) {
   const double value = static_cast<double>(expected.value);
@@ -176,10 +184,7 @@ void compare_point(const Family& family, const Located& expected, const AnswerSp
       reported.criticality != (*expected.supercritical ? "supercritical" : "subcritical"))
     out.push_back({reported.criticality.empty() ? "criticality not given" : "criticality",
                    which + ": " + (reported.criticality.empty() ? "none given" : reported.criticality)});
-  const std::size_t after = static_cast<std::size_t>(reported.after_point), last = placed.sigmas.size();
-  const double slack = 1e-5 * (1.0 + family.samples.back().sigma);
-  if (reported.after_point < 0 || after >= last || placed.sigmas[after] > expected.sigma + slack ||
-      (after + 1 < last && placed.sigmas[after + 1] < expected.sigma - slack))
+  if (!in_place(family, expected, reported, placed))
     out.push_back({"place of a point", text("%s: not behind point %d", which.c_str(), reported.after_point + 1)});
 }
 
@@ -187,11 +192,14 @@ void compare_points(const Family& family, const AnswerBranch& branch, const Plac
   std::vector<bool> used(branch.special_points.size(), false);
   for (const Located& expected : family.points) {
     const double value = static_cast<double>(expected.value);
+    // A branch from one end of broken symmetry to the other has folds of equal values, one the mirror image of the other: that in
+    // the right place is meant.
     std::size_t best = used.size();
-    double least = same_point * scale(family, value);
+    std::pair<bool, double> least{true, same_point * scale(family, value)};
     for (std::size_t k = 0; k < used.size(); ++k) {
-      const double off = std::fabs(branch.special_points[k].value - value);
-      if (used[k] || !same_type(branch.special_points[k], expected) || off > least) continue;
+      const AnswerSpecial& reported = branch.special_points[k];
+      const std::pair<bool, double> off{!in_place(family, expected, reported, placed), std::fabs(reported.value - value)};
+      if (used[k] || !same_type(reported, expected) || off.second > same_point * scale(family, value) || off > least) continue;
       least = off;
       best = k;
     }

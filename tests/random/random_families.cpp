@@ -462,3 +462,71 @@ TEST_CASE("continuation of random orbits of two stops and two masses agrees with
     CHECK(summary.failed == 0);
   }
 }
+
+TEST_CASE("random orbits of two stops and two masses that the program once got wrong are right") {
+  struct Shown {
+    Model model;
+    std::uint64_t seed, index;
+  };
+  const std::vector<Shown> all = {
+      // A pair of multipliers crosses the unit circle and becomes real within one step, in which it meets a fold or a doubling
+      // too.
+      {Model::chain_second, 3, 21},
+      {Model::chain_second, 3, 68},
+      {Model::chain_between, 11, 11},
+      // At a fold the real multiplier that leaves the circle joins one outside: no Neimark-Sacker point.
+      {Model::chain_between, 21, 97},
+      // An impact is lost where a free maximum touches the other stop: the orbit could not be carried through.
+      {Model::equal_stops, 11, 33},
+      // Without its impact the orbit has half the period: the touch in the other turn was met as an impact.
+      {Model::chain_first, 21, 48},
+      // Both stops are touched at once where an impact is gained.
+      {Model::equal_stops, 21, 53},
+      {Model::equal_stops, 21, 82},
+      // The steps of the general integrator are more than rounding.
+      {Model::two_stops, 11, 41},
+      {Model::chain_second, 11, 11},
+      // Newton's last step at a branch point is not taken.
+      {Model::equal_stops, 11, 41},
+      // Folds of one value, each the mirror image of the other (the checker's own fault).
+      {Model::equal_stops, 21, 84},
+  };
+  for (const Shown& one : all) {
+    Plan plan;
+    plan.model = one.model;
+    plan.program = GRAZE_PROGRAM;
+    plan.systems = GRAZE_RANDOM_SYSTEMS;
+    plan.seed = one.seed;
+    plan.first = one.index;
+    plan.cases = 1;
+    plan.most_impacts = 6;
+    plan.limit = 3.0;
+    std::ostringstream lines;
+    const Summary summary = run(plan, lines);
+    INFO(lines.str());
+    CHECK(summary.families > 0);
+    CHECK(summary.failed == 0);
+  }
+}
+
+TEST_CASE("the scenario of a grazing is told where the impact is lost in one of two turns that touch") {
+  Plan plan;
+  plan.model = Model::equal_stops;
+  plan.program = GRAZE_PROGRAM;
+  plan.systems = GRAZE_RANDOM_SYSTEMS;
+  const Answer answer = answered(plan, "continue",
+                                 " --set b=0.1468 --set xi=3.932 --set eta=2.128 --set r=0.846 --set k_r=0.524 --param r"
+                                 " --from 0.846 --to 0.118 --settle 0 --start 0.6588081793893312,2.347522390725244");
+  REQUIRE(answer.failure.empty());
+  int met = 0;
+  for (const AnswerBranch& branch : answer.branches)
+    for (const AnswerSpecial& special : branch.special_points) {
+      // The same grazing, of 3/1 orbits and of 5/2 orbits (by the reference: on the side of the orbits without the impact).
+      if (special.type != "GR" || std::fabs(special.value - 0.26665591383452397) > 1e-12) continue;
+      ++met;
+      INFO(special.label << " of branch " << branch.id);
+      CHECK(special.kind == "lost");
+      CHECK(special.scenario == "nonsmooth-fold");
+    }
+  CHECK(met >= 2);
+}
