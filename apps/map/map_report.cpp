@@ -189,7 +189,7 @@ void map_csv(const MapPlan& plan, const MapRows& rows, int threads, const TextSi
   Table head{{"layer", grid.rows.parameter, grid.columns.parameter}, {}};
   const std::vector<std::string> names = state_columns(plan.problem);
   for (const MapField& field : plan.fields) {
-    if (!field.of_states()) head.columns.push_back(field.column.name);
+    if (!field.of_states()) add_quantity_column(head, field.column.name);
     if (field.of_states()) head.columns.insert(head.columns.end(), names.begin(), names.end());
   }
   sink(csv(head));

@@ -381,8 +381,13 @@ std::vector<double> values_at(const QuantityValues& values, std::size_t period) 
   return list;
 }
 
+void add_quantity_column(Table& table, const std::string& name) {
+  const bool taken = std::find(table.columns.begin(), table.columns.end(), name) != table.columns.end();
+  table.columns.push_back(taken ? name + " (--y)" : name);
+}
+
 void add_columns(Table& table, const QuantityValues& values) {
-  for (const QuantityValue& one : values) table.columns.push_back(one.name);
+  for (const QuantityValue& one : values) add_quantity_column(table, one.name);
 }
 
 void add_cells(std::vector<std::string>& row, const QuantityValues& values, bool for_people) {

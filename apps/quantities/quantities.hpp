@@ -113,6 +113,8 @@ std::vector<double> values_at(const QuantityValues& values, std::size_t period =
 
 /// The names as further columns, and their cells: rounded for people, or exact and empty if a value is unknown.
 void add_columns(Table& table, const QuantityValues& values);
+/// One further column. A name that the table has already, such as "period", becomes "period (--y)".
+void add_quantity_column(Table& table, const std::string& name);
 void add_cells(std::vector<std::string>& row, const QuantityValues& values, bool for_people);
 
 }  // namespace graze::apps

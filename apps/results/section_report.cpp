@@ -18,7 +18,7 @@ const Columns<ListedSection>& listed_section_columns() {
       {"section", "stroboscopic, returns, or impact", [](const S& s) { return std::string(section_name(s.section.kind)); }},
       {"periods", "of the run", [](const S& s) { return s.section.periods; }},
       {"columns", "of the points", &S::columns},
-      {"points", "in the order of time", [](const S& s) { return s.section.points; }}};
+      {"points", "in the order of time", [](const S& s) { return finite(s.section.points); }}};
   return list;
 }
 

@@ -351,6 +351,12 @@ void append_cells(std::string& line, const Columns<T>& columns, const std::vecto
 inline MaybeFinite finite(double value) { return {value}; }
 using MaybeNumbers = std::vector<MaybeFinite>;
 inline MaybeNumbers finite(const std::vector<double>& values) { return {values.begin(), values.end()}; }
+/// Rows in which a number may be unknown.
+inline std::vector<MaybeNumbers> finite(const std::vector<Vector>& rows) {
+  std::vector<MaybeNumbers> out;
+  for (const Vector& row : rows) out.emplace_back(row.begin(), row.end());
+  return out;
+}
 /// The inverse; `otherwise` replaces numbers that JSON cannot express.
 inline std::vector<double> numbers(const MaybeNumbers& values, double otherwise) {
   std::vector<double> out;

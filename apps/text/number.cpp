@@ -94,7 +94,7 @@ std::string rounded(double value, int digits) { return fmt::format("{:.{}g}", va
 
 std::vector<std::string> exact_cells(const Vector& values) {
   std::vector<std::string> cells;
-  for (const double value : values) cells.push_back(exact(value));
+  for (const double value : values) cells.push_back(std::isnan(value) ? std::string() : exact(value));
   return cells;
 }
 

@@ -898,12 +898,13 @@ class Builder {
         const double reach = 100.0 * guard_tolerance * (1.0 + after.lpNorm<Eigen::Infinity>());
         const Place& place = piece.reset.line > 0 ? piece.reset : piece.when;
         if (beyond > reach || (beyond >= -reach && leaves > 1e-9 * (1.0 + f.lpNorm<Eigen::Infinity>())))
-          refuse(
-              place,
-              fmt::format(
-                  "{} leaves the state beyond its guard in mode {}: the guard is {:.3g} and rises at the rate {:.3g} after it",
-                  event.reset.map ? fmt::format("the reset of {}", event.name) : fmt::format("{} has no reset and", event.name),
-                  mode.name, std::abs(beyond) <= reach ? 0.0 : beyond, leaves));
+          refuse(place,
+                 fmt::format("{} leaves the state beyond its guard in mode {}: the guard is {:.3g} and rises at the rate {:.3g} "
+                             "after it; to mark an "
+                             "instant at which nothing changes, write two modes with the same equations and an event each way",
+                             event.reset.map ? fmt::format("the reset of {}", event.name)
+                                             : fmt::format("{} has no reset and", event.name),
+                             mode.name, std::abs(beyond) <= reach ? 0.0 : beyond, leaves));
         break;
       }
     }

@@ -130,6 +130,92 @@ TEST_CASE("quantities of a linear oscillator along its resonance curve are those
   CHECK_THROWS_WITH(with_quantities(Json::object(), {"max(x)"}), Contains("no quantities"));
 }
 
+TEST_CASE("a quantity does not depend on the others: beside poles, and at the zeros of a power (fixed)") {
+  const TemporaryFolder folder;
+  folder.write("own.toml", shaken);
+  const double A = amplitude(0.6);
+  const auto measured = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"orbit", folder.file("own.toml")};
+    for (const std::string& one : more) arguments.insert(arguments.end(), {"--y", one});
+    return result(arguments)["orbit"]["y"];
+  };
+  for (const char* other : {"log(x)", "1/(x - 0.3)", "tan(3*x)", "mean(tan(3*x))", "max(1/x)"}) {
+    INFO(other);
+    const Json y = measured({"mean(abs(x))", other, "mean(x^2)"});
+    CHECK(y["mean(abs(x))"].get<double>() == Approx(2.0 * A / pi).epsilon(1e-11));
+    CHECK(y["mean(x^2)"].get<double>() == Approx(0.5 * A * A).epsilon(1e-11));
+  }
+  // Mean of |sin|^(3/2); a pole has no mean, and no maximum.
+  const double power = std::tgamma(1.25) / (std::sqrt(pi) * std::tgamma(1.75));
+  const Json y = measured({"mean(abs(v)^1.5)", "max(abs(v)^1.5)", "mean(sqrt(x^2))", "mean(1/x)", "max(1/x)", "mean(log(x))"});
+  CHECK(y["mean(abs(v)^1.5)"].get<double>() == Approx(std::pow(0.6 * A, 1.5) * power).epsilon(1e-10));
+  CHECK(y["max(abs(v)^1.5)"].get<double>() == Approx(std::pow(0.6 * A, 1.5)).epsilon(1e-10));
+  CHECK(y["mean(sqrt(x^2))"].get<double>() == Approx(2.0 * A / pi).epsilon(1e-10));
+  for (const char* none : {"mean(1/x)", "max(1/x)", "mean(log(x))"}) CHECK(y[none].is_null());
+  // Values that are not known are null in a motion, too.
+  const Json motion = result({"trajectory", folder.file("own.toml"), "--periods", "1", "--settle", "0", "--y", "log(x)"});
+  CHECK(motion["samples"].size() > 10);
+  result({"poincare", folder.file("own.toml"), "--points", "3", "--settle", "5", "--y", "log(-1 - x^2)"});
+}
+
+TEST_CASE("friction that stops a mass is no contact, and an orbit with a mass that swings is not at rest (fixed)") {
+  const TemporaryFolder folder;
+  // Two masses without a coupling: one before a stop, the other held and released by friction.
+  folder.write("two.toml", R"toml([system]
+forcing = "w"
+[parameters]
+w = 0.9
+F = 1
+[mechanics]
+coordinates = ["x", "y"]
+velocities = ["v", "u"]
+mass = [[1, 0], [0, 1]]
+damping = [[0.1, 0], [0, 0.1]]
+stiffness = [[1, 0], [0, 5]]
+force = ["F*cos(w*t)", "0.42*cos(w*t)"]
+[[stops]]
+name = "stop"
+gap = "0.4 - x"
+law = {newton = 0.7}
+[[friction]]
+name = "foot"
+speed = "u"
+normal = "1"
+law = "0.4"
+)toml");
+  const Json orbit = result({"orbit", folder.file("two.toml"), "--y", "energy_lost"})["orbit"];
+  REQUIRE(orbit["contacts"].size() == 1);
+  const double speed = orbit["contacts"][0]["entry_speed"];
+  CHECK(orbit["y"]["energy_lost"].get<double>() == Approx(0.5 * (1.0 - 0.49) * speed * speed).epsilon(1e-12));
+  // The second mass is pressed to its stop; the first one swings.
+  folder.write("held.toml", R"toml([system]
+forcing = "w"
+[parameters]
+w = 0.9
+F = 0.5
+z = 0.05
+k = 0.5
+P = 2
+[mechanics]
+coordinates = ["x1", "x2"]
+velocities = ["v1", "v2"]
+mass = [[1, 0], [0, 2]]
+damping = [["2*z", 0], [0, "2*z"]]
+stiffness = [["1 + k", "-k"], ["-k", "k"]]
+force = ["F*cos(w*t)", "P"]
+[[stops]]
+name = "one"
+gap = "0.1 - x2"
+law = {newton = 0.6}
+[start]
+state = {x2 = 0.1}
+)toml");
+  const Json held = result({"orbit", folder.file("held.toml")})["orbit"];
+  CHECK_FALSE(held.contains("rests"));
+  CHECK(held["multipliers"][2] == Json({0.0, 0.0}));
+  CHECK_FALSE(result({"lyapunov", folder.file("held.toml"), "--periods", "200"})["attractor"].contains("rests"));
+}
+
 TEST_CASE("quantities of a ball on a table are those of its parabola") {
   // Between two impacts the height is a parabola of duration T: mean h + g T^2 / 12, maximum h + g T^2 / 8.
   const Json json =
@@ -231,6 +317,7 @@ TEST_CASE("quantities of a map are those of the attractors at its points, in eve
       const auto value = [&](const char* name) { return y[name][row][i].get<double>(); };
       CHECK(points[i].quantities[0] == value("max(x)"));
       CHECK(std::stod(table.rows[line][column(table, "v/eta")]) == value("v/eta"));
+      CHECK(std::stod(table.rows[line][column(table, "period (--y)")]) == value("period"));
       const auto cell = [&](const char* name) { return table.rows[line][column(table, name)]; };
       const std::string eta = cell("eta"), r = cell("r"), period = table.rows[line][4];
       types.insert(cell("type"));
