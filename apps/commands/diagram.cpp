@@ -17,6 +17,7 @@
 #include <graze/apps/results/skeleton_report.hpp>
 #include <graze/apps/results/sweep_options.hpp>
 #include <graze/apps/results/sweep_report.hpp>
+#include <graze/apps/text/json_member.hpp>
 #include <graze/apps/text/number.hpp>
 
 #include <graze/continuation/graph/skeleton.hpp>
@@ -139,23 +140,24 @@ void check_earlier(Earlier& earlier, const Options& options, const Problem& prob
   if (const auto found = difference(before, identity_of(wanted, {"model", "parameters"})))
     refuse(fmt::format("is of another run: {}; give the same problem and settings", *found));
   const Json given = result.value("options", Json::object());
-  if (given.value("param", "") != options.parameter || given.value("from", 0.0) != *options.from ||
-      given.value("to", 0.0) != *options.to)
-    refuse(fmt::format("is over another range: {} from {} to {}", given.value("param", ""), exact(given.value("from", 0.0)),
-                       exact(given.value("to", 0.0))));
-  const bool whole = result.value("schema", "") == "graze.diagram/1";
+  const bool whole = schema_of(result) == "graze.diagram/1";
   if (whole && options.skeleton) refuse("is of a whole diagram, which --skeleton would cut down; leave --skeleton out");
-  earlier.branches = branches_from_json(result);
-  const std::string status = whole ? result.value("parts", Json::object()).value("skeleton", "") : result.value("status", "");
-  const bool same = same_options(result, skeleton_json(options), "max_step");
-  earlier.skeleton_done = status == "done" && same;
+  bool same_range = false;
+  std::string range;
   try {
+    range = fmt::format("{} from {} to {}", text_of(given, "param"), exact(given.at("from")), exact(given.at("to")));
+    same_range =
+        text_of(given, "param") == options.parameter && given.at("from") == *options.from && given.at("to") == *options.to;
+    const bool same = same_options(result, skeleton_json(options), "max_step");
+    earlier.skeleton_done = text_of(whole ? result.at("parts") : result, whole ? "skeleton" : "status") == "done" && same;
     earlier.cut_off = value_of<std::vector<CutOff>>(result.at("cut_off"));
     if (same && result.contains("seed_search")) earlier.seeds = seeds_from(result, problem, options.parameter);
     if (whole) earlier.rows = value_of<std::vector<SweepRow>>(result.at("rows"));
   } catch (const std::exception&) {
     refuse("is damaged; compute it anew");
   }
+  if (!same_range) refuse("is over another range: " + range);
+  earlier.branches = branches_from_json(result);
   if (earlier.rows.empty()) return;
   const Json sweeps = identity_of({{"options", sweeps_json(options, problem)}}, {"options"})["options"];
   for (const auto& [name, value] : sweeps.items())

@@ -3,11 +3,9 @@
 #include <graze/apps/commands/command.hpp>
 #include <graze/apps/console/arguments.hpp>
 #include <graze/apps/console/output_file.hpp>
-#include <graze/apps/map/map_report.hpp>
 #include <graze/apps/pictures/maps.hpp>
 #include <graze/apps/pictures/pictures.hpp>
-#include <graze/apps/pictures/seen.hpp>
-#include <graze/apps/problem/head.hpp>
+#include <graze/apps/pictures/written_result.hpp>
 #include <graze/apps/results/input_file.hpp>
 
 #include <fmt/format.h>
@@ -24,60 +22,22 @@ namespace graze::apps {
 namespace {
 
 struct Options {
-  std::string result, output, kind, x, plane;
-  std::vector<std::string> y, layers;
+  std::string result, output;
+  ResultView view;
 };
 
-/// The view of a map: --y names one of its quantities.
-MapView view_of(const Options& options) {
-  if (options.y.size() > 1) throw std::invalid_argument("--y is given twice; the picture of a map shows one quantity");
-  const std::string kind = options.y.empty() ? options.kind : "quantity";
-  if (!options.kind.empty() && options.kind != kind)
-    throw std::invalid_argument(fmt::format("--y shows a quantity; leave --plot-kind {} away", options.kind));
-  return {kind, options.y.empty() ? std::string() : options.y.front(), layer_numbers(options.layers)};
-}
-
 Picture picture_of_map_file(const Options& options) {
-  if (!options.x.empty()) throw std::invalid_argument("--x is for CSV tables");
-  if (!options.plane.empty()) throw std::invalid_argument("--plane is for motions and orbits; a map has none");
+  if (!options.view.x.empty()) throw std::invalid_argument("--x is for CSV tables");
+  if (!options.view.plane.empty()) throw std::invalid_argument("--plane is for motions and orbits; a map has none");
   MapFile file(options.result);
   return picture_of_map(
-      file.plan(), [&file](int row) { return file.row(row); }, view_of(options));
-}
-
-Picture picture_of_result(const Json& result, const Options& options) {
-  const bool map = result.value("schema", "") == "graze.map/1";
-  if (!map && !options.layers.empty())
-    throw std::invalid_argument("--layer chooses a layer of a map, and this is none; leave it away");
-  if (!map) return picture_of(result, options.kind);
-  const MapPlan plan = plan_of(result);
-  return picture_of_map(plan, rows_from_json(plan, result), view_of(options));
+      file.plan(), [&file](int row) { return file.row(row); }, map_view(options.view));
 }
 
 Picture picture_of_file(const Options& options) {
   const std::string format = ending(options.result);
   if (format == "h5" || format == "hdf5") return picture_of_map_file(options);
-  const std::string text = read_whole(options.result);
-  try {
-    if (format == "csv") {
-      if (!options.kind.empty())
-        throw std::invalid_argument("--plot-kind is for JSON results; of a table, --x and --y choose columns");
-      if (!options.layers.empty())
-        throw std::invalid_argument("--layer is for maps as .h5 or .json; of a table, --x and --y choose columns");
-      if (!options.plane.empty())
-        throw std::invalid_argument("--plane is for JSON results; of a table, --x and --y choose columns");
-      return picture_of(parse_csv(text, options.result), options.x, options.y);
-    }
-    if (format != "json") throw std::invalid_argument("the name must end in .json, .csv or .h5");
-    if (!options.x.empty()) throw std::invalid_argument("--x is for CSV tables");
-    Json result = parse_json(text);
-    if (!options.y.empty() && result.value("schema", "") != "graze.map/1") result = with_quantities(std::move(result), options.y);
-    if (!options.plane.empty()) result[shown_plane] = plane_of(problem_of(result), options.plane);
-    return picture_of_result(result, options);
-  } catch (const std::invalid_argument& error) {
-    const std::string message = error.what();  // the error of a table already names file and line
-    throw std::invalid_argument(message.starts_with(options.result + ":") ? message : options.result + ": " + message);
-  }
+  return picture_of_text(read_whole(options.result), options.result, options.view);
 }
 
 int run(const Options& options, const Console& console) {
@@ -106,14 +66,14 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   begin_group(app, "Picture");
   add_text(app, "RESULT", options->result, "FILE", "a result of graze (.json), a table (.csv) or a map (.h5)", Need::required);
   add_text(app, "-o,--output", options->output, "FILE", "the picture (.png, .svg, .pdf)", Need::required);
-  add_text(app, "--plot-kind", options->kind, "KIND", "what it shows (default: the first of its schema)");
-  add_texts(app, "--layer", options->layers, "K",
+  add_text(app, "--plot-kind", options->view.kind, "KIND", "what it shows (default: the first of its schema)");
+  add_texts(app, "--layer", options->view.layers, "K",
             "of a map: a layer, counted from 0; repeatable, up to 4 stand side by side (default: the first 4)");
-  add_text(app, "--plane", options->plane, "A,B",
+  add_text(app, "--plane", options->view.plane, "A,B",
            "of motions and orbits: the states on the axes of a phase portrait, the first that of a time series (default: a "
            "position and its velocity)");
-  add_text(app, "--x", options->x, "COLUMN", "of a table: the horizontal axis (default: the first column of numbers)");
-  add_texts(app, "--y", options->y, "COLUMN",
+  add_text(app, "--x", options->view.x, "COLUMN", "of a table: the horizontal axis (default: the first column of numbers)");
+  add_texts(app, "--y", options->view.y, "COLUMN",
             "of a table: a curve (default: all columns of numbers); of a JSON result: one of its quantities (default: all); "
             "repeatable; of a map: the quantity that it shows");
   return [options](const Console& console) { return run(*options, console); };

@@ -127,7 +127,7 @@ int run(const Options& options, const Console& console) {
   result.json.update(section_json(problem, section));
   for (const Quantity& one : expressions.list) result.json["columns"].push_back(one.text);
   result.table.columns = result.json["columns"].get<std::vector<std::string>>();
-  for (const Vector& point : section.points) result.table.rows.push_back(exact_cells(point));
+  for (const Vector& point : section.points) result.table.rows.push_back(table_cells(point));
   result.text = fmt::format("{}\n{} of the {} section in {}\n{}", describe(problem), counted(section.points.size(), "point"),
                             name, counted_periods(problem, section.periods), aligned(result.table));
   if (settled.termination == Termination::time)

@@ -100,7 +100,7 @@ int run(const Options& given, const Console& console) {
   set_status(result.json, status, message);
   result.json.update(motion_json(problem, motion, list, expressions));
   result.table.columns = motion_columns(problem, expressions);
-  for (const Vector& row : motion.samples) result.table.rows.push_back(exact_cells(row));
+  for (const Vector& row : motion.samples) result.table.rows.push_back(table_cells(row));
   result.text = describe(problem) + "\n" + motion_text(problem, motion, list, options.duration.has_value());
   add_notes(result, order_notes(problem, motion.events));
   if (status != Status::done) console.err << "graze trajectory: " << message << "\n";

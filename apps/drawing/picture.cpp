@@ -290,7 +290,7 @@ Drawn axes(const Picture& picture, const std::string& prefix, int columns, int r
                     titled ? "title " + quoted(curve.title) : "notitle"));
     titles -= titled ? 1 : 0;
   }
-  if (out.plot.empty()) throw std::runtime_error("there is nothing to draw");
+  if (out.plot.empty()) throw std::invalid_argument("there is nothing to draw: no point of it is known");
   for (const std::string& entry : last_entries(picture)) add(entry);
   out.plot = "plot " + out.plot + "\n" + images;
   return out;

@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Messages begin with a letter. From rank 0: P the plan, C a chunk to compute, N no more chunks, E end. To rank 0: W wants
-// another chunk, D a finished chunk, H heartbeat, F failed, B bye (the last message).
 #include <graze/apps/console/interrupt.hpp>
 #include <graze/apps/console/progress.hpp>
+#include <graze/apps/map/map_message.hpp>
 #include <graze/apps/map/map_run.hpp>
 #include <graze/apps/map/map_threads.hpp>
+#include <graze/apps/results/input_file.hpp>
 #include <graze/apps/text/number.hpp>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
+#include <stdexcept>
 #include <thread>
 
 namespace graze::apps {
@@ -24,11 +26,7 @@ constexpr milliseconds nap{2};
 constexpr milliseconds heartbeat{5000};
 constexpr double silence = 120.0;  // seconds without a message
 
-std::string numbered(char letter, int number, const std::string& bytes = {}) {
-  return fmt::format("{}{:08}{}", letter, number, bytes);
-}
-
-int number_of(const std::string& message) { return std::stoi(message.substr(1, 8)); }
+constexpr const char* no_message = "what came from rank {} is no message of a map; start all ranks with the same graze";
 
 /// The work of rank 0.
 class Master {
@@ -39,7 +37,7 @@ class Master {
     Json plan = head;
     plan["chunk_rows"] = store.plan().chunk_rows;
     plan["fingerprint"] = store.fingerprint();
-    for (int rank = 1; rank < ranks.count(); ++rank) ranks.send(rank, "P" + flat(plan));
+    for (int rank = 1; rank < ranks.count(); ++rank) ranks.send(rank, map_message('P', flat(plan)));
   }
 
   MapRun run() {
@@ -85,7 +83,7 @@ class Master {
   void hand_out() {
     while (next_ < todo_.size()) {
       if (!wanting_.empty()) {
-        ranks_.send(wanting_.front(), numbered('C', todo_[next_++]));
+        ranks_.send(wanting_.front(), map_message('C', todo_[next_++]));
         wanting_.pop_front();
       } else if (lanes_.wants_more()) {
         lanes_.give(todo_[next_++]);
@@ -117,24 +115,23 @@ class Master {
     }
   }
 
-  void hear(const Message& message) {
-    const int rank = message.from;
+  void hear(const Message& heard) {
+    const int rank = heard.from;
     quiet_for_[static_cast<std::size_t>(rank)] = 0.0;
-    switch (message.text.front()) {
+    const std::optional<MapMessage> message = message_from(heard.text);
+    if (!message) return fail(fmt::format(no_message, rank));
+    switch (message->letter) {
     case 'W':
       wanting_.push_back(rank);
       break;
-    case 'D': {
-      const int number = number_of(message.text);
-      const std::string bytes = message.text.substr(9);
-      if (!chunk_from(bytes, store_.plan(), store_.fingerprint(), number))
-        fail(fmt::format("chunk {} came damaged from rank {}", number, rank));
+    case 'D':
+      if (!chunk_from(message->rest, store_.plan(), store_.fingerprint(), message->number))
+        fail(fmt::format("chunk {} came damaged from rank {}", message->number, rank));
       else
-        keep(number, bytes);
+        keep(message->number, std::string(message->rest));
       break;
-    }
     case 'F':
-      fail(fmt::format("rank {}: {}", rank, message.text.substr(1)));
+      fail(fmt::format("rank {}: {}", rank, message->rest));
       break;
     case 'B':
       ++byes_;
@@ -192,19 +189,20 @@ class Helper {
   void run() {
     Clock::time_point last_sign = Clock::now();
     for (bool told = false, asked = false;;) {
-      while (auto chunk = lanes_->take()) ranks_.send(0, numbered('D', chunk->number, chunk->bytes));
+      while (auto chunk = lanes_->take()) ranks_.send(0, map_message('D', chunk->number, chunk->bytes));
       if (!asked && lanes_->wants_more()) {
         asked = true;
         ranks_.send(0, "W");
       }
-      while (auto message = ranks_.receive()) {
-        const char letter = message->text.front();
-        if (letter == 'E') return;
-        if (letter == 'C') {
-          lanes_->give(number_of(message->text));
+      while (const auto heard = ranks_.receive()) {
+        const std::optional<MapMessage> message = message_from(heard->text);
+        if (!message || message->number >= plan_.chunks()) throw std::invalid_argument(fmt::format(no_message, heard->from));
+        if (message->letter == 'E') return;
+        if (message->letter == 'C') {
+          lanes_->give(message->number);
           asked = false;
         }
-        if (letter == 'N') lanes_->close();
+        if (message->letter == 'N') lanes_->close();
       }
       if (interruptions() > 0 && !told) {  // rank 0 watches the time limit
         told = true;
@@ -259,7 +257,9 @@ int run_map_helper(Ranks& ranks, int threads) {
   int code = 0;
   if (!ended) {
     try {
-      Helper(ranks, Json::parse(first.text.substr(1)), threads).run();
+      const std::optional<MapMessage> plan = message_from(first.text);
+      if (!plan || plan->letter != 'P') throw std::invalid_argument(fmt::format(no_message, first.from));
+      Helper(ranks, parse_json(std::string(plan->rest)), threads).run();
     } catch (const std::exception& error) {
       ranks.send(0, std::string("F") + error.what());
       await_end(ranks);

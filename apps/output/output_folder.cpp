@@ -3,6 +3,7 @@
 #include <graze/apps/output/output_folder.hpp>
 #include <graze/apps/results/input_file.hpp>
 #include <graze/apps/results/run_identity.hpp>
+#include <graze/apps/text/json_member.hpp>
 
 #include <fmt/format.h>
 
@@ -71,7 +72,7 @@ void OutputFolder::check_free_for(const Json& head) const {
     throw std::invalid_argument(
         fmt::format("--out {}: another result is there, {}{}; give another folder, or --overwrite to replace it", options_.out,
                     file, found && !there.is_null() ? fmt::format(", whose {}", *found) : ""));
-  if (resumable_ && there.value("status", "") == status_name(Status::interrupted))
+  if (resumable_ && text_of(there, "status") == status_name(Status::interrupted))
     throw std::invalid_argument(
         fmt::format("--out {0}: {1} is unfinished; --resume {0} goes on with it, --overwrite begins anew", options_.out, file));
 }

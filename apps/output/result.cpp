@@ -5,6 +5,7 @@
 #include <graze/apps/drawing/draw_files.hpp>
 #include <graze/apps/output/result.hpp>
 #include <graze/apps/pictures/pictures.hpp>
+#include <graze/apps/text/json_member.hpp>
 
 #include <fmt/format.h>
 
@@ -67,7 +68,7 @@ std::vector<Drawing> drawings(const Result& result, const OutputOptions& options
 
 /// The last line of an interrupted run's text.
 std::string unfinished(const Json& json) {
-  const bool is_whole = !json.is_object() || json.value("status", "") != status_name(Status::interrupted);
+  const bool is_whole = text_of(json, "status") != status_name(Status::interrupted);
   return is_whole || !json.contains("message") ? "" : fmt::format("\nnot finished: {}\n", json["message"].get<std::string>());
 }
 

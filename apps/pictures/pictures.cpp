@@ -3,6 +3,7 @@
 #include <graze/apps/pictures/seen.hpp>
 #include <graze/apps/problem/head.hpp>
 #include <graze/apps/quantities/quantities.hpp>
+#include <graze/apps/text/json_member.hpp>
 #include <graze/apps/text/number.hpp>
 #include <graze/lib/equations/functions.hpp>
 #include <graze/lib/equations/structure.hpp>
@@ -61,8 +62,7 @@ std::vector<std::string> picture_names(const std::string& schema) {
 std::vector<std::string> pictures_for(const Json& result) {
   std::vector<std::string> names;
   for (const PictureKind& kind : picture_kinds())
-    if (kind.schema == result.value("schema", "") && (kind.applies == nullptr || kind.applies(result)))
-      names.push_back(kind.name);
+    if (kind.schema == schema_of(result) && (kind.applies == nullptr || kind.applies(result))) names.push_back(kind.name);
   return names;
 }
 
@@ -78,7 +78,7 @@ Picture picture_of(const Json& result, const std::string& kind) {
     throw std::invalid_argument(fmt::format("there is no picture of \"{}\"; there is of {}", schema, fmt::join(known, ", ")));
   }
   std::string wanted = kind.empty() ? names.front() : kind;
-  const std::string command = result.value("command", "");
+  const std::string command = text_of(result, "command");
   for (const PictureKind& candidate : picture_kinds())
     if (kind.empty() && candidate.schema == schema && !command.empty() && candidate.command == command) wanted = candidate.name;
   for (const PictureKind& candidate : picture_kinds()) {

@@ -38,6 +38,13 @@ std::optional<Vector> as_state(const toml::node& node) {
   return x && v ? std::optional(Vector{{*x, *v}}) : std::nullopt;
 }
 
+/// The reason why a text is not TOML, on one line: the parser quotes line ends as they are.
+std::string reason(const toml::parse_error& error) {
+  std::string text;
+  for (const char c : error.description()) text += c == '\n' ? std::string("\\n") : std::string(1, c);
+  return text;
+}
+
 /// The number of the first line that is not UTF-8.
 std::optional<std::size_t> not_utf8(std::string_view text) {
   std::size_t line = 1;
@@ -66,7 +73,7 @@ toml::table parse_toml(std::string_view text, const std::string& file) {
   try {
     return toml::parse(text, file);
   } catch (const toml::parse_error& error) {
-    throw std::invalid_argument(fmt::format("{}: not valid TOML: {}", toml_position(file, error.source()), error.description()));
+    throw std::invalid_argument(fmt::format("{}: not valid TOML: {}", toml_position(file, error.source()), reason(error)));
   }
 }
 

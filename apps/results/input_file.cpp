@@ -2,6 +2,7 @@
 #include <graze/apps/console/output_file.hpp>
 #include <graze/apps/results/input_file.hpp>
 #include <graze/apps/results/run_identity.hpp>
+#include <graze/apps/text/json_member.hpp>
 
 #include <fmt/format.h>
 
@@ -9,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <stdexcept>
 
 namespace graze::apps {
@@ -36,14 +38,47 @@ std::string read_whole(const std::string& file) {
   return text;
 }
 
+namespace {
+
+/// Lists and objects inside one another: results have some ten of them, and what reads them goes as deep by recursion.
+constexpr int deepest = 100;
+
+/// Where they are more; nullopt: nowhere.
+std::optional<std::size_t> too_deep(const std::string& text) {
+  int depth = 0;
+  bool quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (quoted && c == '\\')
+      ++i;
+    else if (c == '"')
+      quoted = !quoted;
+    else if (!quoted && (c == '[' || c == '{') && ++depth > deepest)
+      return i;
+    else if (!quoted && (c == ']' || c == '}'))
+      --depth;
+  }
+  return std::nullopt;
+}
+
+std::ptrdiff_t line_of(const std::string& text, std::size_t place) {
+  return 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(place), '\n');
+}
+
+}  // namespace
+
 Json parse_json(const std::string& text) {
+  if (const auto place = too_deep(text))
+    throw std::invalid_argument(
+        fmt::format("in line {}, more than {} lists and objects are inside one another", line_of(text, *place), deepest));
   try {
     return Json::parse(text);
   } catch (const Json::parse_error& error) {
     const std::size_t place = std::min(text.size(), error.byte > 0 ? error.byte - 1 : 0);
-    const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(place), '\n');
-    throw std::invalid_argument(
-        fmt::format("this is not valid JSON from line {} on{}", line, place >= text.size() ? ", where it breaks off" : ""));
+    throw std::invalid_argument(fmt::format("this is not valid JSON from line {} on{}", line_of(text, place),
+                                            place >= text.size() ? ", where it breaks off" : ""));
+  } catch (const Json::exception& error) {
+    throw std::invalid_argument(fmt::format("this JSON cannot be read: {}", plain(error)));  // a number beyond a double
   }
 }
 
@@ -65,8 +100,7 @@ Json read_to_resume(const std::string& folder, const std::string& command) {
   } catch (const std::invalid_argument& refused) {
     throw std::invalid_argument(fmt::format("--resume: {}: {}; compute it anew", file, refused.what()));
   }
-  if (!result.is_object() || result.value("command", "") != command)
-    throw_not_resumable(folder, command, "is not a result of graze " + command);
+  if (text_of(result, "command") != command) throw_not_resumable(folder, command, "is not a result of graze " + command);
   const std::vector<std::string> known = schemas_of(command);
   if (const std::string schema = schema_of(result); std::find(known.begin(), known.end(), schema) == known.end())
     throw_not_resumable(folder, command,

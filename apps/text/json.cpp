@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/text/json.hpp>
 #include <graze/apps/text/json_layout.hpp>
+#include <graze/apps/text/json_member.hpp>
 #include <graze/apps/text/long_text.hpp>
 
 #include <algorithm>
@@ -106,9 +107,6 @@ std::string plain(const Json::exception& error) {
   return end == std::string::npos ? text : text.substr(end + 2);
 }
 
-std::string schema_of(const Json& result) {
-  if (!result.is_object() || !result.contains("schema") || !result["schema"].is_string()) return {};
-  return result["schema"];
-}
+std::string schema_of(const Json& result) { return text_of(result, "schema"); }
 
 }  // namespace graze::apps

@@ -94,7 +94,14 @@ std::string rounded(double value, int digits) { return fmt::format("{:.{}g}", va
 
 std::vector<std::string> exact_cells(const Vector& values) {
   std::vector<std::string> cells;
-  for (const double value : values) cells.push_back(std::isnan(value) ? std::string() : exact(value));
+  for (const double value : values) cells.push_back(exact(value));
+  return cells;
+}
+
+std::vector<std::string> table_cells(const Vector& values) {
+  std::vector<std::string> cells = exact_cells(values);
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    if (std::isnan(values[static_cast<Eigen::Index>(i)])) cells[i].clear();
   return cells;
 }
 

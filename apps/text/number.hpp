@@ -39,6 +39,8 @@ std::string rounded(double value, int digits = 12);
 
 /// exact() of each number.
 std::vector<std::string> exact_cells(const Vector& values);
+/// The same for a table: an unknown number is an empty cell.
+std::vector<std::string> table_cells(const Vector& values);
 
 /// "(1.5, 0.2)".
 std::string rounded_state(const Vector& state, int digits = 12);

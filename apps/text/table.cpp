@@ -109,6 +109,9 @@ Table parse_csv(const std::string& text, const std::string& file) {
   if (rows.empty()) throw std::invalid_argument(fmt::format("{}: the table is empty", file));
   Table table;
   table.columns = rows.front();
+  for (const std::string& name : table.columns)
+    if (name.find('\n') != std::string::npos)
+      throw std::invalid_argument(fmt::format("{}:1: the name of a column goes over several lines; is a quote missing?", file));
   table.rows.assign(rows.begin() + 1, rows.end());
   return table;
 }

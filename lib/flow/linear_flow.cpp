@@ -281,6 +281,8 @@ void LinearFlow::carry(const FlowTask& task, const Vector& x0, Segment& out) con
     }
     if (out.evaluations >= max_steps_) {
       out.end = FlowEnd::failed;
+      out.t1 = task.t0;
+      out.x1 = x0;
       return;
     }
   }

@@ -183,9 +183,9 @@ TEST_CASE("attractors goes on from what an interrupted run has left, to the last
 TEST_CASE("attractors: a signal ends it, and what is there is kept") {
   const TemporaryFolder folder;
   const std::string file = folder.file("part.json");
-  const Outcome outcome = spawn("attractors '" + problem("hertz-damped") +
-                                    "' --set eta=0.711 --x=-2:1.9:900 --v=-2:2:900 --threads 1 --json '" + file + "'",
-                                SIGINT, 2.0);
+  const Outcome outcome = interrupt("attractors '" + problem("hertz-damped") +
+                                        "' --set eta=0.711 --x=-2:1.9:900 --v=-2:2:900 --threads 1 --json '" + file + "'",
+                                    "carrying on", SIGINT);
   CHECK(outcome.code == 130);
   CHECK_THAT(outcome.err, Contains("interrupted after ") && Contains(" of 810000 starts"));
   const Json json = Json::parse(read_file(file));

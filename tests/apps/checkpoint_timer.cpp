@@ -3,13 +3,21 @@
 #include "graze_program.hpp"
 
 #include <graze/apps/console/checkpoint_timer.hpp>
+#include <graze/apps/program/program.hpp>
 
 #include <catch2/catch.hpp>
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <atomic>
+#include <csignal>
+#include <cstdlib>
 #include <filesystem>
+#include <iostream>
 #include <map>
 #include <set>
+#include <sstream>
 #include <thread>
 
 using namespace graze;
@@ -41,6 +49,57 @@ std::set<std::string> versions_while(const std::string& file, const std::functio
   done = true;
   reader.join();
   return seen;
+}
+
+/// Arguments of a process of its own, which is this program again; and the test case there that runs them.
+constexpr const char* arguments_of_child = "GRAZE_TEST_ARGUMENTS";
+constexpr const char* child = "a command in a process of its own with the shortest stints";
+
+/// Runs a command so, and kills the process as soon as it has left a further part of its result. False: it came to its end.
+bool kill_on_its_way(const std::vector<std::string>& arguments, const std::string& file) {
+  std::string text;
+  for (const std::string& argument : arguments) text += argument + "\n";
+  ::setenv(arguments_of_child, text.c_str(), 1);
+  const std::string self = std::filesystem::read_symlink("/proc/self/exe");
+  const std::string before = read_file(file);
+  const Outcome outcome = run_shell(fmt::format("'{}' '{}'", self, child),
+                                    [&](pid_t process) { return read_file(file) != before && ::kill(process, SIGKILL) == 0; });
+  ::unsetenv(arguments_of_child);
+  INFO(outcome.out << outcome.err);
+  CHECK((outcome.code == -SIGKILL || outcome.code == 0));
+  return outcome.code == -SIGKILL;
+}
+
+/// The command is killed, and killed again when it goes on; then it comes to the same end as one that was left alone.
+void check_killed(const std::vector<std::string>& arguments, const std::string& command) {
+  const TemporaryFolder folder;
+  const std::string whole = folder.file("whole"), out = folder.file("out"), file = out + "/" + command + ".json";
+  const auto with = [&](const std::string& option, const std::string& place) {
+    std::vector<std::string> all = {command, "--quiet"};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    all.insert(all.end(), {option, place});
+    return all;
+  };
+  REQUIRE(kill_on_its_way(with("--out", out), file));
+  for (int k = 0; k < 2; ++k) {
+    const Json left = Json::parse(read_file(file), nullptr, false);
+    REQUIRE_FALSE(left.is_discarded());  // never half a file
+    CHECK(left["status"] == "interrupted");
+    if (k == 0) REQUIRE(kill_on_its_way(with("--resume", out), file));
+  }
+  const Outcome resumed = call(with("--resume", out));
+  INFO(resumed.err);
+  REQUIRE(resumed.code == 0);
+  REQUIRE(call(with("--out", whole)).code == 0);
+  for (const std::filesystem::directory_entry& entry : std::filesystem::directory_iterator(whole))
+    if (entry.is_regular_file()) {
+      const std::string name = entry.path().filename();
+      INFO(name);
+      if (name.ends_with(".json") || name.ends_with(".csv")) CHECK(read_file(out + "/" + name) == read_file(entry.path()));
+    }
+  // What was being written is gone.
+  for (const std::filesystem::directory_entry& entry : std::filesystem::directory_iterator(out))
+    CHECK(std::filesystem::exists(whole + "/" + entry.path().filename().string()));
 }
 
 /// The command with --out keeps parts on its way, comes to the same end as without stints, and so does --resume from each part.
@@ -143,18 +202,65 @@ TEST_CASE("without a length there is one stint") {
   CHECK_FALSE(checkpoints.over());
 }
 
-TEST_CASE("a sweep that is killed leaves what it had, and goes on from there to the last bit") {
-  check_kept(
-      {problem("newton-elastic"), "--from", "0.7", "--to", "0.76", "--step", "0.0005", "--direction", "both", "--threads", "2"},
-      "sweep");
+TEST_CASE("a command in a process of its own with the shortest stints", "[.]") {
+  const char* const text = std::getenv(arguments_of_child);
+  if (text == nullptr) return;  // it is run by others
+  std::istringstream lines(text);
+  std::vector<std::string> arguments;
+  for (std::string line; std::getline(lines, line);) arguments.push_back(line);
+  set_interval_length(0.0);
+  CHECK(run_program(arguments, std::cout, std::cerr) == 0);
 }
 
-TEST_CASE("attractors that is killed leaves what it had, and goes on from there to the last bit") {
-  check_kept({problem("hertz-damped"), "--set", "eta=0.711", "--x=-2:1.9:200", "--v=-2:2:200", "--threads", "2"}, "attractors");
+namespace {
+
+const std::vector<std::string> sweep = {
+    problem("newton-elastic"), "--from", "0.7", "--to", "0.76", "--step", "0.0005", "--direction", "both", "--threads", "2"};
+const std::vector<std::string> attractors = {problem("hertz-damped"), "--set",     "eta=0.711", "--x=-2:1.9:200",
+                                             "--v=-2:2:200",          "--threads", "2"};
+const std::vector<std::string> diagram = {problem("newton-elastic"),
+                                          "--from",
+                                          "0.743",
+                                          "--to",
+                                          "0.747",
+                                          "--step",
+                                          "0.00005",
+                                          "--periods",
+                                          "300",
+                                          "--samples",
+                                          "5",
+                                          "--max-period",
+                                          "4",
+                                          "--multiples",
+                                          "1",
+                                          "--threads",
+                                          "2"};
+
+}  // namespace
+
+TEST_CASE("a sweep keeps what it has while it goes on, from where another goes on to the last bit") {
+  check_kept(sweep, "sweep");
 }
 
-TEST_CASE("a diagram that is killed leaves what it had, and goes on from there to the last bit") {
-  check_kept({problem("newton-elastic"), "--from", "0.743", "--to", "0.747", "--step", "0.00005", "--periods", "300", "--samples",
-              "5", "--max-period", "4", "--multiples", "1", "--threads", "2"},
-             "diagram");
+TEST_CASE("attractors keeps what it has while it goes on, from where another goes on to the last bit") {
+  check_kept(attractors, "attractors");
 }
+
+TEST_CASE("a diagram keeps what it has while it goes on, from where another goes on to the last bit") {
+  check_kept(diagram, "diagram");
+}
+
+TEST_CASE("a sweep that is killed goes on to the last bit") {
+  std::vector<std::string> longer = sweep;
+  *std::find(longer.begin(), longer.end(), "0.0005") = "0.00005";
+  check_killed(longer, "sweep");
+}
+
+TEST_CASE("attractors that is killed goes on to the last bit") {
+  std::vector<std::string> longer = attractors;
+  longer.insert(longer.end(), {"--x=-2:1.9:400", "--v=-2:2:400"});
+  std::erase_if(longer, [](const std::string& one) { return one.ends_with(":200"); });
+  check_killed(longer, "attractors");
+}
+
+TEST_CASE("a diagram that is killed goes on to the last bit") { check_killed(diagram, "diagram"); }

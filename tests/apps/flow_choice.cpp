@@ -36,13 +36,31 @@ void check_same(const Json& a, const Json& b, double margin) {
 
 }  // namespace
 
+TEST_CASE("option --flow: each name carries motions by what it says") {
+  const Problem hertz = load_problem(problem("hertz-damped"));
+  const auto kinds = [&](const std::string& name) {
+    std::vector<std::string> list;
+    for (std::size_t mode = 0; mode < hertz.system.modes.size(); ++mode)
+      list.emplace_back(make_flow(hertz.system, mode, hertz.parameters, {},
+                                  {.kind = flow_from(name.empty() ? Json::object() : Json{{"flow", name}})})
+                            .kind());
+    return list;
+  };
+  const std::vector<std::string> fast = {"closed form", "regularised Hertz contact"};
+  CHECK(kinds("") == fast);
+  CHECK(kinds("alone") == fast);
+  CHECK(kinds("general") == std::vector<std::string>{"general", "general"});
+  // Motions side by side are those that nothing was asked of.
+  CHECK(FlowChoice{}.kind() == FlowKind::automatic);
+  CHECK(FlowChoice{"alone"}.kind() == FlowKind::alone);
+}
+
 TEST_CASE("option --flow: a sweep finds the same orbits, whatever carries its motions") {
   const std::vector<std::string> range = {"--from", "0.9", "--to", "0.95", "--step", "0.005"};
   const Json lanes = with_flow("sweep", range, "automatic");
   for (const char* flow : {"alone", "general"}) {
     const Json other = with_flow("sweep", range, flow);
     REQUIRE(other["rows"].size() == 11);
-    CHECK(other["rows"] != lanes["rows"]);  // in their last digits: they came another way
     for (std::size_t k = 0; k < 11; ++k) {
       const Json &row = other["rows"][k], &same = lanes["rows"][k];
       INFO(flow << " " << row["value"]);
@@ -62,7 +80,6 @@ TEST_CASE("option --flow: basins and spectra, too") {
     const Json other = with_flow("attractors", starts, flow);
     CHECK(other["basins"] == lanes["basins"]);
     REQUIRE(other["attractors"].size() == lanes["attractors"].size());
-    CHECK(other["attractors"] != lanes["attractors"]);
     check_same(other["attractors"][0]["exponents"], lanes["attractors"][0]["exponents"], 1e-8);
   }
   // Chaos: averages agree within their errors, no more.
@@ -72,7 +89,6 @@ TEST_CASE("option --flow: basins and spectra, too") {
   CHECK(fast["attractor"]["type"] == "chaotic");
   CHECK(general["attractor"]["type"] == "chaotic");
   const double difference = fast["exponents"][0].get<double>() - general["exponents"][0].get<double>();
-  CHECK(difference != 0.0);
   CHECK(std::abs(difference) <
         6.0 * std::hypot(fast["standard_errors"][0].get<double>(), general["standard_errors"][0].get<double>()));
 }
@@ -84,7 +100,6 @@ TEST_CASE("option --flow: a map's points are of it, and its head says so to who 
   CHECK(plan_of(general).options.flow.kind == FlowKind::general);
   const Json &a = general["layers"][0], &b = lanes["layers"][0];
   for (const char* what : {"type", "period", "impacts"}) CHECK(a[what] == b[what]);
-  CHECK(a["lambda_1"] != b["lambda_1"]);
   REQUIRE(a["lambda_1"].size() == 2);
   for (std::size_t row = 0; row < 2; ++row) check_same(a["lambda_1"][row], b["lambda_1"][row], 1e-8);
 }

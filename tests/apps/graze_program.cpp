@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include <fcntl.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -45,27 +46,55 @@ apps::Json json_of(const Outcome& outcome) {
   return apps::Json::parse(outcome.out);
 }
 
-Outcome spawn(const std::string& arguments, int signal, double delay) {
-  const TemporaryFolder folder;
-  const std::string out = folder.file("out"), err = folder.file("err");
-  // exec: the shell makes room for the program, so that a signal reaches it. Redirections in `arguments` come later and win.
-  std::string command = "exec '" GRAZE_PROGRAM "' >'" + out + "' 2>'" + err + "' </dev/null " + arguments;
-  char shell[] = "/bin/sh", option[] = "-c";
-  char* const argv[] = {shell, option, command.data(), nullptr};
-  pid_t child = 0;
-  if (posix_spawn(&child, shell, nullptr, nullptr, argv, environ) != 0) throw std::runtime_error("the program cannot be started");
-  if (signal > 0) {
-    std::this_thread::sleep_for(std::chrono::duration<double>(delay));
-    ::kill(child, signal);
-  }
-  int state = 0;
-  ::waitpid(child, &state, 0);
-  Outcome outcome;
-  outcome.code = WIFEXITED(state) ? WEXITSTATUS(state) : -WTERMSIG(state);
-  outcome.out = read_file(out);
-  outcome.err = read_file(err);
+Outcome spawn(const std::string& arguments) {
+  // Redirections in `arguments` win over those of run_shell.
+  const Outcome outcome = run_shell("'" GRAZE_PROGRAM "' " + arguments);
   std::istringstream words(arguments);
   check_results({std::istream_iterator<std::string>(words), {}}, outcome);
+  return outcome;
+}
+
+namespace {
+
+/// A terminal: what is written to it can be read here.
+class Terminal {
+ public:
+  Terminal() : here_(::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)) {
+    if (here_ < 0 || ::grantpt(here_) != 0 || ::unlockpt(here_) != 0) throw std::runtime_error("no terminal can be opened");
+    name_ = ::ptsname(here_);
+    there_ = ::open(name_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);  // lest it be hung up between two writers
+  }
+  ~Terminal() {
+    ::close(there_);
+    ::close(here_);
+  }
+  Terminal(const Terminal&) = delete;
+  Terminal& operator=(const Terminal&) = delete;
+  const std::string& name() const { return name_; }
+  /// What has come since the last time.
+  std::string read() {
+    std::string text;
+    char buffer[4096];
+    for (ssize_t size = 0; (size = ::read(here_, buffer, sizeof buffer)) > 0;)
+      text.append(buffer, static_cast<std::size_t>(size));
+    return text;
+  }
+
+ private:
+  int here_ = -1, there_ = -1;
+  std::string name_;
+};
+
+}  // namespace
+
+Outcome interrupt(const std::string& arguments, const std::string& sign, int signal) {
+  Terminal terminal;
+  std::string said;
+  Outcome outcome = run_shell("'" GRAZE_PROGRAM "' " + arguments + " 2>'" + terminal.name() + "'", [&](pid_t child) {
+    said += terminal.read();
+    return said.find(sign.empty() ? "\r" : sign) != std::string::npos && ::kill(child, signal) == 0;
+  });
+  outcome.err = said + terminal.read();
   return outcome;
 }
 
@@ -90,9 +119,10 @@ Outcome run_shell(const std::string& text, const std::function<bool(pid_t)>& wat
   return outcome;
 }
 
-apps::Json interrupted_json(const std::string& arguments, const std::string& file, double delay) {
+apps::Json interrupted_json(const std::string& arguments, const std::string& file, const std::string& sign) {
   INFO(arguments);
-  const Outcome outcome = spawn(arguments + " --json " + file, SIGINT, delay);
+  const Outcome outcome = interrupt(arguments + " --json " + file, sign, SIGINT);
+  INFO(outcome.err);
   CHECK(outcome.code == 130);
   CHECK_THAT(outcome.err, Catch::Matchers::Contains("interrupted"));
   apps::Json json = apps::Json::parse(read_file(file), nullptr, false);

@@ -27,17 +27,19 @@ Outcome call(const std::string& command, const std::string& problem_id, std::vec
 /// What a call that must succeed has put on stdout as JSON.
 apps::Json json_of(const Outcome& outcome);
 
-/// The program as a child process: arguments as a shell understands them, redirections included; `signal` > 0 is sent to it after
-/// `delay` seconds.
-Outcome spawn(const std::string& arguments, int signal = 0, double delay = 0.0);
+/// The program as a child process: arguments as a shell understands them, redirections included.
+Outcome spawn(const std::string& arguments);
 
 /// Any command of a shell, stdout and stderr caught. `watch` is asked every few milliseconds with the process id for as long as
 /// the command runs, until it says true.
 Outcome run_shell(const std::string& command, const std::function<bool(pid_t)>& watch = {});
 
-/// The program, interrupted by Ctrl-C after `delay` seconds, has ended as it should: with 130, and with what there is as JSON in
-/// `file`.
-apps::Json interrupted_json(const std::string& arguments, const std::string& file, double delay);
+/// The program with a terminal for stderr, where it shows its progress: once that says `sign`, the signal is sent. With a sign
+/// that is empty, it is sent when there is any progress.
+Outcome interrupt(const std::string& arguments, const std::string& sign, int signal);
+
+/// The program, interrupted by Ctrl-C at that sign, has ended as it should: with 130, and with what there is as JSON in `file`.
+apps::Json interrupted_json(const std::string& arguments, const std::string& file, const std::string& sign);
 
 /// data/problems/<id>.toml
 std::string problem(const std::string& id);

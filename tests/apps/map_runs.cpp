@@ -223,9 +223,9 @@ TEST_CASE("map: interrupted without a folder, it says where its part is") {
   const TemporaryFolder folder;
   const std::string json = folder.file("part.json"), h5 = folder.file("m.h5");
   const Outcome outcome =
-      spawn("map '" + problem("hertz-damped") +
-                "' --param eta:0.70:0.74:40 --param r:1.95:2.1:400 --follow up --threads 1 --h5 " + h5 + " --json " + json,
-            SIGINT, 0.5);
+      interrupt("map '" + problem("hertz-damped") +
+                    "' --param eta:0.70:0.74:40 --param r:1.95:2.1:4000 --follow up --threads 1 --h5 " + h5 + " --json " + json,
+                "mapping", SIGINT);
   CHECK(outcome.code == 130);
   CHECK_THAT(outcome.err,
              Contains("they go to --json and cannot be gone on with; --out DIR would keep them; --h5 is for whole maps"));

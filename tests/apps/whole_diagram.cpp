@@ -282,8 +282,8 @@ TEST_CASE("a whole diagram refuses what it does not understand before it compute
 
 TEST_CASE("Ctrl-C in the skeleton leaves a diagram whose sweeps are to come") {
   const TemporaryFolder folder;
-  const Json json =
-      interrupted_json("diagram " + problem("hertz-damped") + " --from 0.65 --to 0.95 --threads 1", folder.file("r.json"), 0.6);
+  const Json json = interrupted_json("diagram " + problem("hertz-damped") + " --from 0.65 --to 0.95 --threads 1",
+                                     folder.file("r.json"), "skeleton");
   CHECK(json["schema"] == "graze.diagram/1");
   CHECK(json["parts"]["skeleton"] == "interrupted");
   CHECK(json["parts"]["sweeps"] == "not run");

@@ -287,8 +287,8 @@ TEST_CASE("basins of a system with four states") {
   for (std::size_t k = 0; k < basins.outcomes.size(); k += 4) {
     REQUIRE(basins.outcomes[k].fate == Fate::reached);
     const CoexistingAttractor& reached = basins.attractors[basins.outcomes[k].attractor];
-    if (reached.attractor.type == periodic)
-      CHECK(distance(reached, settle(system, p, starts.col(static_cast<Eigen::Index>(k)), {.periods = 2000}).state) < 1e-8);
+    REQUIRE(reached.attractor.type == periodic);
+    CHECK(distance(reached, settle(system, p, starts.col(static_cast<Eigen::Index>(k)), {.periods = 2000}).state) < 1e-8);
   }
 }
 
