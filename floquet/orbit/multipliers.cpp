@@ -7,6 +7,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <numeric>
 
 namespace graze {
 
@@ -208,6 +209,35 @@ std::vector<std::complex<double>> eigenvalues(const std::vector<Matrix>& factors
   return values;
 }
 
+/// The states that keep their values while other ones are held: the row of each partial product is exactly the unit row. A map
+/// of full rank holds nothing.
+std::vector<Eigen::Index> kept_states(const MonodromyMatrix& monodromy) {
+  const std::vector<double> dets = determinants(monodromy.factors, monodromy.log_dets);
+  if (std::find(dets.begin(), dets.end(), 0.0) == dets.end()) return {};
+  const Eigen::Index n = monodromy.factors.front().rows();
+  std::vector<Eigen::Index> kept(static_cast<std::size_t>(n));
+  std::iota(kept.begin(), kept.end(), Eigen::Index{0});
+  Matrix product = Matrix::Identity(n, n);
+  for (const Matrix& factor : monodromy.factors) {
+    product = factor * product;
+    std::erase_if(kept, [&](Eigen::Index i) { return product.row(i) != Matrix::Identity(n, n).row(i); });
+    if (kept.empty()) break;
+  }
+  return kept;
+}
+
+/// The same map of the other states alone, with these ones as they are. The determinants of the factors stay: a kept state
+/// depends on itself and on what is held.
+MonodromyMatrix without(const MonodromyMatrix& monodromy, const std::vector<Eigen::Index>& kept) {
+  std::vector<Eigen::Index> others;
+  for (Eigen::Index i = 0; i < monodromy.factors.front().rows(); ++i)
+    if (std::find(kept.begin(), kept.end(), i) == kept.end()) others.push_back(i);
+  MonodromyMatrix out = monodromy;
+  for (Matrix& factor : out.factors) factor = Matrix(factor(others, others));
+  if (out.trivial_direction.size() > 0) out.trivial_direction = Vector(out.trivial_direction(others));
+  return out;
+}
+
 }  // namespace
 
 Matrix MonodromyMatrix::product() const {
@@ -228,12 +258,15 @@ int FloquetMultipliers::unstable() const {
   return static_cast<int>(std::count_if(values.begin(), end, [](const auto& mu) { return std::abs(mu) > 1.0; }));
 }
 
-FloquetMultipliers multipliers(const MonodromyMatrix& monodromy, double duration) {
+FloquetMultipliers multipliers(const MonodromyMatrix& whole, double duration) {
   FloquetMultipliers result;
-  result.section = monodromy.section;
-  if (monodromy.factors.empty()) return result;
-  for (const Matrix& factor : monodromy.factors)
+  result.section = whole.section;
+  if (whole.factors.empty()) return result;
+  for (const Matrix& factor : whole.factors)
     if (!factor.allFinite()) return result;
+  const std::vector<Eigen::Index> kept = kept_states(whole);
+  const MonodromyMatrix others = kept.empty() ? MonodromyMatrix{} : without(whole, kept);
+  const MonodromyMatrix& monodromy = kept.empty() ? whole : others;
   if (monodromy.section == Section::stroboscopic) {
     result.values = product_eigenvalues(monodromy.factors, monodromy.log_dets);
   } else {
@@ -256,6 +289,8 @@ FloquetMultipliers multipliers(const MonodromyMatrix& monodromy, double duration
     result.values.emplace_back(along);
     result.trivial = 1;
   }
+  result.values.insert(result.values.end(), kept.size(), 1.0);
+  result.trivial += static_cast<int>(kept.size());
   result.valid = true;
   for (const auto& mu : result.values) {
     const double modulus = std::abs(mu);

@@ -84,6 +84,50 @@ const Event* holding_event(const HybridSystem& system, std::size_t mode) {
 
 bool loses_energy(const Event& event, const Vector& p) { return !event.log_volume_change || event.log_volume_change(p) < 0.0; }
 
+namespace {
+
+/// Index of the only nonzero entry; empty if there are several or none.
+std::optional<Eigen::Index> only_entry(const Vector& line) {
+  if ((line.array() != 0.0).count() != 1) return std::nullopt;
+  Eigen::Index place = 0;
+  line.cwiseAbs().maxCoeff(&place);
+  return place;
+}
+
+}  // namespace
+
+std::optional<ConstraintMap> constraint_map(const HybridSystem& system, std::span<const Constraint* const> constraints,
+                                            const HybridState& at, const Vector& p, std::span<const std::size_t> active) {
+  const auto bounces_for_ever = [&](const Event& event) {
+    return event.accumulation && event.accumulation->sticking_mode == at.mode && !loses_energy(event, p);
+  };
+  if (std::any_of(system.events.begin(), system.events.end(), bounces_for_ever)) return std::nullopt;
+  const auto n = static_cast<Eigen::Index>(system.states), count = std::ssize(constraints);
+  const auto parameters = std::ssize(active);
+  Matrix C(count, n), D(n, count), C_dp = Matrix::Zero(count, parameters);
+  Vector line(n), line_dp(p.size());
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Constraint& one = *constraints[static_cast<std::size_t>(k)];
+    one.dx(at.t, at.x, p, line);
+    C.row(k) = line;
+    one.direction(at.t, at.x, p, line);
+    D.col(k) = line;
+    if (parameters == 0 || !one.dp) continue;
+    one.dp(at.t, at.x, p, line_dp);
+    for (Eigen::Index i = 0; i < parameters; ++i)
+      C_dp(k, i) = line_dp[static_cast<Eigen::Index>(active[static_cast<std::size_t>(i)])];
+  }
+  const Eigen::FullPivLU<Matrix> CD(C * D);
+  if (!CD.isInvertible()) return std::nullopt;
+  ConstraintMap map{Matrix::Identity(n, n) - D * CD.solve(C), -D * CD.solve(C_dp)};
+  // C dx = 0 and dx D = 0: exactly, where that makes a row or a column zero. Its rounding would be a multiplier.
+  for (Eigen::Index k = 0; k < count; ++k) {
+    if (const auto fixed = only_entry(Vector(C.row(k)))) map.dx.row(*fixed).setZero();
+    if (const auto driven = only_entry(Vector(D.col(k)))) map.dx.col(*driven).setZero();
+  }
+  return map;
+}
+
 HeldMap held_map(const HybridSystem& system, const Event& holding, double t, const Vector& x, const Vector& p, double duration) {
   HeldMap out{Matrix(x.size(), x.size()), -std::numeric_limits<double>::infinity()};
   if (loses_energy(holding, p)) {

@@ -14,6 +14,8 @@
 
 #include <graze/lib/motion/propagator.hpp>
 
+#include <span>
+
 namespace graze {
 
 /// The event whose accumulation ends in this mode; null if the mode is not a sticking mode.
@@ -30,6 +32,17 @@ struct HeldMap {
   Vector slope = {};     ///< derivative of the state in a shift of the guard; empty: zero
 };
 HeldMap held_map(const HybridSystem& system, const Event& holding, double t, const Vector& x, const Vector& p, double duration);
+
+/// Loss of a small disturbance off constraints that hold, x+ = x - D (C D)^-1 c, with the constraints c, their gradients C and
+/// their directions D.
+struct ConstraintMap {
+  Matrix dx;  ///< I - D (C D)^-1 C (n x n)
+  Matrix dp;  ///< -D (C D)^-1 C_dp (n x number of active parameters)
+};
+/// Empty if the fields on both sides are parallel to the constraints, or if the mode at `at` holds a mass whose bounces never
+/// end.
+std::optional<ConstraintMap> constraint_map(const HybridSystem& system, std::span<const Constraint* const> constraints,
+                                            const HybridState& at, const Vector& p, std::span<const std::size_t> active);
 
 /// The state of permanent rest at the stop near `state`: held there at forcing phase 0, not released within a forcing period,
 /// and with all other coordinates at the same place after it. Empty: there is none, or the system is not forced.

@@ -229,40 +229,19 @@ class Composer {
     });
   }
 
-  /// Composes the map of the constraints that have held from start to end. A disturbance off them is lost at once:
-  /// x+ = x - D (C D)^-1 c, with the constraints c, their gradients C and their directions D. (Where a constraint ends, the
-  /// saltation matrix has the same effect.)
+  /// Composes the map of the constraints that have held from start to end: a disturbance off them is lost at once. (Where a
+  /// constraint ends, the saltation matrix has the same effect.)
   void compose_constraints() {
-    const HybridSystem& system = propagator_.system();
-    const Vector& p = propagator_.parameters();
-    const auto bounces_for_ever = [&](const Event& event) {
-      return event.accumulation && event.accumulation->sticking_mode == start_.mode && !loses_energy(event, p);
-    };
-    if (std::any_of(system.events.begin(), system.events.end(), bounces_for_ever)) return;
-    const auto n = static_cast<Eigen::Index>(system.states), count = static_cast<Eigen::Index>(kept_.size());
-    Matrix C(count, n), D(n, count), C_dp = Matrix::Zero(count, parameters_);
-    Vector line(n), line_dp(p.size());
-    for (Eigen::Index k = 0; k < count; ++k) {
-      const Constraint& one = *kept_[static_cast<std::size_t>(k)];
-      one.dx(start_.t, start_.x, p, line);
-      C.row(k) = line;
-      one.direction(start_.t, start_.x, p, line);
-      D.col(k) = line;
-      if (parameters_ == 0 || !one.dp) continue;
-      one.dp(start_.t, start_.x, p, line_dp);
-      for (Eigen::Index i = 0; i < parameters_; ++i)
-        C_dp(k, i) = line_dp[static_cast<Eigen::Index>(propagator_.active()[static_cast<std::size_t>(i)])];
-    }
-    const Eigen::FullPivLU<Matrix> CD(C * D);
-    if (!CD.isInvertible()) return;  // the fields on its two sides are parallel to it
-    const Matrix onto = Matrix::Identity(n, n) - D * CD.solve(C);
-    if (parameters_ > 0) out_.Psi -= out_.Phi * D * CD.solve(C_dp);
-    out_.Phi = out_.Phi * onto;
-    if (out_.return_map.size() > 0) out_.return_map = out_.return_map * onto;
+    const std::span<const std::size_t> active(propagator_.active().data(), static_cast<std::size_t>(parameters_));
+    std::optional<ConstraintMap> lost = constraint_map(propagator_.system(), kept_, start_, propagator_.parameters(), active);
+    if (!lost) return;
+    if (parameters_ > 0) out_.Psi += out_.Phi * lost->dp;
+    out_.Phi = out_.Phi * lost->dx;
+    if (out_.return_map.size() > 0) out_.return_map = out_.return_map * lost->dx;
     out_.log_det = out_.liouville = -std::numeric_limits<double>::infinity();
     if (!options_.keep_factors) return;
     out_.factor_log_dets.insert(out_.factor_log_dets.begin(), std::numeric_limits<double>::quiet_NaN());
-    out_.factors.insert(out_.factors.begin(), onto);
+    out_.factors.insert(out_.factors.begin(), std::move(lost->dx));
   }
 
   bool compose_event() {
