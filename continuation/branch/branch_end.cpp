@@ -49,6 +49,7 @@ std::optional<PeriodicOrbit> half_period_orbit(const HybridSystem& system, const
   OrbitProblem problem(system, parameters_at(system, branch, last.value), branch.period / 2, static_cast<int>(half),
                        parameter_index(system.parameters, branch.parameter), 1.0, options.shooting.flow, last.section_phase);
   Vector u = problem.pack(guess, 0.5 * last.duration, last.value);
+  problem.pin(problem.kept_states(u));
   TraceOptions patient = options.trace;
   patient.max_iterations = options.shooting.max_iterations;
   const NewtonReport report = correct(problem.zero_problem(), problem.parameter_direction(), u, patient);

@@ -48,6 +48,12 @@ bool is_plastic(const HybridSystem& system, const Vector& p) {
   });
 }
 
+/// Whether a pinned state no longer keeps its value at this point: its closing equation is a condition again.
+bool releases_pinned(const OrbitProblem& problem, const BranchPoint& point) {
+  const int of_time = point.multipliers.section == Section::autonomous ? 1 : 0;
+  return point.multipliers.trivial - of_time < std::ssize(problem.pinned());
+}
+
 }  // namespace
 
 BranchFollower::BranchFollower(const HybridSystem& system, const ContinuationOptions& options, double low, double high)
@@ -156,6 +162,8 @@ Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& 
   if (end == Verdict::reject) return Verdict::reject;
   BranchPoint point = problem.branch_point(after.u, branch.points.back().arclength + after.arclength - before.arclength);
   if (!point.multipliers.valid || leaves_branch(system_, symmetries_, branch, point)) return Verdict::reject;
+  released_ = releases_pinned(problem, point);
+  if (released_) return Verdict::reject;
   // Where a chatter becomes incomplete, infinitely many impacts separate, each with a grazing of its own.
   const bool sticks = point.isolated_impacts < point.impacts;
   const bool switches = sticks != (branch.points.back().isolated_impacts < branch.points.back().impacts);
@@ -386,12 +394,13 @@ std::optional<BranchStart> BranchFollower::continuation_in_states(OrbitProblem& 
   from.orientation = way * there.parameter_direction();
   problem = std::move(there);
   problem.measure_by(from.u);
+  problem.pin(signature.pinned());
   return from;
 }
 
 std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const BranchStart& start, Branch& branch) {
   symmetries_ = flight_symmetries(system_, branch.parameters);
-  interrupted_ = returned_ = chatter_ends_ = clear_of_soft_ = false;
+  interrupted_ = returned_ = chatter_ends_ = clear_of_soft_ = released_ = false;
   fastest_ = 0.0;
   refused_.reset();
   grazing_.reset();
@@ -405,6 +414,7 @@ std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const Br
     SignatureProblem signature(system_, branch.parameters, problem.period(), *by_events->sequence, problem.parameter(),
                                problem.scale(), problem.equations().options());
     signature.measure_by(by_events->u);
+    signature.pin(signature.kept_states(by_events->u));
     const Curve curve = follow_signature(signature, *by_events, branch);
     if (const auto states = continuation_in_states(problem, signature, curve, branch)) {
       last_ = states->u;
@@ -414,6 +424,7 @@ std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const Br
     if (!branch.points.empty() || start.sequence) return finish(signature, curve, branch, start.on_grazing);
   }
   problem.measure_by(start.u);
+  problem.pin(problem.kept_states(start.u));
   const Curve curve = follow_states(problem, start, branch);
   return finish(problem, curve, branch, false);
 }
@@ -450,7 +461,7 @@ std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const C
   auto* states = dynamic_cast<OrbitProblem*>(&problem);
   // If a free motion does not reproduce a weak impact of the last point, following in states cannot start there.
   const bool broken_off = why == TraceStop::min_step || why == TraceStop::start_failed;
-  if (broken_off && states) grazing_ = grazing_at_failure(*states, branch);
+  if (broken_off && states && !released_) grazing_ = grazing_at_failure(*states, branch);
   if (grazing_) {
     const SpecialPoint& point = branch.special_points.back();
     branch.stop_value = point.value;
@@ -477,8 +488,11 @@ std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const C
   } else if (why == TraceStop::point_limit) {
     stop(BranchStop::point_limit, fmt::format("{} points were computed, the limit", branch.points.size()));
   } else {
-    const std::string reason =
-        refused_ ? "several contacts graze there so close together that they cannot be told apart" : curve.failure;
+    const bool released =
+        released_ || (refused_ && refused_->met && system_.events[refused_->met->event].kind == EventKind::release);
+    const std::string reason = released   ? "what is held all along the orbits before is released there"
+                               : refused_ ? "several contacts graze there so close together that they cannot be told apart"
+                                          : curve.failure;
     stop(BranchStop::step_too_small, fmt::format("no point is found beyond {} = {:.12g} even with the smallest step ({})",
                                                  branch.parameter, problem.value(curve.points.back().u), reason));
     if (curve.first_failed) {

@@ -69,7 +69,9 @@ std::optional<NormalForm> normal_form(OrbitProblem& problem, const Vector& u) {
   const Vector& q = null.right;
   Vector p = null.left;
   p /= p.dot(q);
-  const Eigen::PartialPivLU<Matrix> second_order(Matrix::Identity(n, n) - *M);
+  Matrix from_itself = Matrix::Identity(n, n) - *M;
+  for (const PinnedState& pin : problem.pinned()) from_itself.row(pin.state) = Vector::Unit(n, pin.state).transpose();
+  const Eigen::PartialPivLU<Matrix> second_order(from_itself);
   return by_differences([&](double h) -> std::optional<double> {
     const auto ahead = jacobian(x0 + h * q), behind = jacobian(x0 - h * q);
     if (!ahead || !behind) return std::nullopt;

@@ -33,6 +33,7 @@ bool correct_states(const HybridSystem& system, const Vector& p, int period, std
   OrbitProblem problem(system, p, period, count, parameter, 1.0);
   Vector u = problem.pack(states, duration, p[static_cast<Eigen::Index>(parameter)]);
   if (problem.equations().autonomous()) problem.equations().set_phase_reference(states.front());
+  problem.pin(problem.kept_states(u));
   if (!correct(problem.zero_problem(), problem.parameter_direction(), u, patient()).converged()) return false;
   for (int k = 0; k < count; ++k) states[static_cast<std::size_t>(k)] = problem.equations().node(u, k);
   duration = problem.equations().duration(u);
@@ -53,6 +54,7 @@ std::optional<OrbitShape> corrected(const HybridSystem& system, const Vector& p,
     }
     SignatureProblem problem(system, p, guess.period, nodes.sequence, parameter, 1.0);
     Vector u = problem.pack(nodes, value);
+    problem.pin(problem.kept_states(u));
     if (!correct(problem.zero_problem(), problem.parameter_direction(), u, patient()).converged() || problem.violation(u))
       return std::nullopt;
     nodes = problem.unpack(u);

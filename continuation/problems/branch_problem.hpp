@@ -16,6 +16,14 @@ namespace graze {
 
 class OrbitProblem;
 
+/// A state that keeps its value whatever the orbit does, as the place of a mass that friction holds all along: its closing
+/// equation holds by itself. Orbits with any value in a band then form a continuum. The branch takes those with this value, and
+/// the equation "the state has it at the first node" replaces the closing one. The multiplier +1 of that state is trivial.
+struct PinnedState {
+  Eigen::Index state = 0;
+  double value = 0.0;
+};
+
 class BranchProblem {
  public:
   virtual ~BranchProblem() = default;
@@ -60,6 +68,13 @@ class BranchProblem {
   /// measured in fiftieths of their size. To be set before the branch through u is followed.
   void measure_by(const Vector& u) { size_ = std::max(1.0, 0.02 * state_scale(u)); }
 
+  /// The states that keep their values along the motions next to the orbit at u while others are held: the row of the Jacobian
+  /// of each stretch is exactly that of x_j - x_{j+1}.
+  virtual std::vector<PinnedState> kept_states(const Vector& u) const = 0;
+  /// To be set before the branch through an orbit is followed.
+  void pin(std::vector<PinnedState> states) { pinned_ = std::move(states); }
+  const std::vector<PinnedState>& pinned() const { return pinned_; }
+
   /// Dimensionless time carried so far: the measure of cost.
   virtual double time_carried() const = 0;
 
@@ -68,7 +83,51 @@ class BranchProblem {
   Vector parameter_direction() const { return Vector::Unit(unknowns(), unknowns() - 1); }
 
  protected:
-  double size_ = 1.0;  ///< see measure_by
+  /// How the unknowns and the equations are ordered: node j has the unknowns j block + before + (0 ... states - 1), and the
+  /// stretch after it the equations j block + (0 ... states - 1).
+  struct Layout {
+    Eigen::Index nodes = 0, states = 0, block = 0, before = 0;
+  };
+  virtual Layout layout() const = 0;
+
+  /// See kept_states(), with the Jacobian at u.
+  std::vector<PinnedState> kept_states(const Vector& u, const Matrix& jacobian) const {
+    const Layout at = layout();
+    std::vector<PinnedState> list;
+    for (Eigen::Index i = 0; i < at.states; ++i) {
+      bool kept = true;
+      for (Eigen::Index j = 0; j < at.nodes && kept; ++j) {
+        Eigen::RowVectorXd alone = Eigen::RowVectorXd::Zero(jacobian.cols());
+        alone[j * at.block + at.before + i] += 1.0;
+        alone[(j + 1) % at.nodes * at.block + at.before + i] -= 1.0;
+        kept = jacobian.row(j * at.block + i) == alone;
+      }
+      if (kept) list.push_back({i, u[at.before + i]});
+    }
+    return list;
+  }
+  Eigen::Index closing_row(const PinnedState& pin) const {
+    const Layout at = layout();
+    return (at.nodes - 1) * at.block + pin.state;
+  }
+  /// Replaces the closing equations of the pinned states.
+  void pin_residual(const Vector& u, Vector& residual) const {
+    for (const PinnedState& pin : pinned_) residual[closing_row(pin)] = u[layout().before + pin.state] - pin.value;
+  }
+  template <class AnyMatrix> void pin_rows(AnyMatrix& jacobian) const {
+    for (const PinnedState& pin : pinned_) {
+      jacobian.row(closing_row(pin)).setZero();
+      jacobian(closing_row(pin), layout().before + pin.state) = 1.0;
+    }
+  }
+  /// A left vector without the rows of the pinned states, which do not depend on u.
+  Eigen::VectorXcd without_pinned_rows(Eigen::VectorXcd left) const {
+    for (const PinnedState& pin : pinned_) left[closing_row(pin)] = 0.0;
+    return left;
+  }
+
+  double size_ = 1.0;                ///< see measure_by
+  std::vector<PinnedState> pinned_;  ///< see pin
 };
 
 /// A value that the corrector's rounding has carried just beyond the range of a parameter is put back onto its end.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/problems/orbit_problem.hpp>
+#include <graze/lib/motion/rest.hpp>
 
 #include <fmt/format.h>
 
@@ -15,6 +16,14 @@ namespace {
 /// contact the matrices change over lengths of the square of its speed.
 constexpr double difference_step = 1e-7;
 
+/// Whether there are constraints, off which a disturbance is lost.
+bool holds(const HybridSystem& system, const std::vector<Constraint>& constraints, const HybridState& at, const Vector& p) {
+  if (constraints.empty()) return false;
+  std::vector<const Constraint*> all;
+  for (const Constraint& one : constraints) all.push_back(&one);
+  return constraint_map(system, all, at, p, {}).has_value();
+}
+
 }  // namespace
 
 OrbitProblem::OrbitProblem(const HybridSystem& system, const Vector& p, int period, int nodes, std::size_t parameter,
@@ -24,6 +33,7 @@ OrbitProblem::OrbitProblem(const HybridSystem& system, const Vector& p, int peri
 OrbitProblem OrbitProblem::with_section(double section_phase) const {
   OrbitProblem other(system(), p_, period(), nodes(), parameter_, scale_, equations_.options(), section_phase);
   other.size_ = size_;
+  other.pinned_ = pinned_;
   return other;
 }
 
@@ -63,6 +73,7 @@ OrbitProblem OrbitProblem::with_nodes(int times) const {
   OrbitProblem finer(system(), p_, period(), times * nodes(), parameter_, scale_, equations_.options(),
                      equations_.section_phase());
   finer.size_ = size_;
+  finer.pinned_ = pinned_;
   return finer;
 }
 
@@ -124,8 +135,28 @@ std::string OrbitProblem::failure() const { return failure_; }
 bool OrbitProblem::residual(const Vector& u, Vector& residual, Matrix* jacobian) {
   if (!evaluate(u, {.sensitivity = jacobian ? Sensitivity::state_and_parameters : Sensitivity::none})) return false;
   equations_.residual(u.head(u.size() - 1), residual);
-  if (jacobian) equations_.jacobian(*jacobian);
+  pin_residual(u, residual);
+  if (jacobian) {
+    equations_.jacobian(*jacobian);
+    pin_rows(*jacobian);
+  }
   return residual.allFinite() && (!jacobian || jacobian->allFinite());
+}
+
+std::vector<PinnedState> OrbitProblem::kept_states(const Vector& u) const {
+  if (!u.allFinite()) return {};
+  Vector p = p_;
+  p[static_cast<Eigen::Index>(parameter_)] = within_range(system().parameters[parameter_], value(u));
+  // Only where something is held at the first node already; and by equations of its own, so that the branch costs no more.
+  const HybridState start{equations_.node_time(u, 0), equations_.node(u, 0), 0};
+  const std::optional<std::size_t> mode = mode_at(system(), start.t, start.x, p);
+  if (!mode || !holds(system(), system().modes[*mode].constraints, {start.t, start.x, *mode}, p)) return {};
+  OrbitProblem apart = with_section(equations_.section_phase());
+  apart.pinned_.clear();
+  Vector residual;
+  Matrix jacobian;
+  if (!apart.residual(u, residual, &jacobian)) return {};
+  return BranchProblem::kept_states(u, jacobian);
 }
 
 ZeroProblem OrbitProblem::zero_problem() {
@@ -182,6 +213,7 @@ Eigen::MatrixXcd OrbitProblem::cyclic(const Vector&, std::complex<double> sigma)
     const std::complex<double> link = j + 1 < N ? 1.0 : sigma;
     K.block(j * n, (j + 1) % N * n, n, n).diagonal().array() -= link;
   }
+  pin_rows(K);
   return K;
 }
 
@@ -205,6 +237,7 @@ BranchProblem::Doubled OrbitProblem::doubled(const Vector& u) const {
   auto problem = std::make_unique<OrbitProblem>(system(), p_, 2 * period(), 2 * nodes(), parameter_, scale_, equations_.options(),
                                                 equations_.section_phase());
   problem->size_ = size_;
+  problem->pinned_ = pinned_;
   const std::vector<Vector> nodes_twice = [&] {
     std::vector<Vector> list;
     for (int j = 0; j < 2 * nodes(); ++j) list.push_back(equations_.node(u, j % nodes()));
@@ -220,8 +253,9 @@ Vector OrbitProblem::half_difference(const Vector& u) const {
   return u.segment(half, half) - u.head(half);
 }
 
-Eigen::VectorXcd OrbitProblem::cyclic_derivative(const Vector& u, std::complex<double>, const Eigen::VectorXcd& w,
+Eigen::VectorXcd OrbitProblem::cyclic_derivative(const Vector& u, std::complex<double>, const Eigen::VectorXcd& left,
                                                  const Eigen::VectorXcd& v) {
+  const Eigen::VectorXcd w = without_pinned_rows(left);
   const int n = states(), N = nodes();
   Eigen::VectorXcd derivative = Eigen::VectorXcd::Zero(unknowns());
   const auto form = [&](int j, const Matrix& Phi) -> std::complex<double> {

@@ -56,12 +56,15 @@ class OrbitProblem : public BranchProblem {
   Eigen::MatrixXcd cyclic(const Vector& u, std::complex<double> sigma) override;
   Eigen::VectorXcd cyclic_derivative(const Vector& u, std::complex<double> sigma, const Eigen::VectorXcd& w,
                                      const Eigen::VectorXcd& v) override;
+  std::vector<PinnedState> kept_states(const Vector& u) const override;
   double state_scale(const Vector& u) const override { return 1.0 + u.head(unknowns() - 1).lpNorm<Eigen::Infinity>(); }
   std::vector<Image> images(const Vector& u, const Vector& tangent) const override;
   Doubled doubled(const Vector& u) const override;
   Vector half_difference(const Vector& u) const override;
 
  private:
+  Layout layout() const override { return {nodes(), states(), states(), 0}; }
+
   ShootingEquations equations_;
   Vector p_;
   std::size_t parameter_;

@@ -87,7 +87,10 @@ ZeroProblem SignatureProblem::zero_problem() {
   problem.evaluate = [this](const Vector& u, Vector& residual, Matrix* jacobian) {
     if (!set_value(u)) return false;
     failure_ = "a flight between two impacts could not be carried out";
-    return equations_.evaluate(u, residual, jacobian);
+    if (!equations_.evaluate(u, residual, jacobian)) return false;
+    pin_residual(u, residual);
+    if (jacobian) pin_rows(*jacobian);
+    return true;
   };
   problem.failure = [this] { return failure_; };
   const int size = equations_.states() + 1;
@@ -96,6 +99,15 @@ ZeroProblem SignatureProblem::zero_problem() {
   problem.size = size_;
   problem.weights[unknowns() - 1] = 1.0 / (scale_ * scale_);
   return problem;
+}
+
+std::vector<PinnedState> SignatureProblem::kept_states(const Vector& u) const {
+  SignatureProblem apart(equations_.system(), p_, equations_.period(), equations_.sequence(), parameter_, scale_, options_);
+  Vector residual;
+  Matrix jacobian;
+  if (!apart.set_value(u) || !apart.equations_.holds_states(u)) return {};
+  if (!apart.equations_.evaluate(u, residual, &jacobian)) return {};
+  return BranchProblem::kept_states(u, jacobian);
 }
 
 std::optional<SignatureEquations::Violation> SignatureProblem::violation(const Vector& u) {
@@ -158,6 +170,7 @@ OrbitProblem SignatureProblem::in_states(const Vector& u, int per_period, double
   for (int j = 0; j < nodes; ++j) times[static_cast<std::size_t>(j)] = (section + static_cast<double>(j) / per_period) * T;
   out = problem.pack(states_at(u, times), equations_.duration(), value(u));
   problem.measure_by(out);
+  problem.pin(pinned_);
   return problem;
 }
 
@@ -174,11 +187,13 @@ Eigen::MatrixXcd SignatureProblem::cyclic(const Vector& u, std::complex<double> 
     K.block(k * size, (k + 1) % m * size, n, size) += link * block.next;
     K.row(k * size + n).segment(k * size, size) = block.own_gap.transpose();
   }
+  pin_rows(K);
   return K;
 }
 
-Eigen::VectorXcd SignatureProblem::cyclic_derivative(const Vector& u, std::complex<double> sigma, const Eigen::VectorXcd& w,
+Eigen::VectorXcd SignatureProblem::cyclic_derivative(const Vector& u, std::complex<double> sigma, const Eigen::VectorXcd& left,
                                                      const Eigen::VectorXcd& v) {
+  const Eigen::VectorXcd w = without_pinned_rows(left);
   // Only steers Newton; the equations are smooth, so that a usual step will do.
   constexpr double difference_step = 1e-6;
   const int n = equations_.states(), size = n + 1, m = equations_.events();
@@ -261,6 +276,7 @@ BranchProblem::Doubled SignatureProblem::doubled(const Vector& u) const {
   auto problem = std::make_unique<SignatureProblem>(equations_.system(), p, 2 * equations_.period(), twice.sequence, parameter_,
                                                     scale_, options_);
   problem->size_ = size_;
+  problem->pinned_ = pinned_;
   Vector start = problem->pack(twice, value(u));
   return {std::move(problem), std::move(start)};
 }

@@ -44,6 +44,7 @@ class SignatureProblem : public BranchProblem {
                                      const Eigen::VectorXcd& v) override;
   bool is_motion(const Vector& u) override { return !violation(u); }
   std::optional<std::vector<std::size_t>> sequence() const override { return equations_.sequence(); }
+  std::vector<PinnedState> kept_states(const Vector& u) const override;
   double state_scale(const Vector& u) const override;
   std::vector<Image> images(const Vector& u, const Vector& tangent) const override;
   Doubled doubled(const Vector& u) const override;
@@ -61,6 +62,7 @@ class SignatureProblem : public BranchProblem {
   const FlowOptions& flow_options() const { return options_; }
 
  private:
+  Layout layout() const override { return {equations_.events(), equations_.states(), equations_.states() + 1, 1}; }
   bool set_value(const Vector& u);
   double clear_section(const Vector& u) const;
   std::vector<Vector> states_at(const Vector& u, const std::vector<double>& times);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/orbit/signature_equations.hpp>
+#include <graze/lib/motion/rest.hpp>
 
 #include <fmt/format.h>
 
@@ -9,6 +10,28 @@
 #include <stdexcept>
 
 namespace graze {
+
+namespace {
+
+/// The constraints of each event's target mode that are those of all of them.
+std::vector<std::vector<const Constraint*>> held_all_along(const HybridSystem& system, const std::vector<std::size_t>& sequence) {
+  const auto constraints = [&](std::size_t event) -> const std::vector<Constraint>& {
+    return system.modes[system.events[event].to].constraints;
+  };
+  const auto holds_everywhere = [&](const Constraint& one) {
+    return std::all_of(sequence.begin(), sequence.end(), [&](std::size_t event) {
+      const std::vector<Constraint>& there = constraints(event);
+      return std::any_of(there.begin(), there.end(), [&](const Constraint& other) { return other.number == one.number; });
+    });
+  };
+  std::vector<std::vector<const Constraint*>> held(sequence.size());
+  for (std::size_t k = 0; k < sequence.size(); ++k)
+    for (const Constraint& one : constraints(sequence[k]))
+      if (holds_everywhere(one)) held[k].push_back(&one);
+  return held;
+}
+
+}  // namespace
 
 SignatureEquations::SignatureEquations(const HybridSystem& system, const Vector& p, int period, std::vector<std::size_t> events,
                                        std::size_t active, const FlowOptions& options)
@@ -23,6 +46,7 @@ SignatureEquations::SignatureEquations(const HybridSystem& system, const Vector&
       throw std::invalid_argument(
           fmt::format("event {} does not lead to the mode in which event {} can follow", event(k).name, next.name));
   }
+  held_ = held_all_along(system, sequence_);
 }
 
 double SignatureEquations::end_time(const Vector& u, int k) const {
@@ -36,6 +60,29 @@ HybridState SignatureEquations::after(const Vector& u, int k) {
   return state;
 }
 
+bool SignatureEquations::fixes_states(const HybridState& start, int k) const {
+  const Vector& p = parameters();
+  Vector gradient(n_), field(n_), dp(p.size());
+  propagator_.field(start.mode, start.t, start.x, field);
+  return !held(k).empty() && std::all_of(held(k).begin(), held(k).end(), [&](const Constraint* one) {
+    one->dx(start.t, start.x, p, gradient);
+    dp.setZero();
+    if (one->dp) one->dp(start.t, start.x, p, dp);
+    Eigen::Index place = 0;
+    gradient.cwiseAbs().maxCoeff(&place);
+    return (gradient.array() != 0.0).count() == 1 && field[place] == 0.0 && dp[static_cast<Eigen::Index>(active_)] == 0.0;
+  });
+}
+
+bool SignatureEquations::holds_states(const Vector& u) {
+  for (int k = 0; k < events(); ++k) {
+    if (held(k).empty()) return false;
+    const HybridState start = after(u, k);
+    if (!fixes_states(start, k) || !constraint_map(system(), held(k), start, parameters(), {})) return false;
+  }
+  return true;
+}
+
 bool SignatureEquations::evaluate(const Vector& u, int k, bool derivatives, Block& block) {
   const Vector& p = parameters();
   const auto active = static_cast<Eigen::Index>(active_);
@@ -46,22 +93,25 @@ bool SignatureEquations::evaluate(const Vector& u, int k, bool derivatives, Bloc
   HybridState moving = after(u, k);
   Vector start_field(n_), end_field(n_);
   if (derivatives) propagator_.field(here.to, t, moving.x, start_field);
+  std::optional<ConstraintMap> lost;
+  if (derivatives && fixes_states(moving, k)) lost = constraint_map(system(), held(k), moving, p, {});
   if (!propagator_.coast(moving, end, derivatives ? Sensitivity::state_and_parameters : Sensitivity::none)) return false;
   block.mismatch = moving.x - state(u, (k + 1) % events());
   block.gap = here.guard.value(t, x, p);
   if (!derivatives) return true;
   const Segment& flight = propagator_.segment();
   propagator_.field(here.to, end, moving.x, end_field);
+  const Matrix Phi = lost ? Matrix(flight.Phi * lost->dx) : flight.Phi;
   Matrix reset_dx = Matrix::Identity(n_, n_), reset_dp = Matrix::Zero(n_, p.size());
   Vector reset_dt = Vector::Zero(n_), gradient(n_), guard_dp = Vector::Zero(p.size());
   if (here.reset.map) here.reset.dx(t, x, p, reset_dx);
   if (here.reset.dp) here.reset.dp(t, x, p, reset_dp);
   if (here.reset.dt) here.reset.dt(t, x, p, reset_dt);
   block.own.resize(n_, n_ + 1);
-  block.own << flight.Phi * (reset_dt - start_field), flight.Phi * reset_dx;
+  block.own << Phi * (reset_dt - start_field), Phi * reset_dx;
   block.next.resize(n_, n_ + 1);
   block.next << end_field, -Matrix::Identity(n_, n_);
-  block.mismatch_dp = flight.Psi.col(0) + flight.Phi * reset_dp.col(active);
+  block.mismatch_dp = flight.Psi.col(0) + Phi * reset_dp.col(active);
   if (k + 1 == events()) block.mismatch_dp += end_field * (period_ * forcing_period_dp(system(), p)[active]);
   here.guard.dx(t, x, p, gradient);
   if (here.guard.dp) here.guard.dp(t, x, p, guard_dp);
@@ -155,6 +205,13 @@ MonodromyMatrix SignatureEquations::monodromy(const Vector& u, double* liouville
       const double volume = jump.regular ? std::log(std::abs(jump.S.determinant())) : std::numeric_limits<double>::quiet_NaN();
       log_det += volume;
       liouville += here.log_volume_change ? here.log_volume_change(parameters()) : volume;
+    }
+    if (!held(k).empty()) {
+      if (std::optional<ConstraintMap> lost = constraint_map(system(), held(k), moving, parameters(), {})) {
+        monodromy.factors.push_back(std::move(lost->dx));
+        monodromy.log_dets.push_back(std::numeric_limits<double>::quiet_NaN());
+        log_det = liouville = -std::numeric_limits<double>::infinity();
+      }
     }
     if (!propagator_.coast(moving, end_time(u, k), Sensitivity::state)) return {};
     const Segment& flight = propagator_.segment();

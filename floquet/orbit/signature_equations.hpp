@@ -55,6 +55,10 @@ class SignatureEquations {
   /// be carried out.
   bool evaluate(const Vector& u, Vector& residual, Matrix* jacobian);
 
+  /// Whether constraints hold on all flights, and fix states at values that neither the time nor the parameter moves. The
+  /// equations then know that a disturbance off them is lost; the states themselves stay where they are.
+  bool holds_states(const Vector& u);
+
   /// dh_k/dt just before event k: its normal speed, negative beyond grazing; and its gradient in u.
   double speed(const Vector& u, int k);
   Vector speed_gradient(const Vector& u, int k);
@@ -80,12 +84,15 @@ class SignatureEquations {
   int flight_at(const Vector& u, double t, double& shift) const;
   bool is_next_event(const Vector& u, int k, const EventRecord& met);
   HybridState after(const Vector& u, int k);
+  const std::vector<const Constraint*>& held(int k) const { return held_[static_cast<std::size_t>(k)]; }
+  bool fixes_states(const HybridState& start, int k) const;
   const Event& event(int k) const { return system().events[sequence_[static_cast<std::size_t>(k)]]; }
 
   Propagator propagator_;
   int n_ = 0, period_ = 0;
   std::vector<std::size_t> sequence_;
   std::size_t active_ = 0;
+  std::vector<std::vector<const Constraint*>> held_;  ///< on the flight after each event: the constraints that hold on all
 };
 
 }  // namespace graze
