@@ -162,8 +162,7 @@ Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& 
   if (end == Verdict::reject) return Verdict::reject;
   BranchPoint point = problem.branch_point(after.u, branch.points.back().arclength + after.arclength - before.arclength);
   if (!point.multipliers.valid || leaves_branch(system_, symmetries_, branch, point)) return Verdict::reject;
-  released_ = releases_pinned(problem, point);
-  if (released_) return Verdict::reject;
+  if (releases_pinned(problem, point)) return Verdict::reject;
   // Where a chatter becomes incomplete, infinitely many impacts separate, each with a grazing of its own.
   const bool sticks = point.isolated_impacts < point.impacts;
   const bool switches = sticks != (branch.points.back().isolated_impacts < branch.points.back().impacts);
@@ -400,7 +399,7 @@ std::optional<BranchStart> BranchFollower::continuation_in_states(OrbitProblem& 
 
 std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const BranchStart& start, Branch& branch) {
   symmetries_ = flight_symmetries(system_, branch.parameters);
-  interrupted_ = returned_ = chatter_ends_ = clear_of_soft_ = released_ = false;
+  interrupted_ = returned_ = chatter_ends_ = clear_of_soft_ = false;
   fastest_ = 0.0;
   refused_.reset();
   grazing_.reset();
@@ -461,7 +460,8 @@ std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const C
   auto* states = dynamic_cast<OrbitProblem*>(&problem);
   // If a free motion does not reproduce a weak impact of the last point, following in states cannot start there.
   const bool broken_off = why == TraceStop::min_step || why == TraceStop::start_failed;
-  if (broken_off && states && !released_) grazing_ = grazing_at_failure(*states, branch);
+  const bool released = curve.first_failed && problem.kept_states(*curve.first_failed).size() < problem.pinned().size();
+  if (broken_off && states && !released) grazing_ = grazing_at_failure(*states, branch);
   if (grazing_) {
     const SpecialPoint& point = branch.special_points.back();
     branch.stop_value = point.value;
@@ -488,9 +488,8 @@ std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const C
   } else if (why == TraceStop::point_limit) {
     stop(BranchStop::point_limit, fmt::format("{} points were computed, the limit", branch.points.size()));
   } else {
-    const bool released =
-        released_ || (refused_ && refused_->met && system_.events[refused_->met->event].kind == EventKind::release);
-    const std::string reason = released   ? "what is held all along the orbits before is released there"
+    const bool meets_release = refused_ && refused_->met && system_.events[refused_->met->event].kind == EventKind::release;
+    const std::string reason = released || meets_release ? "what is held all along the orbits before is released there"
                                : refused_ ? "several contacts graze there so close together that they cannot be told apart"
                                           : curve.failure;
     stop(BranchStop::step_too_small, fmt::format("no point is found beyond {} = {:.12g} even with the smallest step ({})",

@@ -98,7 +98,6 @@ class BranchFollower {
   // State of the branch being followed.
   Vector last_;  ///< unknowns of its last point
   bool interrupted_ = false, returned_ = false, chatter_ends_ = false;
-  bool released_ = false;  ///< the last trial orbit releases a pinned state
   /// Corner of the branch at the grazing of a stiff contact: parameter value and place along the step.
   struct Corner {
     double value, place;

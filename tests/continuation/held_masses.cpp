@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Branches of orbits on which friction holds a mass all along. It may be held anywhere in a band: the branch keeps the place that
+// it has at the start, and is then that of the other mass alone, with the place as a parameter.
+#include <graze/continuation/graph/branch_graph.hpp>
+#include <graze/floquet/attractor/settle.hpp>
+
+#include "support/branches.hpp"
+#include "support/checks.hpp"
+#include "support/system_texts.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+using namespace graze;
+using namespace graze::support;
+
+namespace {
+
+/// x1 is forced and may hit a stop; a spring k couples it to x2, on which the friction 0.5 N acts.
+HybridSystem two_masses() {
+  SystemWriter writer;
+  writer.system.name = "two";
+  writer.forcing("w").parameter("w", "0.9").parameter("F", "1").parameter("k", "0.5").parameter("N", "3").parameter("g", "0.4");
+  writer.mechanics({"x1", "x2"}, {"v1", "v2"},
+                   {{{"1", "0"}, {"0", "3"}}, {{"0.1", "0"}, {"0", "0.1"}}, {{"1+k", "-k"}, {"-k", "k"}}, {"F*cos(w*t)", "0"}});
+  writer.stop("stop", "g - x1", "newton", {"0.7"}).friction("foot", "v2", "N", "0.3 + 0.1*exp(-u)", "0.5");
+  return equations::make_system(writer.system).system;
+}
+
+/// The same with x2 as a parameter.
+HybridSystem one_mass() {
+  SystemWriter writer;
+  writer.system.name = "one";
+  writer.forcing("w").parameter("w", "0.9").parameter("F", "1").parameter("k", "0.5").parameter("g", "0.4").parameter("x2", "0");
+  writer.mechanics({"x1"}, {"v1"}, {{{"1"}}, {{"0.1"}}, {{"1+k"}}, {"F*cos(w*t) + k*x2"}});
+  writer.stop("stop", "g - x1", "newton", {"0.7"});
+  return equations::make_system(writer.system).system;
+}
+
+PeriodicOrbit orbit_from(const HybridSystem& system, const Vector& p, const Vector& start) {
+  const Settled settled = settle(system, p, start, {.periods = 200});
+  REQUIRE(settled.termination == Termination::time);
+  PeriodicOrbit orbit = shoot(system, p, settled.state, 1);
+  REQUIRE(orbit.converged());
+  return orbit;
+}
+
+struct Case {
+  const char* parameter;
+  double from, to, gap;
+  int direction;
+};
+
+Branch followed(const HybridSystem& system, const PeriodicOrbit& orbit, const Case& one) {
+  ContinuationOptions options;
+  options.parameter = one.parameter;
+  options.from = one.from;
+  options.to = one.to;
+  options.switch_generations = 0;
+  const BranchGraph graph = follow_branches(system, {{orbit, {one.direction}}}, options);
+  REQUIRE(!graph.branches.empty());
+  return graph.branches.front();
+}
+
+/// The multipliers are those of the other mass, 0 of the held speed, and 1 of the held place.
+void check_multipliers(const FloquetMultipliers& both, const FloquetMultipliers& alone) {
+  REQUIRE(both.values.size() == 4);
+  REQUIRE(alone.values.size() == 2);
+  CHECK(both.trivial == 1);
+  // A weak impact of speed s makes a multiplier in proportion to 1 / s: the rounding of s grows with its square.
+  for (std::size_t i = 0; i < 2; ++i)
+    CHECK(std::abs(both.values[i] - alone.values[i]) < std::max(1e-10, 1e-14 * std::norm(alone.values[i])));
+  CHECK(both.values[2] == 0.0);
+  CHECK(both.values[3] == 1.0);
+}
+
+}  // namespace
+
+TEST_CASE("a branch on which friction holds one mass all along is that of the other mass (fixed)") {
+  const HybridSystem two = two_masses(), one = one_mass();
+  // With impacts, in the coordinates of the events, and without, in states at fixed phases.
+  for (const Case& row : std::vector<Case>{{"w", 0.9, 1.1, 0.4, 1},
+                                           {"w", 0.6, 0.9, 0.4, -1},
+                                           {"F", 1.0, 1.5, 0.4, 1},
+                                           {"w", 0.9, 0.95, 50.0, 1},
+                                           {"F", 1.0, 1.2, 50.0, 1}}) {
+    constexpr double place = 0.1;
+    INFO(row.parameter << " to " << (row.direction > 0 ? row.to : row.from) << ", gap " << row.gap);
+    const PeriodicOrbit start = orbit_from(two, parameters(two, {{"g", row.gap}}), vector({0.0, place, 0.0, 0.0}));
+    REQUIRE(start.state[3] == 0.0);
+    const double held = start.state[1];
+    const PeriodicOrbit alone =
+        orbit_from(one, parameters(one, {{"g", row.gap}, {"x2", held}}), vector({start.state[0], start.state[2]}));
+    const Branch both = followed(two, start, row), single = followed(one, alone, row);
+    CHECK(both.stop == single.stop);
+    CHECK(std::abs(both.stop_value - single.stop_value) < 1e-10);
+    REQUIRE(both.points.size() > 5);
+    REQUIRE(both.points.size() == single.points.size());
+    for (std::size_t k = 0; k < both.points.size(); ++k) {
+      const BranchPoint &b = both.points[k], &s = single.points[k];
+      CHECK(std::abs(b.value - s.value) < 1e-10);
+      CHECK(b.state()[1] == held);
+      CHECK(b.state()[3] == 0.0);
+      CHECK((vector({b.state()[0], b.state()[2]}) - s.state()).lpNorm<Eigen::Infinity>() < 1e-10);
+      check_multipliers(b.multipliers, s.multipliers);
+      CHECK(b.stable == s.stable);
+      CHECK(b.impacts == s.impacts);
+    }
+    CHECK(types_of(both) == types_of(single));
+    REQUIRE(both.special_points.size() == single.special_points.size());
+    for (std::size_t k = 0; k < both.special_points.size(); ++k) {
+      const SpecialPoint &b = both.special_points[k], &s = single.special_points[k];
+      CHECK(std::abs(b.value - s.value) < 1e-10);
+      if (b.type == PointType::GR) continue;  // its multipliers are singular
+      check_multipliers(b.orbit.multipliers, s.orbit.multipliers);
+    }
+    CHECK(check_branch(two, both).empty());
+  }
+}
+
+TEST_CASE("a branch on which friction holds one mass ends where that is released") {
+  const HybridSystem two = two_masses();
+  for (const double gap : {0.4, 50.0}) {
+    INFO("gap " << gap);
+    const Vector p = parameters(two, {{"g", gap}});
+    const PeriodicOrbit start = orbit_from(two, p, vector({0.0, 0.0, 0.0, 0.0}));
+    // The spring pulls with k |x1 - x2|; the friction holds up to 0.5 N.
+    double largest = 0.0;
+    Propagator propagator(two, p);
+    Transition moved;
+    constexpr int samples = 20000;
+    for (int k = 1; k <= samples; ++k) {
+      carry(propagator, 0.0, start.duration * k / samples, start.state, {.sensitivity = Sensitivity::none}, moved);
+      largest = std::max(largest, std::abs(moved.x1[0] - start.state[1]));
+    }
+    const Branch branch = followed(two, start, {"N", 0.1, 3.0, gap, -1});
+    CHECK(branch.stop == BranchStop::step_too_small);
+    INFO(branch.message);
+    CHECK(branch.message.find("is released there") != std::string::npos);
+    CHECK(branch.stop_value > largest);
+    CHECK(branch.stop_value < largest + 1e-6);
+    CHECK(branch.special_points.back().type == PointType::MX);
+  }
+}
+
+TEST_CASE("a capsule held all along has a multiplier that is exactly zero at each point of its branch (fixed)") {
+  // An inner mass at q in the capsule moves with speed y and drives it; friction of size 1 holds the capsule, u = 0.
+  SystemWriter writer;
+  writer.system.name = "capsule";
+  writer.states({"q", "y", "u"}).forcing("w").parameter("w", "0.9");
+  const std::string field = "q' = y - u; y' = 0.05*cos(w*t) - q - 0.1*(y - u); u' = (q + 0.1*(y - u) ";
+  writer.mode("below", field + "+ 1)/4.9").mode("above", field + "- 1)/4.9").surface("u", "below", "above", "stick");
+  const HybridSystem system = equations::make_system(writer.system).system;
+  const PeriodicOrbit start = orbit_from(system, default_parameters(system.parameters), vector({0.0, 0.0, 0.0}));
+  const Branch branch = followed(system, start, {"w", 0.9, 0.95, 0.0, 1});
+  REQUIRE(branch.points.size() > 10);
+  for (const BranchPoint& point : branch.points) {
+    REQUIRE(point.multipliers.values.size() == 3);
+    CHECK(point.multipliers.values[2] == 0.0);
+    CHECK(point.multipliers.exponents[2] == -std::numeric_limits<double>::infinity());
+    // The other two are those of q'' = -q - 0.1 q' over a forcing period: of modulus e^(-0.05 T).
+    CHECK(std::abs(point.multipliers.values[0]) == Approx(std::exp(-0.05 * point.duration)).epsilon(1e-11));
+  }
+}
