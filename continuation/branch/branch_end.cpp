@@ -21,14 +21,14 @@ Vector parameters_at(const HybridSystem& system, const Branch& branch, double va
 OrbitProblem orbit_problem(const HybridSystem& system, const PeriodicOrbit& orbit, const ContinuationOptions& options, double low,
                            double high, int copies) {
   const double scale = std::max(high - low, 1e-6 * (1.0 + std::abs(high)));
-  return {system,
-          orbit.parameters,
-          copies * orbit.period,
-          copies * static_cast<int>(orbit.nodes.size()),
-          parameter_index(system.parameters, options.parameter),
-          scale,
-          options.shooting.flow,
-          orbit.section_phase};
+  const std::size_t parameter = parameter_index(system.parameters, options.parameter);
+  OrbitProblem problem(system, orbit.parameters, copies * orbit.period, copies * static_cast<int>(orbit.nodes.size()), parameter,
+                       scale, options.shooting.flow, orbit.section_phase);
+  std::vector<Vector> nodes;
+  for (int k = 0; k < copies; ++k) nodes.insert(nodes.end(), orbit.nodes.begin(), orbit.nodes.end());
+  const double value = orbit.parameters[static_cast<Eigen::Index>(parameter)];
+  problem.pin(problem.kept_states(problem.pack(nodes, copies * orbit.duration, value)));
+  return problem;
 }
 
 std::optional<PeriodicOrbit> half_period_orbit(const HybridSystem& system, const Branch& branch,

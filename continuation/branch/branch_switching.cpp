@@ -31,6 +31,7 @@ SignatureStart start_with(OrbitProblem& problem, const PeriodicOrbit& orbit, con
                       problem.equations().options()},
                      {},
                      std::move(added)};
+  out.problem.pin(problem.pinned());
   BranchStart& start = out.start;
   start.u = out.problem.pack(nodes, value);
   start.orientation = Vector::Zero(start.u.size());
@@ -66,6 +67,7 @@ OwnCoordinates own_coordinates(const SpecialPoint& point, OrbitProblem& states) 
   if (!nodes || impacts(system, {0, nodes->sequence}) != point.orbit.impacts) return own;
   own.by_events.emplace(system, point.orbit.parameters, states.period(), nodes->sequence, states.parameter(), states.scale(),
                         states.equations().options());
+  own.by_events->pin(states.pinned());
   own.u = own.by_events->pack(*nodes, point.value);
   return own;
 }
