@@ -31,7 +31,7 @@ struct MonodromyMatrix {
 
 struct FloquetMultipliers {
   Section section = Section::stroboscopic;
-  int trivial = 0;                           ///< number of trivial multipliers (+1) in `values`; they come last
+  int trivial = 0;  ///< trivial multipliers (+1) in `values`, at its end: along an autonomous orbit, of held places
   std::vector<std::complex<double>> values;  ///< by decreasing modulus; conjugates adjacent, positive imaginary part first
   std::vector<double> exponents;             ///< ln|mu| / duration, -infinity for a zero multiplier
   bool valid = false;                        ///< false: not computed, or not finite (grazing)
