@@ -2,8 +2,8 @@
 // Report of a motion, as JSON.
 #pragma once
 
-#include <graze/lib/motion/sampled_motion.hpp>
 #include <graze/apps/results/orbit_report.hpp>
+#include <graze/lib/motion/sampled_motion.hpp>
 
 namespace graze::apps {
 

@@ -66,8 +66,7 @@ TEST_CASE("a quantity that several dimensionless parameters depend on changes al
   const Json orbit = result({"orbit", file, "--set", "a=0.042", "--y", "max(X)", "--start",
                              last.at("state").at(0).dump() + "," + last.at("state").at(1).dump(), "--settle", "0"});
   CHECK(last.at("state").at(0).get<double>() == Approx(orbit.at("orbit").at("state").at(0).get<double>()).epsilon(1e-10));
-  CHECK(last.at("y").at("max(X)").get<double>() ==
-        Approx(orbit.at("orbit").at("y").at("max(X)").get<double>()).epsilon(1e-9));
+  CHECK(last.at("y").at("max(X)").get<double>() == Approx(orbit.at("orbit").at("y").at("max(X)").get<double>()).epsilon(1e-9));
 }
 
 TEST_CASE("sweeps, maps, locate and verify take physical quantities, and a diagram in one runs in the lanes") {
