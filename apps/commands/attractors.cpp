@@ -68,7 +68,15 @@ Plane plane_of(const Options& options, const Problem& problem) {
     const std::array<std::size_t, 2> chosen = plane_of(problem, options.plane);
     plane.state = {static_cast<Eigen::Index>(chosen[0]), static_cast<Eigen::Index>(chosen[1])};
   }
-  for (const std::size_t i : {0, 1}) plane.name[i] = names[static_cast<std::size_t>(plane.state[i])];
+  for (const std::size_t i : {0, 1}) {
+    plane.name[i] = names[static_cast<std::size_t>(plane.state[i])];
+    if (!options.start.start) continue;
+    const std::vector<std::string>& given = options.start.start->names;
+    if (std::find(given.begin(), given.end(), plane.name[i]) != given.end())
+      throw std::invalid_argument(fmt::format("--start {0}=: {0} varies over the plane of starts; name only the other states, or "
+                                              "another --plane",
+                                              plane.name[i]));
+  }
   return plane;
 }
 

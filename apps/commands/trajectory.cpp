@@ -38,7 +38,7 @@ std::string motion_text(const Problem& problem, const Motion& motion, const Cont
   std::string text = by_duration ? "a time of " + rounded(motion.duration) : counted_periods(problem, motion.periods);
   if (!motion.samples.empty()) text += ", " + counted(motion.samples.size(), "sample");
   text += fmt::format(", {}; {}\n", counted(list.contacts.size(), "contact"), termination_text(motion.termination));
-  text += fmt::format("  state at the end {}\n", rounded_state(motion.strobe.back(), 15));
+  text += fmt::format("  state at the end {}\n", rounded_state(motion.state, 15));
   std::vector<Contact> shown = list.contacts;
   if (shown.size() > contacts_shown) shown.resize(contacts_shown);
   if (!shown.empty()) text.append("\n").append(aligned(contacts_table(shown)));
@@ -84,6 +84,7 @@ int run(const Options& given, const Console& console) {
                          }});
   } else {
     motion.strobe.push_back(settled.state);
+    motion.state = settled.state;
     motion.termination = settled.termination;
   }
   append_values(expressions, problem, true, motion.samples);

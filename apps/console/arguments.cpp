@@ -142,7 +142,7 @@ std::string state_form(const std::string& text) {
   const std::size_t comma = text.find(',');
   const bool beyond =
       is_beyond_double(text.substr(0, comma)) || (comma != std::string::npos && is_beyond_double(text.substr(comma + 1)));
-  return fmt::format("two numbers x,v{}, for example 0.5,-1.2, or by name, x=0.5,v=-1.2",
+  return fmt::format("two numbers x,v{}, or one for each state of another system, for example 0.5,-1.2, or by name, x=0.5,v=-1.2",
                      beyond ? fmt::format(", each {}", magnitude) : "");
 }
 

@@ -4,6 +4,7 @@
 #include <graze/apps/text/column.hpp>
 #include <graze/apps/text/number.hpp>
 
+#include <graze/lib/models/physical_units.hpp>
 #include <graze/lib/motion/extent.hpp>
 #include <graze/lib/motion/trajectory.hpp>
 
@@ -99,20 +100,36 @@ class Reading {
   }
 
  private:
-  /// Units of a built-in system, with displacement, velocity and forcing frequency in the units of the file's quantities.
+  /// Units of a built-in system. For one in physical quantities also displacement X, velocity V and these quantities: those that
+  /// are no parameters follow from the dimensionless parameters.
   void name_units() {
     for (const char* name : {"x", "v", "t"}) units_.emplace(name, "dimensionless");
     if (!problem_.converted_from) return;
     const ConvertedFrom& from = *problem_.converted_from;
-    const auto value = [&](const char* name, double constant) {
-      const auto found = names_.find(name);
-      return found == names_.end() ? graph_.constant(constant) : found->second;
+    const ExcitationKind& kind = excitation_kind(from.excitation);
+    const Values constants = to_dimensionless(kind, Values(from.quantities.begin(), from.quantities.end()));
+    equations::Scope scope;
+    scope.find = [&](std::string_view name) -> std::optional<equations::Expression> {
+      if (const auto found = names_.find(name); found != names_.end()) return found->second;
+      const auto constant = constants.find(name);
+      return constant == constants.end() ? std::nullopt : std::optional(graph_.constant(constant->second));
     };
-    const equations::Expression alpha = value("alpha", from.alpha), length = value("length", from.length);
-    names_.emplace("X", graph_.multiply(length, names_.at("x")));
-    names_.emplace("V", graph_.multiply(graph_.multiply(length, alpha), names_.at("v")));
-    names_.emplace("omega", graph_.multiply(alpha, names_.at("eta")));
-    units_.insert({{"X", "m"}, {"V", "m/s"}, {"omega", "rad/s"}});
+    const auto read = [&](const std::string& text) {
+      return equations::parse_expression(graph_, {}, {text}, scope, "conversion");
+    };
+    const equations::Expression X = read("length*x"), V = read("length*alpha*v"), speed = read("length*alpha"),
+                                seconds = read("1/alpha");
+    for (const auto& [name, value] : from.quantities) units_[name] = quantity_info(kind, name).unit;
+    for (const auto& [name, value] : kind.inverse) {
+      const equations::Expression quantity = read(value.text);
+      if (name.text == "energy") scales_.emplace(QuantityKind::energy_lost, Scale{quantity, "J"});
+      if (units_.contains(name.text)) names_.emplace(name.text, quantity);
+    }
+    names_.insert({{"X", X}, {"V", V}});
+    units_.insert({{"X", "m"}, {"V", "m/s"}});
+    scales_.insert({{QuantityKind::impact_speed_max, {speed, "m/s"}},
+                    {QuantityKind::impact_speed_min, {speed, "m/s"}},
+                    {QuantityKind::period, {seconds, "s"}}});
   }
 
   Quantity read(const std::string& text) {
@@ -121,6 +138,10 @@ class Reading {
       if (text == word.text && !names_.contains(text)) {
         one.kind = word.kind;
         if (word.kind == QuantityKind::period) one.unit = unit_of("t");
+        if (const auto scale = scales_.find(one.kind); scale != scales_.end()) {
+          one.unit = scale->second.unit;
+          one.scale = index_of(scale->second.factor);
+        }
         return one;
       }
     std::string argument = text;
@@ -149,9 +170,14 @@ class Reading {
       throw std::invalid_argument(fmt::format(
           "--y {}: {}; {}", text, sentence.starts_with(prefix) ? sentence.substr(prefix.size()) : sentence, allowed()));
     }
+    return index_of(read);
+  }
+
+  std::size_t index_of(equations::Expression read) {
     const auto known = std::find(expressions_.begin(), expressions_.end(), read);
+    const auto index = static_cast<std::size_t>(known - expressions_.begin());
     if (known == expressions_.end()) expressions_.push_back(read);
-    return static_cast<std::size_t>(std::find(expressions_.begin(), expressions_.end(), read) - expressions_.begin());
+    return index;
   }
 
   std::string unit_of(const std::string& name) const {
@@ -161,10 +187,10 @@ class Reading {
   }
 
   std::string allowed() const {
-    std::string text =
-        fmt::format("a quantity is an expression E of {}{}, parameters{}{}, or max(E), min(E), amplitude(E) or mean(E)",
-                    fmt::join(state_columns(problem_), ", "), problem_.converted_from ? ", X, V, omega" : "",
-                    is_forced(problem_.system) ? ", t" : "", is_built_in(problem_) ? "" : ", definitions and outputs");
+    std::string text = fmt::format(
+        "a quantity is an expression E of {}{}, parameters{}{}, or max(E), min(E), amplitude(E) or mean(E)",
+        fmt::join(state_columns(problem_), ", "), problem_.converted_from ? ", X, V, the quantities of [physical]" : "",
+        is_forced(problem_.system) ? ", t" : "", is_built_in(problem_) ? "" : ", definitions and outputs");
     for (const Word& word : words) text += std::string(word.kind == QuantityKind::period ? " or " : ", ") + word.text;
     return text;
   }
@@ -174,6 +200,11 @@ class Reading {
   std::map<std::string, equations::Expression, std::less<>> names_;
   std::map<std::string, std::size_t, std::less<>> tables_;
   std::map<std::string, std::string, std::less<>> units_;
+  struct Scale {
+    equations::Expression factor;
+    std::string unit;
+  };
+  std::map<QuantityKind, Scale> scales_;  // of words in a problem with physical quantities
   equations::Scope scope_;
   std::vector<equations::Expression> expressions_;
 };
@@ -325,6 +356,8 @@ QuantityValues measure(const Quantities& quantities, const HybridSystem& system,
   for (const Quantity& one : quantities.list) {
     const std::size_t count = one.kind == QuantityKind::at_phase_0 ? motion.states.size() : 1;
     values.push_back({one.text, measured ? values_of(one, *measured, motion) : std::vector<double>(count, std::nan(""))});
+    if (measured && one.scale)
+      for (double& value : values.back().values) value *= measured->starts[*one.scale].front();
   }
   return values;
 }

@@ -9,7 +9,8 @@
 //     energy_lost                             per forcing period, in contacts
 //     period                                  the duration of the orbit
 //
-// For a problem given in physical quantities X, V and omega are displacement, velocity and forcing frequency in their units.
+// For a problem given in physical quantities X and V are displacement and velocity, and the quantities of the file are names
+// too; impact speeds, energy_lost and period are in m/s, J and s.
 // With two arguments, max and min are functions within E. A name of the problem takes precedence over a word of this list.
 #pragma once
 
@@ -21,6 +22,7 @@
 #include <graze/floquet/orbit/periodic_orbit.hpp>
 #include <graze/lib/equations/motion_functions.hpp>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,8 +49,9 @@ enum class QuantityKind {
 struct Quantity {
   std::string text;  ///< as given by the user
   QuantityKind kind = QuantityKind::at_phase_0;
-  std::size_t function = 0;  ///< index of E in Quantities::functions
-  std::string unit = {};     ///< empty: unknown
+  std::size_t function = 0;               ///< index of E in Quantities::functions
+  std::optional<std::size_t> scale = {};  ///< function whose value, a constant of the motion, turns the quantity into its unit
+  std::string unit = {};                  ///< empty: unknown
 };
 
 struct Quantities {

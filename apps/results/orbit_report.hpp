@@ -105,8 +105,9 @@ template <class T> Columns<T> sticking_columns() {
 template <class T> Columns<T> states_columns() {
   const auto has_nodes = [](const T& orbit) { return orbit.section_phase != 0.0; };
   const auto set_states = [](T& orbit, const std::vector<Vector>& states) { orbit.states = orbit.nodes = states; };
-  return {{"state", "at forcing phase 0", [](const T& orbit) { return orbit.states.front(); },
-           [=](T& orbit, const Vector& state) { set_states(orbit, {state}); }},
+  // A grazing that could only be bracketed may have an orbit without states.
+  const auto first_state = [](const T& orbit) { return orbit.states.empty() ? Vector() : orbit.states.front(); };
+  return {{"state", "at forcing phase 0", first_state, [=](T& orbit, const Vector& state) { set_states(orbit, {state}); }},
           {"states", "at forcing phase 0, after each of several periods", [](const T& orbit) { return orbit.states; }, set_states,
            only([](const T& orbit) { return orbit.states.size() > 1; })},
           {"section_phase", "forcing phase over 2 pi of the first node", &T::section_phase, only(has_nodes)},

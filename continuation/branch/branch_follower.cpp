@@ -48,6 +48,24 @@ bool is_plastic(const HybridSystem& system, const Vector& p) {
   });
 }
 
+struct ValueAt {
+  double arclength, value;
+};
+
+/// Whether the parabola through the values of a test function at three consecutive points, the last two of one sign, passes zero
+/// twice in the last step, or comes so near to it that the function may.
+bool may_pass_zero_twice(const ValueAt& earlier, const ValueAt& before, const ValueAt& after) {
+  constexpr double near = 0.1;  // of the value at the beginning of the step
+  const double slope = (before.value - earlier.value) / (before.arclength - earlier.arclength);
+  const double bend =
+      ((after.value - before.value) / (after.arclength - before.arclength) - slope) / (after.arclength - earlier.arclength);
+  const double turn = 0.5 * (earlier.arclength + before.arclength - slope / bend);
+  if (!(turn > before.arclength && turn < after.arclength)) return false;
+  const double there =
+      earlier.value + slope * (turn - earlier.arclength) + bend * (turn - earlier.arclength) * (turn - before.arclength);
+  return there / before.value < near;
+}
+
 /// Whether a pinned state no longer keeps its value at this point: its closing equation is a condition again.
 bool releases_pinned(const OrbitProblem& problem, const BranchPoint& point) {
   const int of_time = point.multipliers.section == Section::autonomous ? 1 : 0;
@@ -88,6 +106,7 @@ std::optional<Verdict> BranchFollower::end_of_range(BranchProblem& problem, cons
 void BranchFollower::begin(BranchProblem& problem, const Vector& u, Branch& branch) {
   branch.points.push_back(problem.branch_point(u, 0.0));
   last_ = u;
+  earlier_ = {};
   mark(problem, u, PointType::EP, branch);
 }
 
@@ -101,9 +120,20 @@ bool BranchFollower::take(BranchProblem& problem, const CurvePoint& before, cons
   const auto doubtful = [&](const PointInStep& special) { return special.point.status != PointStatus::converged && long_step; };
   if (std::any_of(met.begin(), met.end(), doubtful)) return false;
   const TestPoint a{before, branch.points.back()}, b{after, point};
+  constexpr double longest_undivided = 1e-3;
+  const bool divisible = !corner_ && met.empty() && after.arclength - before.arclength > longest_undivided;
+  EarlierValues values{a.branch.arclength, {}};
   for (const TestFunction& test : test_functions()) {
     const double f_a = test.value(a), f_b = test.value(b);
-    if (!std::isfinite(f_a) || !std::isfinite(f_b) || (f_a < 0.0) == (f_b < 0.0)) continue;
+    values.values.push_back(f_a);
+    if (!std::isfinite(f_a) || !std::isfinite(f_b)) continue;
+    if ((f_a < 0.0) == (f_b < 0.0)) {
+      const std::size_t index = values.values.size() - 1;
+      if (divisible && !earlier_.values.empty() &&
+          may_pass_zero_twice({earlier_.arclength, earlier_.values[index]}, {a.branch.arclength, f_a}, {point.arclength, f_b}))
+        return false;
+      continue;
+    }
     const bool confirmed = test.confirm(a, b);
     if (!confirmed && !(test.too_far_apart && test.too_far_apart(a, b))) continue;
     if (in_rounding(test, a, b)) continue;
@@ -131,6 +161,7 @@ bool BranchFollower::take(BranchProblem& problem, const CurvePoint& before, cons
   user_points(problem, before, after, branch, met);
   std::stable_sort(met.begin(), met.end(), [](const PointInStep& x, const PointInStep& y) { return x.place < y.place; });
   for (PointInStep& special : met) branch.special_points.push_back(std::move(special.point));
+  earlier_ = std::move(values);
   branch.points.push_back(std::move(point));
   last_ = after.u;
   if (options_.progress) options_.progress(branch);

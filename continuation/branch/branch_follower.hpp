@@ -97,6 +97,12 @@ class BranchFollower {
   std::vector<Symmetry> symmetries_;  // those found at the start of the branch
   // State of the branch being followed.
   Vector last_;  ///< unknowns of its last point
+  /// Values of the test functions at the point before the last one; empty: there is none.
+  struct EarlierValues {
+    double arclength = 0.0;
+    std::vector<double> values;
+  };
+  EarlierValues earlier_;
   bool interrupted_ = false, returned_ = false, chatter_ends_ = false;
   /// Corner of the branch at the grazing of a stiff contact: parameter value and place along the step.
   struct Corner {

@@ -42,42 +42,47 @@ LocatedPoint locate_branch_point(BranchProblem& problem, const Vector& start) {
   const Eigen::Index size = residual.size();
   const auto [c, b] = null_vectors(Matrix(jacobian.leftCols(size)));
   const double scale = problem.state_scale(start);
-  double unfolding = 0.0, last_step = std::numeric_limits<double>::infinity();
-  for (int iteration = 0; iteration < 20; ++iteration) {
-    Vector null;
-    const Vector F = extended_residual(zero, located.u, unfolding, b, c, &null);
-    if (F.size() == 0) return located;
+  Vector null, F, row;
+  double last_step = 0.0;
+  const auto linearise = [&, &b = b, &c = c](const Vector& v) -> std::optional<NewtonIterate> {
+    const Vector u = v.head(size + 1);
+    const double unfolding = v[size + 1];
+    F = extended_residual(zero, u, unfolding, b, c, &null);
+    if (F.size() == 0) return std::nullopt;
     Matrix J(size + 2, size + 2);
     for (Eigen::Index i = 0; i <= size; ++i) {
-      const double h = 1e-6 * (1.0 + std::abs(located.u[i]));
-      Vector ahead = located.u, behind = located.u;
+      const double h = 1e-6 * (1.0 + std::abs(u[i]));
+      Vector ahead = u, behind = u;
       ahead[i] += h;
       behind[i] -= h;
       const Vector fa = extended_residual(zero, ahead, unfolding, b, c, nullptr);
       const Vector fb = extended_residual(zero, behind, unfolding, b, c, nullptr);
-      if (fa.size() == 0 || fb.size() == 0) return located;
+      if (fa.size() == 0 || fb.size() == 0) return std::nullopt;
       J.col(i) = (fa - fb) / (2.0 * h);
     }
     J.col(size + 1) << b, 0.0, 0.0;
-    const Vector step = J.partialPivLu().solve(-F);
-    located.newton.residual_history.push_back(F.lpNorm<Eigen::Infinity>() / scale);
-    if (!step.allFinite()) {
-      located.newton.status = NewtonStatus::singular;
-      return located;
-    }
-    const double step_size = step.head(size + 1).lpNorm<Eigen::Infinity>() / scale;
-    located.v = null.cast<std::complex<double>>();
-    if (located.newton.residual() < 1e-9 && (step_size < 1e-13 || step_size >= 0.5 * last_step)) {
-      located.newton.status = std::abs(unfolding) < 1e-8 ? NewtonStatus::converged : NewtonStatus::stalled;
-      // The step is not taken: what is left of the error after it comes on top.
-      located.precision = std::abs(step[size]) + 1e-13 * (1.0 + std::abs(located.u[size]));
-      return located;
-    }
-    last_step = step_size;
-    located.u += step.head(size + 1);
-    unfolding += step[size + 1];
-    located.newton.status = NewtonStatus::iteration_limit;
-  }
+    const Eigen::PartialPivLU<Matrix> lu(J);
+    NewtonIterate at;
+    at.residual = F.lpNorm<Eigen::Infinity>() / scale;
+    at.step = lu.solve(-F);
+    at.length = at.step.head(size + 1).lpNorm<Eigen::Infinity>() / scale;
+    row = lu.transpose().solve(Vector::Unit(size + 2, size));
+    last_step = at.step[size];
+    return at;
+  };
+  Vector v(size + 2);
+  v << start, 0.0;
+  // The differences by which the Jacobian is formed limit the accuracy.
+  located.newton = newton_to_rounding(v, linearise, {.acceptance = 1e-9, .shortest = 1e-13});
+  located.u = v.head(size + 1);
+  if (null.size() > 0) located.v = null.cast<std::complex<double>>();
+  if (!located.newton.converged()) return located;
+  const double unfolding = v[size + 1];
+  if (!(std::abs(unfolding) < 1e-8)) located.newton.status = NewtonStatus::stalled;
+  // The last step is not taken: what is left of the error after it comes on top.
+  located.precision = std::abs(last_step) + 1e-13 * (1.0 + std::abs(located.u[size]));
+  const Vector finer = extended_residual(problem.with_half_steps()->zero_problem(), located.u, unfolding, b, c, nullptr);
+  if (finer.size() > 0) located.precision = std::max(located.precision, 2.0 * std::abs(row.dot(finer - F)));
   return located;
 }
 

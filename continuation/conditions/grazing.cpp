@@ -319,8 +319,7 @@ LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const 
   if (resume_after == 0.0) miss = smallest_miss();
   // Error of the value by the steps of numerical flows: its change where they are half as long. `row`: of the inverse Jacobian.
   const auto truncation = [&](const Vector& residual, const GuardAndRate& at, const Vector& row) {
-    constexpr double half_steps = 1.0 / 256.0;  // of the tolerance, for the general integrator's order
-    OrbitProblem finer = problem.with_tolerance(half_steps * equations.options().tolerance);
+    OrbitProblem finer = problem.in_half_steps();
     leave_out(finer.equations());
     Vector there;
     located.others_vague = !finer.residual(located.u, there, nullptr);
@@ -332,22 +331,21 @@ LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const 
         guard_and_rate(guard, system.modes[touch.mode], touch.t, touch.x, equations.parameters(), problem.parameter());
     Vector change(unknowns + 1);
     change << there - residual, met.h - at.h, met.rate - at.rate;
-    if (equations.autonomous()) change[unknowns - 2] = 0.0;  // the phase condition
     return std::abs(row.dot(change));
   };
-  Vector residual;
+  Vector residual, row;
   Matrix jacobian;
+  GuardAndRate at;
+  double scale = 1.0, last_step = 0.0;
   constexpr double near_touch = 1e-6;  // Newton's method has all but found it
-  double last_step = std::numeric_limits<double>::infinity();
-  for (int iteration = 0; iteration < 25; ++iteration) {
+  const auto linearise = [&](const Vector& v) -> std::optional<NewtonIterate> {
+    located.u = v.head(unknowns);
+    t = v[unknowns];
     leave_out(equations);
-    if (!problem.residual(located.u, residual, &jacobian)) {
-      located.newton.status = NewtonStatus::evaluation_failed;
-      break;
-    }
+    if (!problem.residual(located.u, residual, &jacobian)) return std::nullopt;
     const Touch& touch = equations.stretch(j).touch;
     const Vector p = equations.parameters();
-    const GuardAndRate at = guard_and_rate(guard, system.modes[touch.mode], touch.t, touch.x, p, problem.parameter());
+    at = guard_and_rate(guard, system.modes[touch.mode], touch.t, touch.x, p, problem.parameter());
     const Vector x_dp = equations.fixed_time_dp(j, touch.Phi, touch.Psi);
     Matrix A = Matrix::Zero(unknowns + 1, unknowns + 1);
     A.topLeftCorner(unknowns - 1, unknowns) = jacobian;
@@ -362,40 +360,33 @@ LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const 
     A(unknowns, unknowns) = located.curvature;
     Vector right(unknowns + 1);
     right << -residual, -at.h - miss, -at.rate;
-    const double scale = 1.0 + located.u.head(unknowns - 1).lpNorm<Eigen::Infinity>();
-    located.newton.residual_history.push_back(right.lpNorm<Eigen::Infinity>() / scale);
+    scale = 1.0 + located.u.head(unknowns - 1).lpNorm<Eigen::Infinity>();
     const OrbitLU<Matrix> lu(A);
-    const Vector step = lu.solve(right);
-    if (!step.allFinite()) {
-      located.newton.status = NewtonStatus::singular;
-      break;
-    }
-    const Vector row = lu.solve_adjoint(Vector::Unit(unknowns + 1, unknowns - 1));
-    located.precision = rounding * scale * row.lpNorm<1>();
-    const double step_size = step.lpNorm<Eigen::Infinity>() / scale;
-    const bool mode_ends = resume_after > 0.0 && step_size < near_touch && comes_with_event(problem, guess.event, touch);
-    if (mode_ends) {
+    NewtonIterate iterate{.residual = right.lpNorm<Eigen::Infinity>() / scale, .step = lu.solve(right)};
+    if (!iterate.step.allFinite()) return iterate;
+    iterate.length = iterate.step.lpNorm<Eigen::Infinity>() / scale;
+    last_step = iterate.step[unknowns - 1];
+    row = lu.solve_adjoint(Vector::Unit(unknowns + 1, unknowns - 1));
+    iterate.may_be_last = !(resume_after > 0.0 && iterate.length < near_touch && comes_with_event(problem, guess.event, touch));
+    if (!iterate.may_be_last) {
       miss = smallest_miss();
       if (std::abs(at.h + miss) < 0.5 * miss) resume_after = 0.0;
     }
-    if (!mode_ends && located.newton.residual() < 1e-11 && (step_size < 1e-14 || step_size >= 0.5 * last_step)) {
-      located.newton.status = located.curvature < 0.0 ? NewtonStatus::converged : NewtonStatus::stalled;
-      // Rounding is allowed ten times its scatter: a truncation error of less than half of that is within it.
-      located.precision = std::max(located.precision, 2.0 * truncation(residual, at, row));
-      const double left = std::abs(step[unknowns - 1]);  // this step is not taken
-      if (left > located.precision) located.precision += left;
-      if (located.newton.converged()) analyse(problem, guess, at, jacobian, located);
-      break;
-    }
-    if (step_size > 1.0) {  // it has left for somewhere else
-      located.newton.status = NewtonStatus::stalled;
-      break;
-    }
-    last_step = mode_ends ? std::numeric_limits<double>::infinity() : step_size;
-    located.u += step.head(unknowns);
-    t += step[unknowns];
-    located.newton.status = NewtonStatus::iteration_limit;
+    return iterate;
+  };
+  Vector v(unknowns + 1);
+  v << start, t;
+  located.newton = newton_to_rounding(v, linearise, {.max_iterations = 25, .longest = 1.0});
+  located.u = v.head(unknowns);
+  t = v[unknowns];
+  if (located.newton.converged()) {
+    if (!(located.curvature < 0.0)) located.newton.status = NewtonStatus::stalled;
+    // Rounding is allowed ten times its scatter: a truncation error of less than half of that is within it.
+    located.precision = std::max(rounding * scale * row.lpNorm<1>(), 2.0 * truncation(residual, at, row));
+    const double left = std::abs(last_step);  // this step is not taken
+    if (left > located.precision) located.precision += left;
   }
+  if (located.newton.converged()) analyse(problem, guess, at, jacobian, located);
   const Vector shortened = located.u.head(unknowns - 1);
   if (located.newton.converged()) {
     leave_out(equations);

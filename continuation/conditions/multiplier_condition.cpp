@@ -5,6 +5,7 @@
 #include <graze/lib/numerics/orbit_lu.hpp>
 
 #include <cmath>
+#include <tuple>
 
 namespace graze {
 
@@ -50,37 +51,52 @@ std::pair<Eigen::VectorXcd, Eigen::VectorXcd> borders(const Eigen::MatrixXcd& K,
   return {null.left.cast<Complex>(), null.right.cast<Complex>()};
 }
 
+/// Change of the equations (H, Re g, Im g) at u where the steps of numerical flows are half as long; zero where they cannot be
+/// evaluated then.
+Vector step_error(const BranchProblem& problem, const Vector& u, const Vector& residual, Complex g, Complex sigma,
+                  const Eigen::VectorXcd& b, const Eigen::VectorXcd& c, bool real) {
+  Vector change = Vector::Zero(residual.size() + (real ? 1 : 2));
+  const std::unique_ptr<BranchProblem> finer = problem.with_half_steps();
+  Vector there;
+  Matrix jacobian;
+  if (!finer->zero_problem().evaluate(u, there, &jacobian)) return change;
+  const Complex g_there = solve(finer->cyclic(u, sigma), b, c, real).g;
+  change.head(residual.size()) = there - residual;
+  change[residual.size()] = (g_there - g).real();
+  if (!real) change[residual.size() + 1] = (g_there - g).imag();
+  return change.allFinite() ? change : Vector::Zero(change.size());
+}
+
 }  // namespace
 
 LocatedPoint locate_multiplier(BranchProblem& problem, const Vector& start, const MultiplierCondition& condition) {
-  LocatedPoint located;
-  located.u = start;
-  located.theta = condition.theta;
-  Vector residual;
-  Matrix jacobian;
-  const ZeroProblem zero = problem.zero_problem();
-  if (!zero.evaluate(located.u, residual, &jacobian)) {
-    located.newton.status = NewtonStatus::evaluation_failed;
-    return located;
-  }
   const Eigen::Index unknowns = problem.unknowns(), extra = condition.theta_free ? 2 : 1;
   const Eigen::Index size = unknowns - 1 + extra;
   const bool real = !condition.theta_free;
   const auto sigma_at = [&](double theta) { return real ? Complex(std::cos(theta) < 0.0 ? -1.0 : 1.0) : std::polar(1.0, theta); };
-  auto [b, c] = borders(problem.cyclic(located.u, sigma_at(located.theta)), real);
-  const double scale = problem.state_scale(located.u);
-  double last_step = std::numeric_limits<double>::infinity();
-  for (int iteration = 0; iteration < 20; ++iteration) {
-    const Complex sigma = sigma_at(located.theta);
-    const Eigen::MatrixXcd K = problem.cyclic(located.u, sigma);
-    const Bordered bordered = solve(K, b, c, real);
-    const double K_scale = std::max(1.0, K.cwiseAbs().maxCoeff());
-    const double size_now = std::max(residual.lpNorm<Eigen::Infinity>() / scale, std::abs(bordered.g) / K_scale);
-    located.newton.residual_history.push_back(size_now);
-    located.v = bordered.v;
-    located.w = bordered.w;
-    const Eigen::VectorXcd g_u = -problem.cyclic_derivative(located.u, sigma, bordered.w, bordered.v);
-    Matrix A = Matrix::Zero(size, unknowns + extra - 1);
+  const ZeroProblem zero = problem.zero_problem();
+  const double scale = problem.state_scale(start);
+  Eigen::VectorXcd b, c;
+  Bordered bordered;
+  Vector residual, sensitivity;
+  Complex sigma;
+  double K_scale = 1.0, last_step = 0.0;
+  const auto linearise = [&](const Vector& v) -> std::optional<NewtonIterate> {
+    const Vector u = v.head(unknowns);
+    Matrix jacobian;
+    if (!zero.evaluate(u, residual, &jacobian)) return std::nullopt;
+    sigma = sigma_at(real ? condition.theta : v[unknowns]);
+    const Eigen::MatrixXcd K = problem.cyclic(u, sigma);
+    if (b.size() == 0) {
+      std::tie(b, c) = borders(K, real);
+    } else {
+      b = bordered.w.normalized();
+      c = bordered.v.normalized();
+    }
+    bordered = solve(K, b, c, real);
+    K_scale = std::max(1.0, K.cwiseAbs().maxCoeff());
+    const Eigen::VectorXcd g_u = -problem.cyclic_derivative(u, sigma, bordered.w, bordered.v);
+    Matrix A = Matrix::Zero(size, size);
     A.topLeftCorner(unknowns - 1, unknowns) = jacobian;
     A.row(unknowns - 1).head(unknowns) = g_u.real().transpose();
     Vector right(size);
@@ -88,42 +104,37 @@ LocatedPoint locate_multiplier(BranchProblem& problem, const Vector& start, cons
     right[unknowns - 1] = -bordered.g.real();
     if (condition.theta_free) {
       // K is linear in sigma: dg/dtheta = -w^H (dK/dsigma) (i sigma) v.
-      const Complex g_theta = -bordered.w.dot((problem.cyclic(located.u, 1.0) - problem.cyclic(located.u, 0.0)) *
-                                              (Complex(0.0, 1.0) * sigma * bordered.v));
+      const Complex g_theta =
+          -bordered.w.dot((problem.cyclic(u, 1.0) - problem.cyclic(u, 0.0)) * (Complex(0.0, 1.0) * sigma * bordered.v));
       A.row(unknowns).head(unknowns) = g_u.imag().transpose();
       A(unknowns - 1, unknowns) = g_theta.real();
       A(unknowns, unknowns) = g_theta.imag();
       right[unknowns] = -bordered.g.imag();
     }
     const OrbitLU<Matrix> lu(A);
-    const Vector step = lu.solve(right);
-    if (!step.allFinite()) {
-      located.newton.status = NewtonStatus::singular;
-      return located;
-    }
-    // How rounding of the equations shows in the parameter: the corresponding row of the inverse, in the 1-norm.
-    Vector noise = Vector::Zero(size);
-    noise[unknowns - 1] = 1.0;
-    const Vector sensitivity = lu.solve_adjoint(noise);
-    located.precision =
-        rounding * (scale * sensitivity.head(unknowns - 1).lpNorm<1>() + K_scale * sensitivity.tail(extra).lpNorm<1>());
-    const double step_size = step.head(unknowns).lpNorm<Eigen::Infinity>() / scale;
-    if (size_now < 1e-11 && (step_size < 1e-14 || step_size >= 0.5 * last_step)) {
-      located.newton.status = NewtonStatus::converged;
-      located.precision = std::max(located.precision, std::abs(step[unknowns - 1]));
-      return located;
-    }
-    last_step = step_size;
-    located.u += step.head(unknowns);
-    if (condition.theta_free) located.theta += step[unknowns];
-    b = bordered.w.normalized();
-    c = bordered.v.normalized();
-    if (!zero.evaluate(located.u, residual, &jacobian)) {
-      located.newton.status = NewtonStatus::evaluation_failed;
-      return located;
-    }
-    located.newton.status = NewtonStatus::iteration_limit;
-  }
+    NewtonIterate at;
+    at.residual = std::max(residual.lpNorm<Eigen::Infinity>() / scale, std::abs(bordered.g) / K_scale);
+    at.step = lu.solve(right);
+    at.length = at.step.head(unknowns).lpNorm<Eigen::Infinity>() / scale;
+    sensitivity = lu.solve_adjoint(Vector::Unit(size, unknowns - 1));
+    last_step = at.step[unknowns - 1];
+    return at;
+  };
+  Vector v(size);
+  v.head(unknowns) = start;
+  if (condition.theta_free) v[unknowns] = condition.theta;
+  LocatedPoint located;
+  located.newton = newton_to_rounding(v, linearise);
+  located.u = v.head(unknowns);
+  located.theta = real ? condition.theta : v[unknowns];
+  located.v = bordered.v;
+  located.w = bordered.w;
+  if (!located.newton.converged()) return located;
+  // How rounding of the equations shows in the parameter: its row of the inverse Jacobian, in the 1-norm.
+  const Vector change = step_error(problem, located.u, residual, bordered.g, sigma, b, c, real);
+  located.precision =
+      std::max({rounding * (scale * sensitivity.head(unknowns - 1).lpNorm<1>() + K_scale * sensitivity.tail(extra).lpNorm<1>()),
+                std::abs(last_step), 2.0 * std::abs(sensitivity.dot(change))});
   return located;
 }
 

@@ -61,6 +61,8 @@ class BranchProblem {
     Vector u;
   };
   virtual Doubled doubled(const Vector& u) const = 0;
+  /// The same problem, carried with steps of the numerical flows that are half as long. What changes is the error of the steps.
+  virtual std::unique_ptr<BranchProblem> with_half_steps() const = 0;
   /// Second half of an orbit minus the first, in its unknowns: zero where it has half the period. Empty where it cannot have.
   virtual Vector half_difference(const Vector& u) const = 0;
 
@@ -83,6 +85,8 @@ class BranchProblem {
   Vector parameter_direction() const { return Vector::Unit(unknowns(), unknowns() - 1); }
 
  protected:
+  /// Factor of the tolerance that halves the steps of the general integrator, by its order.
+  static constexpr double half_steps = 1.0 / 256.0;
   /// How the unknowns and the equations are ordered: node j has the unknowns j block + before + (0 ... states - 1), and the
   /// stretch after it the equations j block + (0 ... states - 1).
   struct Layout {

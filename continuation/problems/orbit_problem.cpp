@@ -61,11 +61,13 @@ std::optional<Vector> OrbitProblem::to_section(OrbitProblem& other, const Vector
   return moved;
 }
 
-OrbitProblem OrbitProblem::with_tolerance(double tolerance) const {
+OrbitProblem OrbitProblem::in_half_steps() const {
   FlowOptions options = equations_.options();
-  options.tolerance = tolerance;
+  options.tolerance *= half_steps;
   OrbitProblem other(system(), p_, period(), nodes(), parameter_, scale_, options, equations_.section_phase());
   other.size_ = size_;
+  other.pinned_ = pinned_;
+  other.equations_.copy_phase_condition(equations_);
   return other;
 }
 

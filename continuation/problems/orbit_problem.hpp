@@ -21,8 +21,8 @@ class OrbitProblem : public BranchProblem {
   OrbitProblem with_section(double section_phase) const;
   std::optional<Vector> to_section(OrbitProblem& other, const Vector& u);
 
-  /// The same problem, carried with that tolerance of the flows.
-  OrbitProblem with_tolerance(double tolerance) const;
+  /// As with_half_steps().
+  OrbitProblem in_half_steps() const;
 
   /// The same problem with `times` as many nodes, and an orbit of this one in those.
   OrbitProblem with_nodes(int times) const;
@@ -60,6 +60,7 @@ class OrbitProblem : public BranchProblem {
   double state_scale(const Vector& u) const override { return 1.0 + u.head(unknowns() - 1).lpNorm<Eigen::Infinity>(); }
   std::vector<Image> images(const Vector& u, const Vector& tangent) const override;
   Doubled doubled(const Vector& u) const override;
+  std::unique_ptr<BranchProblem> with_half_steps() const override { return std::make_unique<OrbitProblem>(in_half_steps()); }
   Vector half_difference(const Vector& u) const override;
 
  private:

@@ -281,6 +281,16 @@ BranchProblem::Doubled SignatureProblem::doubled(const Vector& u) const {
   return {std::move(problem), std::move(start)};
 }
 
+std::unique_ptr<BranchProblem> SignatureProblem::with_half_steps() const {
+  FlowOptions options = options_;
+  options.tolerance *= half_steps;
+  auto other = std::make_unique<SignatureProblem>(equations_.system(), p_, equations_.period(), equations_.sequence(), parameter_,
+                                                  scale_, options);
+  other->size_ = size_;
+  other->pinned_ = pinned_;
+  return other;
+}
+
 Vector SignatureProblem::half_difference(const Vector& u) const {
   const std::vector<std::size_t>& sequence = equations_.sequence();
   const int m = equations_.events(), size = equations_.states() + 1, n = equations_.period();

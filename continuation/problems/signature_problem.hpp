@@ -48,6 +48,7 @@ class SignatureProblem : public BranchProblem {
   double state_scale(const Vector& u) const override;
   std::vector<Image> images(const Vector& u, const Vector& tangent) const override;
   Doubled doubled(const Vector& u) const override;
+  std::unique_ptr<BranchProblem> with_half_steps() const override;
   Vector half_difference(const Vector& u) const override;
 
   Vector pack(const EventNodes& nodes, double value) const;

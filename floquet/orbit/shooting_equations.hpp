@@ -39,6 +39,10 @@ class ShootingEquations {
   /// Phase condition of an autonomous orbit: the plane through x_ref, normal to the field there.
   void set_phase_reference(const Vector& x_ref);
   bool has_phase_reference() const { return phase_reference_.size() > 0; }
+  void copy_phase_condition(const ShootingEquations& other) {
+    phase_reference_ = other.phase_reference_;
+    phase_normal_ = other.phase_normal_;
+  }
 
   /// Leaves out a contact of stretch j (see LeftOutContact), at most one per stretch; j = -1: all contacts are kept again.
   void leave_out(int j, const LeftOutContact& contact = {}) {

@@ -440,9 +440,16 @@ Expression Graph::substitute(Expression e, const Replacement& replacement) {
     const Node n = node(part);
     const int count = operands(n.operation);
     const Expression a = count > 0 ? done.at(n.a.index) : Expression{}, b = count > 1 ? done.at(n.b.index) : Expression{};
-    done.emplace(part.index, count == 0 || (a == n.a && (count == 1 || b == n.b)) ? part : with_operands(n, a, b));
+    const bool same = count == 0 || (a == n.a && (count == 1 || b == n.b));
+    const Expression made = done.emplace(part.index, same ? part : with_operands(n, a, b)).first->second;
+    if (made.index > part.index) origins_.try_emplace(made.index, part);
   }
   return done.at(e.index);
+}
+
+std::optional<Expression> Graph::origin(Expression e) const {
+  const auto found = origins_.find(e.index);
+  return found == origins_.end() ? std::nullopt : std::optional(found->second);
 }
 
 std::vector<Expression> reachable(const Graph& graph, std::span<const Expression> roots) {

@@ -15,6 +15,7 @@
 #include <compare>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <unordered_map>
@@ -117,6 +118,8 @@ class Graph {
 
   /// The expression with every occurrence of the keys replaced. The inserted expressions are not searched again.
   Expression substitute(Expression e, const Replacement& replacement);
+  /// The expression from which a substitution first made this one; nullopt: none did.
+  std::optional<Expression> origin(Expression e) const;
 
  private:
   Expression intern(const Node& node);
@@ -128,6 +131,7 @@ class Graph {
   std::vector<Node> nodes_;
   std::unordered_map<Node, std::uint32_t, Hash> index_;
   std::unordered_map<std::uint64_t, Expression> derivatives_;  // key: expression, symbol
+  std::unordered_map<std::uint32_t, Expression> origins_;      // made -> original, which has the smaller index
   std::vector<Spline> splines_;
 };
 

@@ -155,7 +155,7 @@ class Mechanics {
       if (node.operation != Operation::rate || known.contains(part.index)) continue;
       const Expression of = graph_.substitute(node.a, known);
       if (has_velocity(of))
-        refuse(known_place(*reading_.hazards, part).value_or(place),
+        refuse(known_place(graph_, *reading_.hazards, part).value_or(place),
                fmt::format("an acceleration, the rate of {}, stands {}", velocity_in(of), where));
       known.emplace(part.index, rate_along(graph_, of, field));
     }
@@ -335,7 +335,6 @@ class Mechanics {
       return;
     }
     Expression force;
-    const std::size_t first_hazard = reading_.hazards->size();
     if (law->name == "force") {
       const Scope names = with("d", d);
       const Expression raw = parse_expression(graph_, text_.source, text.values[0], names, where, reading_.hazards);
@@ -364,10 +363,6 @@ class Mechanics {
     stop.begins_softly = is_zero(graph_, at_opening);
     if (!text.adhesion && !stop.begins_softly) stop.states = 3;
     const Replacement motion{{d.index, depth}, {d_rate.index, depth_rate}};
-    for (std::size_t i = first_hazard, count = reading_.hazards->size(); i < count; ++i) {
-      const Hazard hazard = (*reading_.hazards)[i];
-      reading_.hazards->push_back({graph_.substitute(hazard.node, motion), hazard.place});
-    }
     stop.force = graph_.substitute(force, motion);
   }
 

@@ -66,7 +66,7 @@ std::optional<NotFinite> find_not_finite(const Written& written, Expression root
   if (std::isfinite(value)) return std::nullopt;
   std::optional<Place> place;
   for (Expression node = root;;) {
-    if (const auto known = known_place(written.hazards, node)) place = known;
+    if (const auto known = known_place(written.graph, written.hazards, node)) place = known;
     const Node n = written.graph.node(node);
     std::vector<double> operand;
     std::optional<Expression> at_fault;
@@ -131,7 +131,7 @@ std::optional<NotFinite> find_pole(const TextSystem& text, std::size_t mode, dou
       if (n.operation != Operation::divide && !power) continue;
       const Expression divisor = power ? n.a : n.b;
       if (!(value_of(*text.graph, divisor, t0, x0, p) * value_of(*text.graph, divisor, t1, x1, p) < 0.0)) continue;
-      return NotFinite{known_place(text.hazards, part).value_or(root.place),
+      return NotFinite{known_place(*text.graph, text.hazards, part).value_or(root.place),
                        fmt::format("the divisor {} goes through zero", to_text(*text.graph, divisor, text.symbols, longest_part)),
                        true};
     }

@@ -471,9 +471,12 @@ bool is_name(std::string_view text) {
   return !text.empty();
 }
 
-std::optional<Place> known_place(const std::vector<Hazard>& hazards, Expression node) {
-  const auto found = std::find_if(hazards.begin(), hazards.end(), [&](const Hazard& one) { return one.node == node; });
-  return found == hazards.end() ? std::nullopt : std::optional(found->place);
+std::optional<Place> known_place(const Graph& graph, const std::vector<Hazard>& hazards, Expression node) {
+  for (std::optional<Expression> at = node; at; at = graph.origin(*at)) {
+    const auto found = std::find_if(hazards.begin(), hazards.end(), [&](const Hazard& one) { return one.node == *at; });
+    if (found != hazards.end()) return found->place;
+  }
+  return std::nullopt;
 }
 
 Expression parse_expression(Graph& graph, const Source& source, const Text& text, const Scope& scope, std::string_view where,

@@ -28,8 +28,8 @@ struct Hazard {
   Place place;
 };
 
-/// The place of the first hazard with this node.
-std::optional<Place> known_place(const std::vector<Hazard>& hazards, Expression node);
+/// The place of the first hazard with this node, or with the one from which substitutions made it.
+std::optional<Place> known_place(const Graph& graph, const std::vector<Hazard>& hazards, Expression node);
 
 /// The meaning of names in an expression.
 struct Scope {

@@ -608,7 +608,7 @@ class Builder {
           const bool root = n.operation == Operation::sqrt;
           if ((n.operation != Operation::power && !root) || replacement.contains(part.index)) continue;
           if (!dependence(graph_, n.a).moves() || bounds(graph_, n.a, out_.system.parameters).lower >= 0.0) continue;
-          const Place place = known_place(hazards_, part).value_or(mode.equation[i]);
+          const Place place = known_place(graph_, hazards_, part).value_or(mode.equation[i]);
           const bool entered = std::any_of(pieces_.events.begin(), pieces_.events.end(), [&](const EventPiece& event) {
             return event.to == m && event.from != m && is_zero(graph_, graph_.subtract(event.guard, n.a));
           });

@@ -237,6 +237,7 @@ void GeneralFlow::carry(const FlowTask& task, const Vector& x0, Segment& out) {
     return std::isfinite(sum) ? worst : std::numeric_limits<double>::infinity();
   };
 
+  constexpr double shortest_step = 1e-14;
   double t = task.t0, h = std::min(I.max_step, 0.01 * (task.t_end - task.t0) + 1e-6);
   bool first = true;
   for (std::size_t step = 0; step < I.options.max_steps; ++step) {
@@ -251,13 +252,14 @@ void GeneralFlow::carry(const FlowTask& task, const Vector& x0, Segment& out) {
     };
     if (apply(h) != GSL_SUCCESS) {
       h *= 0.25;
-      if (h < 1e-14) break;
+      if (h < shortest_step) break;
       continue;
     }
     const double worst = relative_error();
     const double factor = 0.9 * std::pow(I.options.tolerance / std::max(worst, 1e-30), 1.0 / 8.0);
-    if (worst > I.options.tolerance && h > 1e-10) {
+    if (worst > I.options.tolerance) {
       h *= std::clamp(factor, 0.1, 0.9);
+      if (h < shortest_step) break;
       continue;
     }
     if (!std::isfinite(worst)) break;

@@ -35,21 +35,40 @@ struct Scales {
   std::string mass, stiffness, length, beta, xi;
 };
 
-std::vector<equations::Definition> conversion(const Scales& kind) {
+using Texts = std::vector<std::pair<std::string, std::string>>;
+
+std::vector<equations::Definition> definitions(const Texts& texts) {
   std::vector<equations::Definition> list;
-  const auto add = [&](const char* name, const std::string& value) { list.push_back({{name, {}}, {value, {}}}); };
-  add("stiffness", kind.stiffness);
-  add("alpha", fmt::format("sqrt(stiffness/{})", kind.mass));
-  add("length", kind.length);
-  add("b", fmt::format("c/(2*sqrt(stiffness*{}))", kind.mass));
-  add("beta", kind.beta);
-  add("xi", kind.xi);
-  add("eta", "omega/alpha");
-  add("r", "rho/length");
-  add("k_H", "k_h*sqrt(length)/stiffness");
-  add("b_H", "b_h*length*alpha");
-  add("k_S", "k_s/stiffness");
+  for (const auto& [name, value] : texts) list.push_back({{name, {}}, {value, {}}});
   return list;
+}
+
+std::vector<equations::Definition> conversion(const Scales& kind) {
+  return definitions({{"stiffness", kind.stiffness},
+                      {"alpha", fmt::format("sqrt(stiffness/{})", kind.mass)},
+                      {"length", kind.length},
+                      {"b", fmt::format("c/(2*sqrt(stiffness*{}))", kind.mass)},
+                      {"beta", kind.beta},
+                      {"xi", kind.xi},
+                      {"eta", "omega/alpha"},
+                      {"r", "rho/length"},
+                      {"k_H", "k_h*sqrt(length)/stiffness"},
+                      {"b_H", "b_h*length*alpha"},
+                      {"k_S", "k_s/stiffness"}});
+}
+
+/// `own`: the quantities in which the kinds of excitation differ.
+std::vector<equations::Definition> inverse(Texts own) {
+  const Texts common = {{"c", "2*b*stiffness/alpha"},
+                        {"omega", "alpha*eta"},
+                        {"rho", "length*r"},
+                        {"k_3", "beta*stiffness/length^2"},
+                        {"k_h", "k_H*stiffness/sqrt(length)"},
+                        {"b_h", "b_H/(length*alpha)"},
+                        {"k_s", "k_S*stiffness"},
+                        {"energy", "stiffness*length^2"}};
+  own.insert(own.end(), common.begin(), common.end());
+  return definitions(own);
 }
 
 /// The expressions of a conversion in a graph, with the quantities given by `meaning`.
@@ -84,16 +103,19 @@ const std::vector<ExcitationKind>& excitation_kinds() {
          {mass, not_negative("k", "N/m", "stiffness of the spring to the ground"),
           positive("k_e", "N/m", "stiffness of the spring to the moving base"), c, positive("a", "m", "amplitude of the base"),
           omega, rho, k_3},
-         conversion({.mass = "m", .stiffness = "k + k_e", .length = "a", .beta = "k_3*a*a/stiffness", .xi = "k_e/stiffness"})},
+         conversion({.mass = "m", .stiffness = "k + k_e", .length = "a", .beta = "k_3*a*a/stiffness", .xi = "k_e/stiffness"}),
+         inverse({{"m", "stiffness/alpha^2"}, {"k", "(1 - xi)*stiffness"}, {"k_e", "xi*stiffness"}, {"a", "length"}})},
         {"force",
          "m X'' + c X' + k X + k_3 X^3 = F0 cos(omega t)",
          {mass, positive("k", "N/m", "stiffness of the spring"), c, F0, omega, rho, k_3},
-         conversion({.mass = "m", .stiffness = "k", .length = "F0/k", .beta = "k_3*length*length/k", .xi = "1"})},
+         conversion({.mass = "m", .stiffness = "k", .length = "F0/k", .beta = "k_3*length*length/k", .xi = "1"}),
+         inverse({{"m", "stiffness/alpha^2"}, {"k", "stiffness"}, {"F0", "xi*stiffness*length"}})},
         {"beam",
          "mass M on two leaf springs, k_1 = 12 EI/L^3, force F0 cos(omega t)",
          {positive("M", "kg", "mass"), positive("L", "m", "length of the leaf springs"),
           positive("EI", "N m^2", "bending stiffness"), c, F0, omega, rho},
-         conversion({.mass = "M", .stiffness = "12*EI/(L*L*L)", .length = "L", .beta = "36/35", .xi = "F0/(alpha*alpha*M*L)"})},
+         conversion({.mass = "M", .stiffness = "12*EI/(L*L*L)", .length = "L", .beta = "36/35", .xi = "F0/(alpha*alpha*M*L)"}),
+         inverse({{"M", "stiffness/alpha^2"}, {"L", "length"}, {"EI", "stiffness*length^3/12"}, {"F0", "xi*stiffness*length"}})},
     };
   }();
   return list;
@@ -161,7 +183,7 @@ equations::TextSystem read_oscillator(const OscillatorKind& oscillator, const Co
       return info.name == one.name.text &&
              (info.name != "beta" || oscillator.beta != 0.0);  // the linear oscillator has no beta, not even as a beam
     });
-    const bool is_scale = one.name.text == "alpha" || one.name.text == "length";
+    const bool is_scale = one.name.text == "stiffness" || one.name.text == "alpha" || one.name.text == "length";
     if (!(is_parameter || is_scale) || equations::dependence(graph, list[i]).parameters.empty()) continue;
     tied.push_back({one.name, {equations::to_text(graph, list[i], {.states = {}, .parameters = chosen}), {}}});
   }

@@ -36,6 +36,9 @@ struct ExcitationKind {
   /// stiffness (N/m), alpha (rad/s: tau = alpha t), length (m: x = X / length) and the dimensionless parameters b, beta, xi,
   /// eta, r, k_H, b_H, k_S. Each is an expression of quantities, contact_quantities() and the definitions before it.
   std::vector<equations::Definition> conversion;
+  /// The inverse: the quantities, and contact_quantities(), as expressions of stiffness, alpha, length and the dimensionless
+  /// parameters; also "energy" (J), the unit of energies per dimensionless mass: m (alpha length)^2 = stiffness length^2.
+  std::vector<equations::Definition> inverse;
 };
 
 /// "kinematic", "force", "beam".
@@ -57,8 +60,8 @@ const ParameterInfo& quantity_info(const ExcitationKind& kind, std::string_view 
 Values to_dimensionless(const ExcitationKind& kind, const Values& quantities);
 
 /// The oscillator with the physical quantities `chosen` as parameters. The dimensionless parameters that depend on them are
-/// tied to them, as are "alpha" and "length"; the others stay parameters. All other quantities keep their values. `chosen` are
-/// names in `quantities`.
+/// tied to them, as are "stiffness", "alpha" and "length"; the others stay parameters. All other quantities keep their values.
+/// `chosen` are names in `quantities`.
 equations::TextSystem read_oscillator(const OscillatorKind& oscillator, const ContactLaw& law, const ExcitationKind& kind,
                                       const Values& quantities, const std::vector<std::string>& chosen);
 

@@ -37,9 +37,11 @@ Motion run_motion(const HybridSystem& system, const Vector& parameters, const Ve
     motion.strobe.push_back(x);
     if (options.progress) options.progress(motion.periods + 1);
   }
-  if (options.samples > 0 && motion.termination == Termination::time) {
+  motion.state = x;
+  if (options.samples > 0 && motion.termination != Termination::interrupted && x.allFinite()) {
+    const bool completed = T > 0.0 && motion.termination == Termination::time;
     Vector last(x.size() + 1);
-    last << (T > 0.0 ? T * motion.periods : motion.duration), x;
+    last << (completed ? T * motion.periods : motion.duration), x;
     motion.samples.push_back(std::move(last));
   }
   return motion;

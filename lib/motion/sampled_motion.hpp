@@ -16,6 +16,7 @@ struct Motion {
   std::vector<Vector> strobe;       ///< states at forcing phase 0 (or just after returns): the start, then after each period
   int periods = 0;                  ///< completed
   double duration = 0.0;            ///< time carried
+  Vector state;                     ///< at the end; of a run that failed within a period, where it failed
   Termination termination = Termination::failed;
 };
 

@@ -56,6 +56,10 @@ Trajectory run(Propagator& propagator, HybridState state, const Until& until, Wi
     trajectory.segments.push_back(propagator.segment());
     if (end == StepEnd::failed) {
       trajectory.termination = propagator.failure();
+      if (propagator.segment().x1.allFinite()) {
+        state.t = propagator.segment().t1;
+        state.x = propagator.segment().x1;
+      }
       break;
     }
     if (end == StepEnd::time) {

@@ -578,6 +578,12 @@ TEST_CASE("a part of an equation that is not finite at the start or later is nam
   CHECK_THAT(refusal("- 0.01/x", {"--start", "0.3,0"}, "lyapunov"),
              Contains("duffing.toml:15:37: the divisor x goes through zero"));
   CHECK_THAT(refusal("+ log(x)", {"--start", "0.3,0"}, "poincare"), Contains("duffing.toml:15:32: the logarithm of x"));
+  // The place is that of the part also where functions that bend or jump have been resolved into modes.
+  CHECK_THAT(refusal("- abs(v)/(x + 3*max(x, v))", {"--start", "0.2,-0.2"}), !Contains("duffing.toml:15:3:"));
+  CHECK_THAT(refusal("- max(x, v)/(x + abs(v))", {}),
+             Contains("duffing.toml:15:44: the divisor x + v is zero at t = 0, x = 0, v = 0\n"));
+  // A motion that a pole attracts ends right before it.
+  CHECK_THAT(refusal("+ 0.01/(0.5 - x)^2", {"--start", "0.3,0"}, "trajectory"), Contains("duffing.toml:15:38: the divisor"));
   // In a guard, and in a reset.
   const auto wall = [&](const std::string& replaced, const std::string& by) {
     return call({"trajectory", folder.write("duffing.toml", duffing(replaced, by)), "--quiet"}).err;
@@ -590,6 +596,9 @@ TEST_CASE("states, planes and files that say too little or too much are refused 
   const TemporaryFolder folder;
   const std::string file = folder.write("duffing.toml", duffing());
   CHECK_THAT(call({"orbit", file, "--start", "x=0.1,x=0.2"}).err, Contains("--start: x is given twice"));
+  CHECK_THAT(call({"attractors", file, "--start", "v=0.1", "--plane", "x,v"}).err,
+             Contains("--start v=: v varies over the plane of starts"));
+  CHECK_THAT(call({"orbit", model("two-mass-chain"), "--start", "0.1,a"}).err, Contains("or one for each state"));
   for (const char* plane : {"x", "x,v,x"})
     CHECK_THAT(call({"attractors", file, "--plane", plane}).err,
                Contains(std::string("--plane ") + plane + ": must be two states with a comma between them, for example x,v"));

@@ -4,10 +4,12 @@
 // (where the two orbits of given parameters merge, on closed branches too). Soft contacts against the multiplier of orbits found
 // on both sides, and against the hard limit.
 #include <graze/continuation/graph/continuation.hpp>
+#include <graze/floquet/attractor/settle.hpp>
 #include <graze/lib/models/oscillator.hpp>
 
 #include "support/branches.hpp"
 #include "support/checks.hpp"
+#include "support/damped_hertz.hpp"
 #include "support/newton_oscillator.hpp"
 
 #include <catch2/catch.hpp>
@@ -92,6 +94,44 @@ TEST_CASE("folds in xi of orbits with one impact in n periods agree with the clo
   CHECK(traced > 100);  // 115 when this was written, 19 of them with r < 0
   CHECK(negative > 15);
   CHECK(restitutions == 5);
+}
+
+TEST_CASE("the error bars of folds and period doublings cover the steps of the general integrator") {
+  const OneImpactFamily family = one_impact_family({.b = 0.05, .eta = 1.31, .r = 0.3, .k_r = 0.8}, 1);
+  const double start = family.xi(2.0 * family.fold_speed());
+  constexpr double reference_doubling = 0.91954264308734801;  // data/reference.toml, quad precision
+  const Vector settled = settle(damped_hertz(), hertz_parameters(), Vector::Zero(2)).state;
+  for (const double tolerance : {1e-13, 1e-11, 1e-9, 1e-8}) {
+    INFO("tolerance " << tolerance);
+    ContinuationOptions options;
+    options.shooting.flow = {.kind = FlowKind::general, .tolerance = tolerance};
+    options.switch_generations = 0;
+    OneImpactParameters q{.b = 0.05, .xi = start, .eta = 1.31, .r = 0.3, .k_r = 0.8};
+    const Vector p = parameters_of(q);
+    options.parameter = "xi";
+    options.from = start;
+    options.to = 0.5 * family.xi_fold();
+    const PeriodicOrbit orbit =
+        shoot(newton_oscillator(), p, one_impact_orbits(q, 1).front().states().front(), 1, options.shooting);
+    REQUIRE(orbit.converged());
+    const auto folds = points_of(continue_orbit(newton_oscillator(), orbit, options)[0], PointType::LP);
+    REQUIRE(folds.size() == 1);
+    const double fold_off = std::abs(folds[0].value - family.xi_fold());
+    CHECK(fold_off < folds[0].precision);
+    CHECK(folds[0].precision < 3.0 * fold_off + 1e-12);
+
+    ContinuationOptions in_eta = options;
+    in_eta.parameter = "eta";
+    in_eta.from.reset();
+    in_eta.to = 0.92;
+    const PeriodicOrbit soft = shoot(damped_hertz(), hertz_parameters(), settled, 1, options.shooting);
+    REQUIRE(soft.converged());
+    const auto doublings = points_of(continue_orbit(damped_hertz(), soft, in_eta)[0], PointType::PD);
+    REQUIRE(doublings.size() == 1);
+    const double doubling_off = std::abs(doublings[0].value - reference_doubling);
+    CHECK(doubling_off < doublings[0].precision);
+    CHECK(doublings[0].precision < 3.0 * doubling_off + 1e-12);
+  }
 }
 
 TEST_CASE("folds in the clearance agree with the closed form, from r = 0 to either sign of r") {
