@@ -12,25 +12,21 @@ namespace {
 
 /// From u on, the solution with event k at speed zero: Newton in the coordinates of the events.
 bool to_zero_speed(SignatureProblem& problem, Vector& u, int k) {
-  constexpr int most = 20;
   const ZeroProblem zero = problem.zero_problem();
-  Vector residual;
-  Matrix jacobian;
-  double last = 0.1;  // a longer step has left for somewhere else
-  for (int iteration = 0; iteration < most; ++iteration) {
-    if (!zero.evaluate(u, residual, &jacobian)) return false;
-    Matrix A(u.size(), u.size());
-    A << jacobian, problem.speed_gradient(u, k).transpose();
-    Vector right(u.size());
-    right << -residual, -problem.speed(u, k);
-    const Vector step = OrbitLU<Matrix>(A).solve(right);
-    const double size = step.lpNorm<Eigen::Infinity>() / (1.0 + u.lpNorm<Eigen::Infinity>());
-    if (last < 1e-8 && !(size < 0.5 * last)) return true;
-    if (!(size < last)) return false;
-    u += step;
-    last = size;
-  }
-  return false;
+  const auto linearise = [&](const Vector& at) -> std::optional<NewtonIterate> {
+    Vector residual;
+    Matrix jacobian;
+    if (!zero.evaluate(at, residual, &jacobian)) return std::nullopt;
+    Matrix A(at.size(), at.size());
+    A << jacobian, problem.speed_gradient(at, k).transpose();
+    Vector right(at.size());
+    right << -residual, -problem.speed(at, k);
+    const double scale = 1.0 + at.lpNorm<Eigen::Infinity>();
+    NewtonIterate out{.residual = right.lpNorm<Eigen::Infinity>() / scale, .step = OrbitLU<Matrix>(A).solve(right)};
+    out.length = out.step.lpNorm<Eigen::Infinity>() / scale;
+    return out;
+  };
+  return newton_to_rounding(u, linearise, {.longest = 0.1}).converged();
 }
 
 /// A touch: whose guard, and when.
