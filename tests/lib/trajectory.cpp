@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Trajectories: segments and events in a row, sampling, contacts, and how a run ends.
+// Trajectories: the sequence of segments and events, sampling, contacts, and the termination of a run.
 #include "support/checks.hpp"
 
 #include <graze/lib/models/oscillator.hpp>
@@ -12,7 +12,7 @@ using namespace graze::support;
 
 namespace {
 
-/// A run of several contacts of every law.
+/// A run with several contacts for every law.
 Trajectory lively(const HybridSystem& system, const Vector& p, double t_end = 40.0) {
   return simulate(system, p, 0.3, vector({0.1, 0.9}), {.t_end = t_end});
 }
@@ -31,7 +31,7 @@ template <class Test> void for_each_system(const Test& test) {
 
 }  // namespace
 
-TEST_CASE("the segments of a run join: time, state and mode, with an event between each two") {
+TEST_CASE("the segments of a run join in time, state and mode with one event between each two") {
   for_each_system([](const HybridSystem& system, const ContactLaw& law) {
     const Vector p = lively_parameters(system);
     const Trajectory run = lively(system, p);
@@ -62,7 +62,7 @@ TEST_CASE("the segments of a run join: time, state and mode, with an event betwe
   });
 }
 
-TEST_CASE("a run in two pieces is the run in one") {
+TEST_CASE("a run in two pieces equals the run in one") {
   for_each_system([](const HybridSystem& system, const ContactLaw&) {
     const Vector p = lively_parameters(system);
     const Trajectory whole = lively(system, p);
@@ -70,12 +70,12 @@ TEST_CASE("a run in two pieces is the run in one") {
       const Trajectory first = lively(system, p, cut);
       const Trajectory second = simulate(system, p, cut, first.x, {.t_end = 40.0});
       REQUIRE(first.events.size() + second.events.size() == whole.events.size());
-      REQUIRE((second.x - whole.x).norm() < 1e-9);  // rounding at the cut, grown by the motion over 40 units of time
+      REQUIRE((second.x - whole.x).norm() < 1e-9);  // rounding at the cut, amplified by the motion over 40 units of time
     }
   });
 }
 
-TEST_CASE("sampled states lie on the motion, at the ends of segments exactly, outside the run not at all") {
+TEST_CASE("sampled states lie on the motion, exact at the ends of segments and absent outside the run") {
   for_each_system([](const HybridSystem& system, const ContactLaw&) {
     const Vector p = lively_parameters(system);
     const Trajectory run = lively(system, p, 10.0);
@@ -127,7 +127,7 @@ TEST_CASE("every contact is listed with its times, speeds, restitution and energ
   });
 }
 
-TEST_CASE("a contact that is cut off by the start or the end of the run is listed as incomplete") {
+TEST_CASE("a contact cut off by the start or the end of the run is listed as incomplete") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   const Vector p = lively_parameters(system);
   const Trajectory run = lively(system, p);
@@ -150,7 +150,7 @@ TEST_CASE("a contact that is cut off by the start or the end of the run is liste
 }
 
 TEST_CASE("undamped Hertz becomes an elastic impact as its duration goes to zero") {
-  // Stiffer and stiffer: the equivalent restitution tends to 1, and the departure to that of Newton's law with k_r = 1.
+  // Increasing stiffness: the equivalent restitution tends to 1, and the departure to that of Newton's law with k_r = 1.
   const HybridSystem hertz = make_oscillator("linear", "hertz"), newton = make_oscillator("linear", "newton");
   double before = 1.0;
   for (const double k_H : {1e4, 1e6, 1e8, 1e10}) {
@@ -166,7 +166,7 @@ TEST_CASE("undamped Hertz becomes an elastic impact as its duration goes to zero
   REQUIRE((hard.x - stiff.x).norm() < 1e-3);
 }
 
-TEST_CASE("a run that was not carried out counts as failed, and every ending has its sentence") {
+TEST_CASE("a run that was not carried out counts as failed and every termination has its sentence") {
   REQUIRE(Trajectory{}.termination == Termination::failed);
   REQUIRE(Transition{}.termination == Termination::failed);
   REQUIRE(Segment{}.end == FlowEnd::failed);
@@ -180,7 +180,7 @@ TEST_CASE("a run that was not carried out counts as failed, and every ending has
   }
 }
 
-TEST_CASE("the free motion coasts through a barrier where it is told to, and a contact cannot be left out from inside") {
+TEST_CASE("the free motion passes through a barrier on request and a contact cannot be left out from inside") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = parameters(system, {{"b", 0.0}, {"xi", 0.0}, {"r", 0.5}});
   Propagator propagator(system, p);
@@ -204,7 +204,7 @@ TEST_CASE("the free motion coasts through a barrier where it is told to, and a c
   }
 }
 
-TEST_CASE("a run that is cancelled ends as interrupted, between two segments") {
+TEST_CASE("a cancelled run ends as interrupted between two segments") {
   static int asked;
   asked = 0;
   const FlowOptions options{.cancelled = [] { return ++asked > 3; }};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Motions that are watched in lanes: what of a motion its watch is told, against the motion carried as a whole.
+// Motions with an observer in lanes: the periods that are reported to the observer, against the complete motion.
 #include "support/checks.hpp"
 #include "support/lane_differences.hpp"
 #include "support/lane_widths.hpp"
@@ -21,7 +21,7 @@ struct Told {
   PeriodResult period;
 };
 
-/// Wants to be told of every `each`-th period, up to `last`.
+/// Requests every `each`-th period, up to `last`.
 struct Listening : PeriodObserver {
   std::size_t each = 1, last = 1;
   std::vector<Told> told;
@@ -36,7 +36,7 @@ struct Listening : PeriodObserver {
   }
 };
 
-/// A little one around a state.
+/// A small ellipse around a state.
 StateEllipse around(const PeriodResult& at, double size) { return {at.x, at.v, 1.0 / (size * size), 0.0, 1.0 / (size * size)}; }
 
 bool in(const StateEllipse& e, const PeriodResult& at) {
@@ -48,7 +48,7 @@ bool same(const PeriodResult& a, const PeriodResult& b) { return same_bits({a}, 
 
 }  // namespace
 
-TEST_CASE("a watch is told of the periods that it asks for and of those that end in an ellipse, until it has seen enough") {
+TEST_CASE("an observer gets the periods it requests and those that end in an ellipse until it stops") {
   const auto [model, law] = GENERATE(table<const char*, const char*>(
       {{"linear", "newton"}, {"linear", "hertz"}, {"linear", "linear"}, {"cantilever", "newton"}, {"cantilever", "hertz"}}));
   const HybridSystem system = make_oscillator(model, law);
@@ -100,7 +100,7 @@ TEST_CASE("a watch is told of the periods that it asks for and of those that end
   }
 }
 
-TEST_CASE("a watch is told of a period that cannot be carried, and of those that the lanes leave over") {
+TEST_CASE("an observer receives a failed period and the periods left to the Propagator") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = parameters(system, {{"eta", 0.2}, {"r", 0.3}, {"k_r", 0.5}});  // the mass sticks
   const std::vector<MotionStart> starts = {{0, 0.0, 0.0}, {0, 0.4, 0.0}, {0, 0.3, -0.5}};

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Pools of two threads that hand computations, or motions of one, over to each other, against each computation alone.
+// Pools on two threads that hand over computations, or motions of one computation. Each result is compared with the
+// computation alone.
 #include "support/checks.hpp"
 #include "support/lane_differences.hpp"
 #include "support/lane_plans.hpp"
@@ -20,7 +21,7 @@ using namespace graze::support;
 
 namespace {
 
-/// A pool with computations, and another that has none and waits.
+/// A pool with computations, and another one that waits without any.
 class TwoPools {
  public:
   explicit TwoPools(const HybridSystem& system) : of_one_(system), of_other_(system) {}
@@ -36,11 +37,11 @@ class TwoPools {
     end();
     other.join();
   }
-  /// Periods that the other carried.
+  /// Number of periods carried by the other pool.
   std::size_t by_other() const { return of_other_.carried(); }
 
  private:
-  /// What the other begins next: nothing. It asks anew when it has taken what was given.
+  /// The other pool starts nothing of its own. It asks again after it has taken the work handed over.
   std::optional<MotionTask<>> wait(std::size_t carried) {
     std::unique_lock lock(mutex_);
     ++asked_;
@@ -56,8 +57,8 @@ class TwoPools {
     over_ = true;
     news_.notify_all();
   }
-  /// Something is there for the other. It has it before the first pool goes on, which would do all alone where the other thread
-  /// is not given a processor in time.
+  /// Work is available for the other pool. The first pool waits until the other has taken it. Otherwise it might finish alone
+  /// if the other thread gets no processor in time.
   void wake() {
     std::unique_lock lock(mutex_);
     news_.notify_all();
@@ -74,7 +75,7 @@ class TwoPools {
 
 }  // namespace
 
-TEST_CASE("a pool that has nothing to do is given half of what another carries, and it comes to the same") {
+TEST_CASE("an idle pool gets half of the computations of another with the same results") {
   const std::string law = GENERATE("newton", "hertz");
   const HybridSystem system = make_oscillator("linear", law);
   constexpr std::size_t count = 60;
@@ -97,7 +98,7 @@ TEST_CASE("a pool that has nothing to do is given half of what another carries, 
 
 namespace {
 
-/// Many motions together, so many times 32 periods; with a table of contacts or without.
+/// Many motions together, `times` times 32 periods; with a table of contacts or without.
 MotionTask<> follow_all(TaskSlot& lane, const Vector& p, std::vector<MotionStart> motions, int times, bool table,
                         std::vector<PeriodResult>& out) {
   lane.set_parameters(p);
@@ -116,7 +117,7 @@ MotionTask<> follow_all(TaskSlot& lane, const Vector& p, std::vector<MotionStart
 
 }  // namespace
 
-TEST_CASE("motions of an only computation are shared with a pool that has nothing to do, and come to the same") {
+TEST_CASE("motions of a single computation are shared with an idle pool with the same results") {
   const std::string law = GENERATE("newton", "hertz");
   const HybridSystem system = make_oscillator("linear", law);
   const Vector p = parameters(system, {{"eta", 0.711}, {"r", 1.0}});
