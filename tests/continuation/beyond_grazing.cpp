@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Families beyond a hard grazing, against closed forms. The cases are:
 // - stable stretches of orbits with one impact in n periods that are inadmissible between two grazings, bridged by orbits with
-// one impact more;
+//   one impact more;
 // - windows narrower than 1e-7;
 // - several contacts that touch together;
 // - contacts without a family beyond.
