@@ -119,8 +119,8 @@ TEST_CASE("map: a finished one is replaced only on request and its pictures may 
   const auto map = [&](const std::string& more) {
     return run_shell(program("map '" + problem("newton-elastic") + "' --quiet --param eta:0.65:0.95:3 " + more));
   };
-  fs::create_directories(out + "/map-attractors.png");  // a picture that cannot be written is reported and affects nothing
-                                                        // else
+  // A picture that cannot be written is reported and affects nothing else.
+  fs::create_directories(out + "/map-attractors.png");
   const Outcome without = map("--param r:1:2:2 --out '" + out + "'");
   CHECK(without.code == 2);
   CHECK_THAT(without.err, Contains("map-attractors.png: cannot be written"));

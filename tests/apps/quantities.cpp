@@ -298,13 +298,13 @@ TEST_CASE("quantities of a sweep are those of its attractors with its states at 
 TEST_CASE("quantities of a map are those of the attractors at its points in every format") {
   const TemporaryFolder folder;
   const std::string out = folder.file("run");
-  const std::vector<std::string> asked = {"map",     problem("hertz-damped"),
-                                          "--param", "eta:0.72:0.92:3",
-                                          "--param", "r:2:2.1:2",
-                                          "--y",     "max(x)",
-                                          "--y",     "v/eta",
-                                          "--y",     "period"};
-  std::vector<std::string> all = asked;
+  const std::vector<std::string> command = {"map",     problem("hertz-damped"),
+                                            "--param", "eta:0.72:0.92:3",
+                                            "--param", "r:2:2.1:2",
+                                            "--y",     "max(x)",
+                                            "--y",     "v/eta",
+                                            "--y",     "period"};
+  std::vector<std::string> all = command;
   all.insert(all.end(), {"--out", out, "--csv", folder.file("m.csv")});
   const Json json = result(all), y = json["layers"][0]["y"];
   const Table table = parse_csv(read_file(folder.file("m.csv")), "m.csv");
@@ -334,7 +334,7 @@ TEST_CASE("quantities of a map are those of the attractors at its points in ever
   CHECK(types == std::set<std::string>{"chaotic", "periodic"});
 
   // A resumed map must have the same quantities; pictures show them one by one.
-  std::vector<std::string> other(asked.begin(), asked.end() - 2);
+  std::vector<std::string> other(command.begin(), command.end() - 2);
   other.insert(other.end(), {"--resume", out});
   CHECK_THAT(call(other).err, Contains("is of another run"));
   CHECK(std::filesystem::exists(out + "/map-y3.png"));

@@ -98,17 +98,17 @@ TEST_CASE("the rows of an interrupted reproduce are those of the complete run") 
   // Fixed: unfinished rows were stored as they were, and --resume took them for finished.
   const TemporaryFolder folder;
   const Published published = load_published(folder.write("few.toml", few));
-  int asked = 0;
+  int cancel_checks = 0;
   ReproductionOptions options;
   options.claims = false;
-  options.cancelled = [&asked] { return ++asked == 0; };  // never
+  options.cancelled = [&cancel_checks] { return ++cancel_checks == 0; };  // never
   const Reproduction whole = reproduce(published, options);
   REQUIRE(whole.complete);
-  const int all = asked;
+  const int all = cancel_checks;
   std::size_t most = 0;
   for (int part = 1; part <= 12; ++part) {
-    asked = 0;
-    options.cancelled = [&asked, last = all * part / 13] { return ++asked > last; };
+    cancel_checks = 0;
+    options.cancelled = [&cancel_checks, last = all * part / 13] { return ++cancel_checks > last; };
     const Reproduction found = reproduce(published, options);
     CHECK_FALSE(found.complete);
     most = std::max(most, found.rows.size());

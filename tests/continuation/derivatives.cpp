@@ -124,8 +124,8 @@ TEST_CASE("the cyclic matrix is singular at each multiplier and nowhere else") {
       AtOrbit at = at_reference(reference, 3, nodes);
       REQUIRE(at.problem.evaluate(at.u, {.sensitivity = Sensitivity::state}));
       const auto smallest = [&](std::complex<double> sigma) {
-        return 1.0 / at.problem.cyclic(at.u, sigma).inverse().norm();  // the smallest singular value, up to the square root of
-                                                                       // the size
+        // The smallest singular value, up to the square root of the size.
+        return 1.0 / at.problem.cyclic(at.u, sigma).inverse().norm();
       };
       INFO(name << ", " << nodes << " nodes");
       for (const auto& mu : reference.multipliers) {

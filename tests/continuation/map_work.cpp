@@ -68,13 +68,13 @@ TEST_CASE("map work: pieces give the points of the whole map on any number of th
 TEST_CASE("map work: points after a wrong guess of chaos are recomputed and progress counts each point once") {
   // At r = 2 there is chaos beyond the grazing, with periodic windows in which transients are long.
   const ParameterGrid row{{"eta", 0.70, 0.74, 60}, {"r", 2.0, 2.0, 1}};
-  std::atomic<int> told{0};
+  std::atomic<int> reported{0};
   const MapLayer layer{[](const Vector&) { return Vector{{0.0, 0.0}}; }, MapDirection::up};
   MapOptions options;
   options.transient = 1;  // so short that an average finds the orbit
-  options.progress = [&told] { ++told; };
+  options.progress = [&reported] { ++reported; };
   const std::vector<MapPoint> points = map_rows(newton_oscillator(), elastic(), row, {layer}, 0, 1, options);
-  CHECK(told == 60);
+  CHECK(reported == 60);
   const auto of_type = [&](MapType type) {
     return std::count_if(points.begin(), points.end(), [type](const MapPoint& point) { return point.type == type; });
   };

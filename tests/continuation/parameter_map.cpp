@@ -178,9 +178,9 @@ TEST_CASE("map: starts inside a barrier and points that were not reached are rep
   CHECK(points[4].type == MapType::periodic);
   CHECK(std::isnan(points[0].lambda_1));
   CHECK(std::isnan(points[0].state[0]));
-  std::atomic<int> asked{0};
+  std::atomic<int> cancel_checks{0};
   MapOptions options;
-  options.cancelled = [&asked] { return ++asked > 2; };
+  options.cancelled = [&cancel_checks] { return ++cancel_checks > 2; };
   const std::vector<MapPoint> part = map_rows(system, p, grid, {from_rest(MapDirection::up)}, 0, 3, options);
   CHECK(part.back().type == MapType::not_run);
 }

@@ -71,8 +71,8 @@ void check_graph(const Case& c) {
   for (const Branch& branch : c.found.graph.branches) {
     INFO("branch " << branch.id);
     CHECK(check_branch(c.system, branch) == std::vector<std::string>{});
-    const bool not_told = branch.message.find("cannot be told apart") != std::string::npos;
-    CHECK((not_told || branch.stop == BranchStop::reached_bound || branch.stop == BranchStop::grazing ||
+    const bool not_resolved = branch.message.find("cannot be told apart") != std::string::npos;
+    CHECK((not_resolved || branch.stop == BranchStop::reached_bound || branch.stop == BranchStop::grazing ||
            branch.stop == BranchStop::returned));
     for (const SpecialPoint& point : branch.special_points) CHECK(labels.insert(point.label).second);
     if (!branch.parent) continue;

@@ -41,7 +41,7 @@ TEST_CASE("at a period doubling and at a fold an orbit is reported neither as st
   std::vector<SpecialPoint> points = continue_orbit(hertz, settled(hertz, p), options).front().special_points;
   const std::vector<SpecialPoint> more = continue_orbit(beam, settled(beam, q), options).front().special_points;
   points.insert(points.end(), more.begin(), more.end());
-  int doublings = 0, folds = 0, told = 0;
+  int doublings = 0, folds = 0, compared = 0;
   for (const SpecialPoint& point : points) {
     INFO(point_type_name(point.type) << " at " << point.value);
     doublings += point.type == PointType::PD ? 1 : 0;
@@ -54,12 +54,12 @@ TEST_CASE("at a period doubling and at a fold an orbit is reported neither as st
       CHECK_FALSE(is_marginal(point.type));
       REQUIRE(stable_at(point).has_value());
       CHECK(*stable_at(point) == (std::abs(point.orbit.multipliers.values.front()) <= 1.0));
-      ++told;
+      ++compared;
     }
   }
   CHECK(doublings >= 1);
   CHECK(folds >= 1);
-  CHECK(told >= 8);  // both ends and two values of each branch
+  CHECK(compared >= 8);  // both ends and two values of each branch
 }
 
 TEST_CASE("a grazing orbit has its stated number of contacts including the one that touches") {

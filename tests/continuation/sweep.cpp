@@ -234,16 +234,16 @@ TEST_CASE("sweep: an intermediate result is the beginning of the whole and does 
   const std::vector<SweepRow> whole = varied(varied_options());
   SweepOptions options = varied_options();
   options.threads = GENERATE(1, 3);
-  std::size_t told = 0, longest = 0;
+  std::size_t reported = 0, longest = 0;
   options.keep = [&](const std::function<std::vector<SweepRow>()>& so_far) {
-    if (++told % 5 != 0) return;
+    if (++reported % 5 != 0) return;
     const std::vector<SweepRow> part = so_far();
     CHECK(part.size() >= longest);
     longest = part.size();
     CHECK(same(part, {whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(part.size())}));
   };
   CHECK(same(varied(options), whole));
-  CHECK(told >= whole.size());
+  CHECK(reported >= whole.size());
   CHECK(longest > 0);
 }
 
@@ -261,10 +261,10 @@ TEST_CASE("sweep: any number of threads gives identical bits") {
 TEST_CASE("sweep: if it is cancelled its completed rows are kept and agree with the whole") {
   const std::vector<SweepRow> whole = varied(varied_options());
   for (const int most : {1, 20, 300, 3000}) {
-    std::atomic<int> asked = 0;
+    std::atomic<int> cancel_checks = 0;
     SweepOptions options = varied_options();
     options.threads = 2;
-    options.cancelled = [&] { return ++asked > most; };
+    options.cancelled = [&] { return ++cancel_checks > most; };
     const std::vector<SweepRow> part = varied(options);
     INFO(most << ": " << part.size());
     REQUIRE(part.size() < whole.size());

@@ -145,16 +145,16 @@ TEST_CASE("a motion that settles during its average is recognised before the ave
   options.transient = 0;
   options.lyapunov.standard_error = 0.0;
   options.lyapunov.max_periods = 200000;
-  int asked = 0;  // once in 32 periods of an average
-  options.lyapunov.cancelled = [&asked] {
-    ++asked;
+  int cancel_checks = 0;  // once in 32 periods of an average
+  options.lyapunov.cancelled = [&cancel_checks] {
+    ++cancel_checks;
     return false;
   };
   const AverageStart start{parameters(system, {{"eta", 0.93}, {"r", 2.0}, {"b_H", 0.1}}), vector({0.0, 0.0})};
   const Attractor attractor = find_each_attractor(system, {start}, options).front();
   CHECK(attractor.type == AttractorType::periodic);
   CHECK(attractor.impacts == 1);
-  CHECK(asked < 200);
+  CHECK(cancel_checks < 200);
 }
 
 TEST_CASE("the length of a transient must not be negative") {

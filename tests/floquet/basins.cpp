@@ -185,9 +185,9 @@ TEST_CASE("interrupted basins keep their results and continue to the same end") 
     options.periods = 5000;
     const Basins whole = find_attractors(c.system, c.p, starts, options);
     REQUIRE(whole.complete);
-    std::atomic<std::size_t> told = 0;
-    options.progress = [&](std::size_t count, std::size_t) { told = count; };
-    options.cancelled = [&] { return told > 120; };  // in the middle of the third round
+    std::atomic<std::size_t> finished = 0;
+    options.progress = [&](std::size_t count, std::size_t) { finished = count; };
+    options.cancelled = [&] { return finished > 120; };  // in the middle of the third round
     const Basins part = find_attractors(c.system, c.p, starts, options);
     CHECK_FALSE(part.complete);
     const auto run = std::count_if(part.outcomes.begin(), part.outcomes.end(),
@@ -220,9 +220,9 @@ TEST_CASE("the cost of motions in transient chaos does not depend on interruptio
   REQUIRE(whole.complete);
   int interrupted = 0;
   for (int last = 100; last < 10000; last += last / 4) {
-    std::atomic<int> asked = 0;
+    std::atomic<int> cancel_checks = 0;
     BasinOptions options;
-    options.cancelled = [&] { return ++asked > last; };
+    options.cancelled = [&] { return ++cancel_checks > last; };
     const Basins part = find_attractors(system, p, starts, options);
     interrupted += part.complete ? 0 : 1;
     check_equal(find_attractors(system, p, starts, {}, part), whole);

@@ -104,7 +104,7 @@ TEST_CASE("undamped Hertz contact tends to Newton's law with k_r = 1 with order 
   CHECK(hard.newton_restitution == 1.0);
   CHECK(hard.restitution.empty());
   compare_with_closed_form(hard, 0.95, 1.0);
-  // Per decade the distance of the orders from 2/5 falls by a factor 2.5; the test requires only that it falls.
+  // Per decade of stiffness the distance of the orders from 2/5 falls by a factor 2.5; the test requires less.
   for (std::size_t k = 2; k < hard.steps.size(); ++k)
     CHECK(std::abs(hard.steps[k].order - 0.4) < 0.6 * std::abs(hard.steps[k - 1].order - 0.4));
   for (const OrbitCheck& check : hard.checks) {

@@ -19,7 +19,7 @@ using namespace graze::support;
 namespace {
 
 /// Tests a sequence of positions, forwards from its element 1000 and then again from element 0.
-LaminarPhase asked(const std::function<double(int)>& x, int period, std::int64_t longest_escape = 0) {
+LaminarPhase observed_phase(const std::function<double(int)>& x, int period, std::int64_t longest_escape = 0) {
   const auto state = [&](int k) { return vector({x(k), 0.0}); };
   LaminarPhase watch(state(1000), period, 2e-3, longest_escape);
   for (int k = 1001; watch.open(); ++k) watch.see(Termination::time, state(k));
@@ -32,12 +32,13 @@ LaminarPhase asked(const std::function<double(int)>& x, int period, std::int64_t
 
 TEST_CASE("laminar phase: a slow departure from or approach to an orbit continues and was laminar all the time") {
   const auto leaving = [](int k) { return 1.0 + 1e-4 * std::exp(0.002 * k) * (k % 2 ? -1.0 : 1.0); };
-  for (const LaminarPhase& watch : {asked(leaving, 2), asked([](int k) { return 1.0 + 0.5 * std::exp(-0.003 * k); }, 1)}) {
+  for (const LaminarPhase& watch :
+       {observed_phase(leaving, 2), observed_phase([](int k) { return 1.0 + 0.5 * std::exp(-0.003 * k); }, 1)}) {
     CHECK(watch.goes_on());
     CHECK(watch.always());
     CHECK_FALSE(watch.on_an_orbit());
   }
-  const LaminarPhase rounding_distance = asked([](int) { return 1.0; }, 1);
+  const LaminarPhase rounding_distance = observed_phase([](int) { return 1.0; }, 1);
   CHECK(rounding_distance.goes_on());
   CHECK(rounding_distance.on_an_orbit());
 }
@@ -61,10 +62,10 @@ TEST_CASE("laminar phase: a motion next to an orbit is observed for less time th
 }
 
 TEST_CASE("laminar phase: chaos that returns continues without having been laminar and a motion that leaves at once is none") {
-  const LaminarPhase back = asked([](int k) { return k < 900 ? std::cos(1.0 * k * k) : 0.5; }, 1);
+  const LaminarPhase back = observed_phase([](int k) { return k < 900 ? std::cos(1.0 * k * k) : 0.5; }, 1);
   CHECK(back.goes_on());
   CHECK_FALSE(back.always());
-  const LaminarPhase away = asked([](int k) { return k < 1050 ? 0.5 : std::cos(1.0 * k * k); }, 1);
+  const LaminarPhase away = observed_phase([](int k) { return k < 1050 ? 0.5 : std::cos(1.0 * k * k); }, 1);
   CHECK_FALSE(away.goes_on());
   LaminarPhase failed(vector({0.0, 0.0}), 1, 2e-3);
   failed.see(Termination::grazing, vector({0.0, 0.0}));
@@ -73,11 +74,12 @@ TEST_CASE("laminar phase: chaos that returns continues without having been lamin
 
 TEST_CASE("laminar phase: a motion that stays longer than any escape from an orbit stays for good") {
   const auto bands = [](int k) { return (k % 2 ? 1.0 : 2.0) + 3e-4 * std::cos(1.0 * k * k); };
-  CHECK(asked(bands, 2).goes_on());
-  CHECK_FALSE(asked(bands, 2, 500).goes_on());
+  CHECK(observed_phase(bands, 2).goes_on());
+  CHECK_FALSE(observed_phase(bands, 2, 500).goes_on());
   const auto bursts = [&](int k) { return k == 1400 ? 0.0 : bands(k); };
-  CHECK(asked(bursts, 2, 500).goes_on());
-  CHECK(asked([](int) { return 1.0; }, 1, 500).goes_on());  // on the orbit itself: rounding would not move it away either
+  CHECK(observed_phase(bursts, 2, 500).goes_on());
+  // On the orbit itself: rounding would not move it away either.
+  CHECK(observed_phase([](int) { return 1.0; }, 1, 500).goes_on());
 }
 
 TEST_CASE("attractors: a start on an unstable orbit ends on an attractor") {

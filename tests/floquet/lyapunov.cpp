@@ -152,9 +152,9 @@ TEST_CASE("the stopping rule of the source works and misuse of exponents is refu
   CHECK_THROWS_WITH(lyapunov_spectrum(system, p, start.state, {.interval = 0}), Catch::Contains("interval is 0"));
   CHECK_THROWS_WITH(lyapunov_spectrum(system, p, start.state, {.interval = 5, .max_periods = 3}),
                     Catch::Contains("max_periods is 3"));
-  int asked = 0;
+  int cancel_checks = 0;
   LyapunovOptions options;
-  options.cancelled = [&] { return ++asked > 3; };
+  options.cancelled = [&] { return ++cancel_checks > 3; };
   CHECK(lyapunov_spectrum(system, p, start.state, options).stop == LyapunovStop::interrupted);
 }
 
@@ -200,18 +200,18 @@ TEST_CASE("an average that is interrupted at the check of its ends reports this 
   options.lyapunov.motions = 16;
   options.lyapunov.standard_error = 0.0;
   options.lyapunov.max_periods = 20000;
-  int asked = 0;
-  options.lyapunov.cancelled = [&] { return ++asked < 0; };
+  int cancel_checks = 0;
+  options.lyapunov.cancelled = [&] { return ++cancel_checks < 0; };
   const LyapunovSpectrum average = lyapunov_spectrum(system, p, vector({-0.379, -0.717}), options.lyapunov);
   REQUIRE(average.stop == LyapunovStop::budget);
-  const int in_average = asked;
-  asked = 0;
-  options.lyapunov.cancelled = [&] { return ++asked > in_average; };
+  const int in_average = cancel_checks;
+  cancel_checks = 0;
+  options.lyapunov.cancelled = [&] { return ++cancel_checks > in_average; };
   Attractor attractor;
   attractor.termination = Termination::time;
   attractor.state = vector({-0.379, -0.717});
   average_on_attractor(system, p, attractor, options);
-  CHECK(asked == in_average + 1);
+  CHECK(cancel_checks == in_average + 1);
   CHECK(attractor.time_average.stop == LyapunovStop::interrupted);
   CHECK(attractor.exponents == average.exponents);
 }
@@ -220,10 +220,10 @@ TEST_CASE("an average that reaches an orbit gives the same result after any inte
   // Fixed: an interrupted average analysed its motions as if it had ended, and took an orbit found there for the attractor.
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = parameters(system, {{"eta", 0.7095}, {"r", 2.0}});
-  const auto find = [&](int last, int& asked) {
+  const auto find = [&](int last, int& cancel_checks) {
     AttractorOptions options;
     options.lyapunov.max_periods = 20000;
-    options.lyapunov.cancelled = [&asked, last] { return ++asked > last; };
+    options.lyapunov.cancelled = [&cancel_checks, last] { return ++cancel_checks > last; };
     Attractor attractor;
     attractor.termination = Termination::time;
     attractor.state = vector({1.4292500922535618, 0.8555925090162767});  // in transient chaos
@@ -237,8 +237,8 @@ TEST_CASE("an average that reaches an orbit gives the same result after any inte
   REQUIRE(all > 20);
   int interrupted = 0;
   for (int last = 0; last < all; ++last) {
-    int asked = 0;
-    const Attractor part = find(last, asked);
+    int cancel_checks = 0;
+    const Attractor part = find(last, cancel_checks);
     const bool broken_off = part.time_average.stop == LyapunovStop::interrupted;
     interrupted += broken_off ? 1 : 0;
     CHECK(broken_off == (part.type != AttractorType::periodic));

@@ -35,8 +35,8 @@ TEST_CASE("exponents averaged over several motions side by side agree with one m
   // Independent samples of the same chaos: five joint standard errors.
   for (std::size_t i = 0; i < 2; ++i)
     CHECK(std::abs(one.exponents[i] - many.exponents[i]) < 5.0 * std::hypot(one.standard_errors[i], many.standard_errors[i]));
-  CHECK(many.standard_errors[0] == Approx(one.standard_errors[0]).epsilon(0.6));  // the same amount of data: both errors are
-                                                                                  // estimates
+  // The same amount of data: both errors are estimates.
+  CHECK(many.standard_errors[0] == Approx(one.standard_errors[0]).epsilon(0.6));
   CHECK(many.liouville_residual >= 0.0);
   CHECK(many.liouville_residual < 1e-10);
   CHECK(static_cast<double>(many.impacts) == Approx(static_cast<double>(one.impacts)).epsilon(0.05));
@@ -178,8 +178,8 @@ TEST_CASE("an average ends if a motion fails or is cancelled before the motions 
   const Vector p = parameters(system, {{"b", 0.05}, {"eta", 0.711}, {"r", 2.0}, {"k_H", 100.0}, {"b_H", 0.1}});
   LyapunovOptions options;
   options.motions = 16;
-  int asked = 0;
-  options.cancelled = [&asked] { return ++asked > 3; };
+  int cancel_checks = 0;
+  options.cancelled = [&cancel_checks] { return ++cancel_checks > 3; };
   const LyapunovSpectrum cancelled = lyapunov_spectrum(system, p, vector({-0.379, -0.717}), options);
   CHECK(cancelled.stop == LyapunovStop::interrupted);
   CHECK(cancelled.periods == 0);

@@ -168,9 +168,9 @@ TEST_CASE("the search reports its end: patience, largest number of starts, or ca
   CHECK(limited.starts == 50);
   // Cancelled after the first of the settled runs, which has found the stable 1/1 orbit.
   const HybridSystem hertz = make_oscillator("linear", "hertz");
-  int asked = 0;
+  int cancel_checks = 0;
   SearchOptions options;
-  options.cancelled = [&] { return ++asked > 2000; };
+  options.cancelled = [&] { return ++cancel_checks > 2000; };
   const SearchResult cancelled = search_orbits(hertz, parameters(hertz, {{"eta", 0.925}, {"b_H", 0.1}}), 1, options);
   CHECK_FALSE(cancelled.complete);
   CHECK(cancelled.starts < 2000);

@@ -74,10 +74,10 @@ TEST_CASE("a transient of zero periods tests the recurrence of the start") {
 }
 
 TEST_CASE("a settled run that is interrupted keeps its results so far") {
-  int asked = 0;
+  int cancel_checks = 0;
   SettleOptions options;
   options.periods = 100;
-  options.cancelled = [&] { return ++asked > 30; };
+  options.cancelled = [&] { return ++cancel_checks > 30; };
   const Vector p = parameters(hertz());
   const Settled settled = settle(hertz(), p, rest, options);
   CHECK(settled.termination == Termination::interrupted);

@@ -52,7 +52,7 @@ constexpr int max_period = 8;
 constexpr double nearness = 2e-3;
 
 /// Results of each method of looking for an orbit.
-std::vector<std::optional<PeriodicOrbit>> looked_for(const Vector& p, const Vector& start) {
+std::vector<std::optional<PeriodicOrbit>> orbits_by_each_method(const Vector& p, const Vector& start) {
   Propagator propagator(damped_hertz(), p);
   LaneCarrier many(damped_hertz(), {});
   OrbitSearchResult look;
@@ -108,7 +108,7 @@ TEST_CASE("near a period doubling a motion is known from far off to settle on th
   REQUIRE_FALSE(returns.periods.empty());
   CHECK(returns.periods.front() == 2);
 
-  const auto orbits = looked_for(p, start);
+  const auto orbits = orbits_by_each_method(p, start);
   const Vector late = settled(p, start, 60000);
   for (const auto& orbit : orbits) {
     REQUIRE(orbit);
@@ -141,7 +141,7 @@ TEST_CASE("beyond a period doubling a motion is known from far off to settle on 
   CHECK((!by_newton.converged() || by_newton.period == 1));
 
   const Vector late = settled(p, start, 20000);
-  for (const auto& orbit : looked_for(p, start)) {
+  for (const auto& orbit : orbits_by_each_method(p, start)) {
     REQUIRE(orbit);
     CHECK(orbit->period == 2);
     CHECK(orbit->stable());

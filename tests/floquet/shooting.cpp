@@ -161,7 +161,7 @@ TEST_CASE("several states are a guess for multiple shooting, node by node") {
 
 TEST_CASE("an orbit of period n that closes after a divisor of n is returned with its least period") {
   for (const int n : {2, 3, 4, 6, 12}) {
-    INFO("asked for period " << n);
+    INFO("requested period " << n);
     const PeriodicOrbit orbit = shoot(hertz(), damped(0.925), near_1_1, n);
     REQUIRE(orbit.converged());
     CHECK(orbit.period == 1);

@@ -35,7 +35,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t most_told = 20;  // sorts of failures of a kind
+constexpr std::size_t most_reported = 20;  // sorts of failures of a kind
 
 struct Options {
   std::string kind, keep = ".";
@@ -124,7 +124,7 @@ std::string content(const fs::path& file) {
 }
 
 /// A fault without the parts that depend on the input.
-std::string sort_of(const std::string& fault) {
+std::string failure_class(const std::string& fault) {
   std::string text;
   bool quoted = false;
   for (const char c : fault) {
@@ -145,7 +145,7 @@ std::size_t fuzz(const Kind& kind, const Options& options) {
     const std::string fault = fault_of(kind, input, options);
     if (fault.empty()) return;
     ++failures;
-    if (++faults[sort_of(fault)] > 1 || faults.size() > most_told) return;
+    if (++faults[failure_class(fault)] > 1 || faults.size() > most_reported) return;
     std::ofstream(kept_as, std::ios::binary) << input;
     fmt::print(stderr, "fuzz: {} {}: {}\n", kind.name, name, fault.substr(0, 400));
   };

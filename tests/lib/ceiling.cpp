@@ -88,5 +88,5 @@ TEST_CASE("a flight below the ceiling at both ends of a cell stays below the bar
     }
   }
   CHECK(need < 1.0);
-  CHECK(need > 0.9);  // the ceiling is sharp: a higher one would fail
+  CHECK(need > 0.9);  // the ceiling is sharp: one slightly closer to the barrier would fail
 }

@@ -82,8 +82,8 @@ TEST_CASE("every flow returns the field of its mode") {
         system.modes[mode].field(t, x, p, expected);
         for (const FlowKind kind : {FlowKind::automatic, FlowKind::general}) {
           make_flow(system, mode, p, {}, {.kind = kind}).field(t, x, given);
-          REQUIRE((given - expected).norm() <= 1e-15 * (1.0 + expected.norm()) * 10.0);  // the same terms, added in another
-                                                                                         // order
+          // The same terms, added in another order.
+          REQUIRE((given - expected).norm() <= 1e-15 * (1.0 + expected.norm()) * 10.0);
         }
       }
     }

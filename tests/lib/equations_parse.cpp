@@ -206,7 +206,7 @@ TEST_CASE("blocks: line breaks and semicolons separate equations and operators a
   REQUIRE(list[1].value == read(g, "a*x + b*(x - v) - sin(x)"));
   REQUIRE(!block("v = -a*v")[0].primed);
   REQUIRE(block(" ;; ").empty());
-  const auto told = [&](const std::string& of) -> std::string {
+  const auto message_of = [&](const std::string& of) -> std::string {
     try {
       block(of);
     } catch (const EquationError& error) {
@@ -214,12 +214,12 @@ TEST_CASE("blocks: line breaks and semicolons separate equations and operators a
     }
     return "none";
   };
-  REQUIRE(told("x' = v\nv'") == "text:2:1: an equation \"name = expression\" was expected at 'v' in the block");
-  REQUIRE(told("x' = v v' = x") == "text:1:11: a second '=' in the equation of x; is a line break or ; missing?");
-  REQUIRE(told("x' = \nv' = x") == "text:1:5: nothing stands in the equation of x");
-  REQUIRE(told("x' = (v\nv' = x") == "text:1:6: '(' is not closed in the equation of x");
-  REQUIRE(told("x' = v +\nv' = x") == "text:1:9: an operand is missing at the end in the equation of x");
-  REQUIRE(told("x' = v\n= 3") == "text:2:1: an equation \"name = expression\" was expected at '=' in the block");
+  REQUIRE(message_of("x' = v\nv'") == "text:2:1: an equation \"name = expression\" was expected at 'v' in the block");
+  REQUIRE(message_of("x' = v v' = x") == "text:1:11: a second '=' in the equation of x; is a line break or ; missing?");
+  REQUIRE(message_of("x' = \nv' = x") == "text:1:5: nothing stands in the equation of x");
+  REQUIRE(message_of("x' = (v\nv' = x") == "text:1:6: '(' is not closed in the equation of x");
+  REQUIRE(message_of("x' = v +\nv' = x") == "text:1:9: an operand is missing at the end in the equation of x");
+  REQUIRE(message_of("x' = v\n= 3") == "text:2:1: an equation \"name = expression\" was expected at '=' in the block");
 }
 
 TEST_CASE("damaged texts are parsed or refused with a place") {

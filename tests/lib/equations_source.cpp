@@ -5,7 +5,7 @@
 
 using namespace graze::equations;
 
-TEST_CASE("places count lines from the start of the text and columns in characters") {
+TEST_CASE("places count lines from the position of the text in its file and columns in characters") {
   const Source source{"beam.toml", "a = 1\nξ' = \"η·v + x\"\n"};
   const Text text{"η·v +\n  ξξ x", {2, 7, 9}};
   const Places places(text);

@@ -49,9 +49,8 @@ struct Comparison {
 Comparison compare_flows(const OscillatorKind& kind, const ContactLaw& law, double b, int runs, unsigned seed) {
   const HybridSystem system = make_oscillator(kind, law);
   std::vector<std::size_t> active = all_parameters(system);
-  if (kind.beta == 0.0)
-    active.erase(active.begin() + oscillator_parameter::beta);  // the closed form has no derivative in
-                                                                // beta
+  // The closed form has no derivative in beta.
+  if (kind.beta == 0.0) active.erase(active.begin() + oscillator_parameter::beta);
   Random random(seed);
   Comparison worst;
   while (worst.runs < runs) {

@@ -68,9 +68,9 @@ struct Joining : RunSupply {
   std::size_t share, joined = 0, shares = 0;
   Joining(LaneCarrier& lanes, std::vector<MotionRun*> others, std::size_t most)
       : many(lanes), waiting(std::move(others)), share(most) {
-    through = [](RunSupply& self, MotionRun& run, std::size_t periods) { static_cast<Joining&>(self).go_on(run, periods); };
+    through = [](RunSupply& self, MotionRun& run, std::size_t periods) { static_cast<Joining&>(self).update(run, periods); };
   }
-  void go_on(MotionRun& run, std::size_t periods) {
+  void update(MotionRun& run, std::size_t periods) {
     CHECK(periods <= share);
     if (run.carried < run.periods) {
       if (periods == share && many.join(run)) ++shares;

@@ -77,7 +77,7 @@ template <class At> Long extremum(const At& at, Long lo, Long hi, Long side) {
 
 /// The case that ends at the extremum of a motion that is known at every time; nullopt if the motion meets the barrier before.
 /// The search uses 80 times per unit of the fastest time scale; a maximum between two of them is bisected.
-template <class Motion> std::optional<Case> look_through(const Motion& m, Long r, Long side, Long back, Long fastest) {
+template <class Motion> std::optional<Case> case_at_extremum(const Motion& m, Long r, Long side, Long back, Long fastest) {
   const auto at = [&](Long t) { return m.at(t); };
   Case out;
   out.t0 = static_cast<double>(m.t_m - back);
@@ -158,7 +158,7 @@ TEST_CASE("no impact is missed in free flight of the linear oscillator with any 
                                            {"r", random(-0.5, 2.5)}});
       LinearMotion m{p[0], 1.0L, p[2], p[3], 0.0L, random(0.0, 30.0), p[4] + distance(random)};
       if (m.acceleration_at_extremum() > -0.02L) continue;
-      const auto c = look_through(m, p[4], 1.0L, random(0.01, 1.5) * 2 * pi / p[3], std::max<Long>(1.0L, p[3]));
+      const auto c = case_at_extremum(m, p[4], 1.0L, random(0.01, 1.5) * 2 * pi / p[3], std::max<Long>(1.0L, p[3]));
       if (c) tally.add(*c, p, verdict(system, p, *c, law.hard ? EventKind::impact : EventKind::enter, 3e-14));
     }
     INFO(system.name);
@@ -179,7 +179,7 @@ TEST_CASE("no lift-off is missed in contact with the linear stop: 6000 starts") 
     const Long k = 1.0L + p[5], fastest = std::sqrt(k);
     LinearMotion m{p[0], k, p[2], p[3], static_cast<Long>(p[5]) * p[4], random(0.0, 30.0), p[4] - distance(random)};
     if (std::abs(k - static_cast<Long>(p[3]) * p[3]) < 0.1L || m.acceleration_at_extremum() < 0.02L) continue;
-    const auto c = look_through(m, p[4], -1.0L, random(0.01, 3.0) * 2 * pi / fastest, std::max<Long>(fastest, p[3]));
+    const auto c = case_at_extremum(m, p[4], -1.0L, random(0.01, 3.0) * 2 * pi / fastest, std::max<Long>(fastest, p[3]));
     if (c) tally.add(*c, p, verdict(system, p, *c, EventKind::leave, 1e-13));
   }
   tally.require(6000);
@@ -210,8 +210,8 @@ TEST_CASE("no impact is missed in free flight of the cantilever with any law: 60
         const bool on_last_rise = first_below == 0;
         if (!on_last_rise) {
           const Long c1 = here.x + here.v * step / 3, c2 = later.x - later.v * step / 3;
-          good = std::max({here.x, c1, c2}) < r - 1e-6L;  // convex hull of the Bezier points, with a margin for the
-                                                          // interpolation error
+          // Convex hull of the Bezier points, with a margin for the interpolation error.
+          good = std::max({here.x, c1, c2}) < r - 1e-6L;
         } else if (here.x < r) {
           first_below = t - step;
           below = here;

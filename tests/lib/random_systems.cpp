@@ -195,8 +195,8 @@ struct Run {
   Numbers x;
   std::vector<std::size_t> jumps;
   std::vector<Real> times;
-  Real slowest = 1.0L, nearest = 1.0L;  ///< smallest rate of a guard at its jump; smallest distance of a maximum of a guard
-                                        ///< from zero
+  /// Smallest rate of a guard at its jump; smallest distance of a maximum of a guard from zero.
+  Real slowest = 1.0L, nearest = 1.0L;
 };
 
 Numbers step(const RandomSystem& system, std::size_t mode, Real t, const Numbers& x, const Numbers& p, Real h) {
@@ -289,8 +289,8 @@ TEST_CASE("random systems of 1 to 6 states agree with a slow reference in motion
     const Vector p = default_parameters(system.parameters);
     if (!mode_at(system, 0.0, start, p)) continue;
     const Run reference = run(random, x0, p0, end);
-    constexpr Real clear = 1e-3L;  // distance from touching and from weak crossings, where a difference quotient would follow
-                                   // another event sequence
+    // Distance from touching and from weak crossings, where a difference quotient would follow another event sequence.
+    constexpr Real clear = 1e-3L;
     if (reference.slowest < clear || reference.nearest < clear) continue;
     for (const FlowKind kind : {FlowKind::automatic, FlowKind::general}) {
       Propagator propagator(system, p, {0, 1, 2}, {.kind = kind});

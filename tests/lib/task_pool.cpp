@@ -85,8 +85,8 @@ MotionTask<> go_through(TaskSlot& lane, std::vector<Vector> sets, std::vector<Pe
 TEST_CASE("parameters that change while others are carried are read again") {
   const HybridSystem system = make_oscillator("linear", "newton");
   constexpr std::size_t changes = 50;
-  const std::size_t count = GENERATE(std::size_t{3}, std::size_t{40});  // with 3, a lane gets its previous computation; with
-                                                                        // 40, another one
+  // With 3, a lane gets its previous computation; with 40, another one.
+  const std::size_t count = GENERATE(std::size_t{3}, std::size_t{40});
   std::vector<std::vector<Vector>> sets(count);
   for (std::size_t i = 0; i < count; ++i)
     for (std::size_t k = 0; k < changes; ++k)
@@ -120,14 +120,15 @@ TEST_CASE("a computation in a pool requests several motions and some of them end
   constexpr std::size_t periods = 50;
   std::vector<PeriodResult> alone, pooled;
   many.carry(starts, periods, false, alone);
-  const auto ask = [](TaskSlot& lane, const std::vector<MotionStart>& asked, std::vector<PeriodResult>& out) -> MotionTask<> {
+  const auto request = [](TaskSlot& lane, const std::vector<MotionStart>& requested,
+                          std::vector<PeriodResult>& out) -> MotionTask<> {
     const std::span<const PeriodResult> nothing = co_await lane.carry({}, 3, true);
     CHECK(nothing.empty());
-    const std::span<const PeriodResult> results = co_await lane.carry(asked, periods, false);
+    const std::span<const PeriodResult> results = co_await lane.carry(requested, periods, false);
     out.assign(results.begin(), results.end());
   };
   TaskPool pool(many);
-  pool.run(1, [&](std::size_t, TaskSlot& lane) { return ask(lane, starts, pooled); });
+  pool.run(1, [&](std::size_t, TaskSlot& lane) { return request(lane, starts, pooled); });
   REQUIRE(pooled.size() == alone.size());
   for (std::size_t k = 0; k < alone.size(); ++k) {
     CHECK(pooled[k].termination == alone[k].termination);
@@ -220,7 +221,7 @@ TEST_CASE("of many computations the longest one gets ahead of the others and kee
   const Vector p = parameters(system, {{"eta", 0.711}});
   constexpr std::size_t count = 40, together = 32, last = 640 * together;
   std::size_t of_first = 0, of_others = 0, speeds = 0, impacts = 0;
-  const auto go_on = [&](TaskSlot& lane, bool first) -> MotionTask<> {
+  const auto carry_on = [&](TaskSlot& lane, bool first) -> MotionTask<> {
     lane.set_parameters(p);
     Vector at{{0.1, 0.0}};
     for (std::size_t own = 0; own < last && of_first < last;) {
@@ -236,7 +237,7 @@ TEST_CASE("of many computations the longest one gets ahead of the others and kee
     }
   };
   LaneCarrier many(system);
-  TaskPool(many).run(count, [&](std::size_t i, TaskSlot& lane) { return go_on(lane, i == 0); });
+  TaskPool(many).run(count, [&](std::size_t i, TaskSlot& lane) { return carry_on(lane, i == 0); });
   CHECK(of_first == last);
   CHECK(impacts > 1000);
   CHECK(speeds == impacts);

@@ -16,22 +16,22 @@ using namespace graze::support;
 
 namespace {
 
-struct Told {
+struct ReportedPeriod {
   std::size_t number;
   PeriodResult period;
 };
 
 /// Requests every `each`-th period, up to `last`.
-struct Listening : PeriodObserver {
+struct RecordingObserver : PeriodObserver {
   std::size_t each = 1, last = 1;
-  std::vector<Told> told;
-  Listening(std::size_t every, std::size_t end) : each(every), last(end) {
+  std::vector<ReportedPeriod> reports;
+  RecordingObserver(std::size_t every, std::size_t end) : each(every), last(end) {
     next = each;
     see = [](PeriodObserver& self, std::size_t number, const PeriodResult& period) {
-      auto& its = static_cast<Listening&>(self);
-      its.told.push_back({number, period});
-      its.next = number / its.each * its.each + its.each;
-      return number < its.last;
+      auto& observer = static_cast<RecordingObserver&>(self);
+      observer.reports.push_back({number, period});
+      observer.next = number / observer.each * observer.each + observer.each;
+      return number < observer.last;
     };
   }
 };
@@ -65,7 +65,7 @@ TEST_CASE("an observer gets the periods it requests and those that end in an ell
     whole.carry(starts, most, false, expected);
     const StateEllipse first = around(expected[0], 0.01), other = around(expected[5 * most + 30], 0.02);
     many.set_reported_ellipses({first, other});
-    std::vector<Listening> watches;
+    std::vector<RecordingObserver> watches;
     std::vector<PeriodResult> last(count);
     std::vector<MotionRun> runs;
     watches.reserve(count);
@@ -77,7 +77,7 @@ TEST_CASE("an observer gets the periods it requests and those that end in an ell
     many.carry(runs, false);
     std::size_t by_ellipse = 0;
     for (std::size_t i = 0; i < count; ++i) {
-      const Listening& watch = watches[i];
+      const RecordingObserver& watch = watches[i];
       std::size_t next = 0;
       bool ended = false;
       for (std::size_t k = 1; k <= most && !ended; ++k) {
@@ -85,16 +85,16 @@ TEST_CASE("an observer gets the periods it requests and those that end in an ell
         const bool inside = in(first, period) || in(other, period);
         if (k % watch.each != 0 && !inside) continue;
         by_ellipse += k % watch.each != 0 ? 1 : 0;
-        REQUIRE(next < watch.told.size());
-        REQUIRE(watch.told[next].number == k);
-        CHECK(same(watch.told[next++].period, period));
+        REQUIRE(next < watch.reports.size());
+        REQUIRE(watch.reports[next].number == k);
+        CHECK(same(watch.reports[next++].period, period));
         ended = k >= watch.last;
       }
       CHECK(ended);
-      CHECK(next == watch.told.size());
-      CHECK(runs[i].carried == watch.told.back().number);
+      CHECK(next == watch.reports.size());
+      CHECK(runs[i].carried == watch.reports.back().number);
       CHECK(runs[i].periods == runs[i].carried);
-      CHECK(same(last[i], watch.told.back().period));
+      CHECK(same(last[i], watch.reports.back().period));
     }
     CHECK(by_ellipse > 1);
   }
@@ -110,7 +110,7 @@ TEST_CASE("an observer receives a failed period and the periods left to the Prop
   many.add_parameters(p);
   std::vector<PeriodResult> expected, last(starts.size());
   whole.carry(starts, periods, false, expected);
-  std::vector<Listening> watches;
+  std::vector<RecordingObserver> watches;
   std::vector<MotionRun> runs;
   watches.reserve(starts.size());
   for (std::size_t i = 0; i < starts.size(); ++i) {
@@ -120,11 +120,11 @@ TEST_CASE("an observer receives a failed period and the periods left to the Prop
   many.carry(runs, false);
   CHECK(many.left_over() > 0);
   for (const std::size_t i : {0, 2}) {
-    REQUIRE(!watches[i].told.empty());
-    CHECK(watches[i].told.back().number == periods);
-    CHECK(same(watches[i].told.back().period, expected[i * periods + periods - 1]));
+    REQUIRE(!watches[i].reports.empty());
+    CHECK(watches[i].reports.back().number == periods);
+    CHECK(same(watches[i].reports.back().period, expected[i * periods + periods - 1]));
   }
-  REQUIRE(watches[1].told.size() == 1);  // it began inside the barrier
-  CHECK(watches[1].told[0].number == 1);
-  CHECK(watches[1].told[0].period.termination == Termination::inadmissible_start);
+  REQUIRE(watches[1].reports.size() == 1);  // it began inside the barrier
+  CHECK(watches[1].reports[0].number == 1);
+  CHECK(watches[1].reports[0].period.termination == Termination::inadmissible_start);
 }

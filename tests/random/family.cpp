@@ -21,7 +21,7 @@ constexpr std::array<double, 3> first_amplitudes = {1e-4, 1e-3, 1e-2};
 /// Tolerance of Newton's method for orbits at an amplitude 1e-6 from a doubling: their equations are that close to singular.
 const Quad beside_singular = Quad(1e-20);
 /// Shift from a multiplier -1: far above the error of the multiplier, far below its distance to the others.
-const Quad aside = Quad(1e-10);
+const Quad multiplier_shift = Quad(1e-10);
 
 Values<double> difference(const Values<double>& a, const Values<double>& b) {
   Values<double> out = a;
@@ -180,7 +180,7 @@ void judge_doubling(const Chord& chord, const Root& root, Located& point) {
   if (!point.side || *point.side == 0) return;
   // Side of p on which det(M + I) has the sign of a multiplier beyond -1. This sign also depends on the other multipliers,
   // through det(M + (1 + d) I) / d.
-  const bool others = characteristic(monodromy(chord.frame, root.y), Quad(-1) - aside) > Quad(0);
+  const bool others = characteristic(monodromy(chord.frame, root.y), Quad(-1) - multiplier_shift) > Quad(0);
   std::optional<int> unstable;
   for (const double delta : {1e-6, -1e-6}) {
     const std::optional<Values<Quad>> y = beside(chord, root, delta);
